@@ -1,0 +1,58 @@
+# Every leaf of the tree is one target breakaway_<name> with the alias breakaway::<name>, and sees only the include folders
+# of the leaves that it names: an include which the design forbids does not compile.
+include_guard(GLOBAL)
+
+set(BREAKAWAY_EXPORTED_TARGETS "" CACHE INTERNAL "leaves to install")
+
+# breakaway_leaf(<name> [SOURCES file...] [USES breakaway::leaf...] [PRIVATE_USES target...] [FLASHED])
+# FLASHED: may end up on a motion controller, so neither exceptions nor RTTI, and no silent promotion to double.
+function(breakaway_leaf name)
+  cmake_parse_arguments(PARSE_ARGV 1 LEAF "FLASHED" "" "SOURCES;USES;PRIVATE_USES")
+  set(target breakaway_${name})
+  if(LEAF_SOURCES)
+    add_library(${target} STATIC ${LEAF_SOURCES})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:breakaway_developer_warnings>)
+    if(LEAF_PRIVATE_USES)
+      target_link_libraries(${target} PRIVATE ${LEAF_PRIVATE_USES})
+    endif()
+    if(LEAF_FLASHED)
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang>:-fno-exceptions -fno-rtti -Wdouble-promotion>)
+    endif()
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(breakaway::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF)
+  target_compile_features(${target} ${scope} cxx_std_20)
+  # -ffp-contract=off: a compiler that may fuse a*b+c on one machine and not on the next gives results that differ in the
+  # last bit; the same object code must give the same bits in simulation and on target.
+  target_compile_options(${target} ${scope} $<$<CXX_COMPILER_ID:GNU,Clang>:-ffp-contract=off>)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:include>)
+  target_link_libraries(${target} ${scope} ${LEAF_USES})
+  set_property(GLOBAL APPEND PROPERTY BREAKAWAY_LEAVES ${target})
+  set_property(GLOBAL APPEND PROPERTY BREAKAWAY_INCLUDE_FOLDERS "${CMAKE_CURRENT_SOURCE_DIR}/include")
+endfunction()
+
+# Warnings are for developers; consumers of the package do not inherit them.
+add_library(breakaway_developer_warnings INTERFACE)
+option(BREAKAWAY_DEVELOPER_WARNINGS "Compile with the project's warnings as errors" OFF)
+if(BREAKAWAY_DEVELOPER_WARNINGS)
+  target_compile_options(breakaway_developer_warnings INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Wcast-align
+    -Wnull-dereference -Werror)
+endif()
+
+# breakaway_test(<name> SOURCES file... USES target... [LABELS label...])
+# A GoogleTest executable whose cases are found and registered with CTest one by one.
+function(breakaway_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 TEST "" "" "SOURCES;USES;LABELS")
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE ${TEST_USES} GTest::gtest_main breakaway_developer_warnings)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_definitions(${name} PRIVATE BREAKAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+endfunction()
