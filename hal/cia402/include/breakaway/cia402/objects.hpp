@@ -1,0 +1,65 @@
+// Indices of the objects of CiA 301 and CiA 402 that a torque-controlled drive is set up and run with.
+#pragma once
+
+#include <cstdint>
+
+namespace breakaway::cia402::object {
+
+// CiA 301
+inline constexpr std::uint16_t device_type = 0x1000;         // u32: device profile number in bits 0..15
+inline constexpr std::uint16_t error_register = 0x1001;      // u8
+inline constexpr std::uint16_t sync_cob_id = 0x1005;         // u32, bit 30: producer
+inline constexpr std::uint16_t sync_period_us = 0x1006;      // u32
+inline constexpr std::uint16_t sync_window_us = 0x1007;      // u32
+inline constexpr std::uint16_t emcy_cob_id = 0x1014;         // u32
+inline constexpr std::uint16_t consumer_heartbeat = 0x1016;  // :01 u32: node << 16 | milliseconds
+inline constexpr std::uint16_t producer_heartbeat = 0x1017;  // u16, milliseconds; 0: none
+inline constexpr std::uint16_t identity = 0x1018;            // :01 vendor :02 product :03 revision :04 serial number
+inline constexpr std::uint16_t rpdo1_parameter = 0x1400;     // :01 COB-ID u32, :02 transmission type u8
+inline constexpr std::uint16_t rpdo1_mapping = 0x1600;       // :00 count u8, :01.. entries u32
+inline constexpr std::uint16_t tpdo1_parameter = 0x1800;
+inline constexpr std::uint16_t tpdo1_mapping = 0x1A00;
+
+// CiA 402; torques are per mille of the rated torque
+inline constexpr std::uint16_t error_code = 0x603F;             // u16
+inline constexpr std::uint16_t controlword = 0x6040;            // u16
+inline constexpr std::uint16_t statusword = 0x6041;             // u16
+inline constexpr std::uint16_t quick_stop_option = 0x605A;      // i16, default 2
+inline constexpr std::uint16_t shutdown_option = 0x605B;        // i16, default 0
+inline constexpr std::uint16_t disable_option = 0x605C;         // i16, default 1
+inline constexpr std::uint16_t halt_option = 0x605D;            // i16, default 1
+inline constexpr std::uint16_t fault_reaction_option = 0x605E;  // i16, default 2
+inline constexpr std::uint16_t mode = 0x6060;                   // i8
+inline constexpr std::uint16_t mode_display = 0x6061;           // i8
+inline constexpr std::uint16_t position_actual = 0x6064;        // i32, counts
+inline constexpr std::uint16_t velocity_actual = 0x606C;        // i32
+inline constexpr std::uint16_t target_torque = 0x6071;          // i16
+inline constexpr std::uint16_t max_torque = 0x6072;             // u16
+inline constexpr std::uint16_t torque_demand = 0x6074;          // i16
+inline constexpr std::uint16_t rated_current_mA = 0x6075;       // u32
+inline constexpr std::uint16_t rated_torque_mNm = 0x6076;       // u32
+inline constexpr std::uint16_t torque_actual = 0x6077;          // i16
+inline constexpr std::uint16_t torque_offset = 0x60B2;          // i16
+inline constexpr std::uint16_t interpolation_period = 0x60C2;   // :01 u8 x 10^(:02 i8) seconds
+inline constexpr std::uint16_t supported_modes = 0x6502;        // u32, bit 9: cyclic synchronous torque
+
+}  // namespace breakaway::cia402::object
+
+namespace breakaway::cia402 {
+
+inline constexpr std::uint16_t kDeviceProfile = 402;
+inline constexpr std::uint32_t kSupportsCyclicTorque = 1U << 9;
+
+// Modes of operation (6060h, 6061h).
+enum class Mode : std::int8_t {
+  none = 0,
+  profile_position = 1,
+  profile_velocity = 3,
+  profile_torque = 4,
+  homing = 6,
+  cyclic_position = 8,
+  cyclic_velocity = 9,
+  cyclic_torque = 10,
+};
+
+}  // namespace breakaway::cia402

@@ -1,0 +1,117 @@
+// The power drive system's state machine (CiA 402-2): states as the statusword 6041h shows them, and the controlwords
+// 6040h that ask for a transition.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace breakaway::cia402 {
+
+enum class State : std::uint8_t {
+  not_ready_to_switch_on,
+  switch_on_disabled,
+  ready_to_switch_on,
+  switched_on,
+  operation_enabled,
+  quick_stop_active,
+  fault_reaction_active,
+  fault,
+};
+
+namespace status_bit {
+inline constexpr std::uint16_t voltage_enabled = 1U << 4;
+inline constexpr std::uint16_t quick_stop = 1U << 5;  // 0: quick stop asked for
+inline constexpr std::uint16_t warning = 1U << 7;
+inline constexpr std::uint16_t remote = 1U << 9;
+inline constexpr std::uint16_t target_reached = 1U << 10;
+inline constexpr std::uint16_t internal_limit = 1U << 11;
+inline constexpr std::uint16_t follows_target = 1U << 12;  // cyclic modes: the drive uses the target it is sent
+}  // namespace status_bit
+
+namespace control {
+inline constexpr std::uint16_t disable_voltage = 0x00;
+inline constexpr std::uint16_t quick_stop = 0x02;
+inline constexpr std::uint16_t shutdown = 0x06;
+inline constexpr std::uint16_t switch_on = 0x07;
+inline constexpr std::uint16_t disable_operation = 0x07;
+inline constexpr std::uint16_t enable_operation = 0x0F;
+inline constexpr std::uint16_t fault_reset = 0x80;  // acts on the rising edge
+inline constexpr std::uint16_t halt = 0x100;
+}  // namespace control
+
+// Bits 0..3 (0Fh), 5 (20h) and 6 (40h) tell the states apart; bit 5 does not count where the mask is 4Fh. Nothing for
+// a combination that the profile does not define.
+constexpr std::optional<State> state_of(std::uint16_t statusword) noexcept {
+  switch (statusword & 0x4FU) {
+    case 0x00:
+      return State::not_ready_to_switch_on;
+    case 0x40:
+      return State::switch_on_disabled;
+    case 0x0F:
+      return State::fault_reaction_active;
+    case 0x08:
+      return State::fault;
+    default:
+      break;
+  }
+  switch (statusword & 0x6FU) {
+    case 0x21:
+      return State::ready_to_switch_on;
+    case 0x23:
+      return State::switched_on;
+    case 0x27:
+      return State::operation_enabled;
+    case 0x07:
+      return State::quick_stop_active;
+    default:
+      return std::nullopt;
+  }
+}
+
+// The state's bits of a statusword, for a device that reports it.
+constexpr std::uint16_t status_bits(State state) noexcept {
+  switch (state) {
+    case State::not_ready_to_switch_on:
+      return 0x00;
+    case State::switch_on_disabled:
+      return 0x40;
+    case State::ready_to_switch_on:
+      return 0x21;
+    case State::switched_on:
+      return 0x23;
+    case State::operation_enabled:
+      return 0x27;
+    case State::quick_stop_active:
+      return 0x07;
+    case State::fault_reaction_active:
+      return 0x0F;
+    case State::fault:
+      return 0x08;
+  }
+  return 0x00;
+}
+
+constexpr std::string_view to_string(State state) noexcept {
+  switch (state) {
+    case State::not_ready_to_switch_on:
+      return "Not ready to switch on";
+    case State::switch_on_disabled:
+      return "Switch on disabled";
+    case State::ready_to_switch_on:
+      return "Ready to switch on";
+    case State::switched_on:
+      return "Switched on";
+    case State::operation_enabled:
+      return "Operation enabled";
+    case State::quick_stop_active:
+      return "Quick stop active";
+    case State::fault_reaction_active:
+      return "Fault reaction active";
+    case State::fault:
+      return "Fault";
+  }
+  return "unknown state";
+}
+
+}  // namespace breakaway::cia402
