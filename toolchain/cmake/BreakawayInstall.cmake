@@ -1,1 +1,35 @@
-# install rules
+# Install rules and the exported package: find_package(breakaway 0.1) gives the targets breakaway::<leaf>, under the names
+# that the aliases have inside this tree, so that a consumer may switch between package and add_subdirectory at will.
+include_guard(GLOBAL)
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/breakaway)
+
+# What a static library uses privately is still needed to link it, so the consumer must find it as well. A foreign target is
+# named after its package, as in fmt::fmt.
+set(BREAKAWAY_DEPENDENCIES "")
+foreach(leaf IN LISTS leaves)
+  get_target_property(used ${leaf} INTERFACE_LINK_LIBRARIES)
+  string(REGEX MATCHALL "[A-Za-z0-9_]+::" packages "${used}")
+  list(APPEND BREAKAWAY_DEPENDENCIES ${packages})
+  install(DIRECTORY $<TARGET_PROPERTY:${leaf},SOURCE_DIR>/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+          FILES_MATCHING PATTERN "*.hpp")
+endforeach()
+list(TRANSFORM BREAKAWAY_DEPENDENCIES REPLACE "::" "")
+list(REMOVE_DUPLICATES BREAKAWAY_DEPENDENCIES)
+list(REMOVE_ITEM BREAKAWAY_DEPENDENCIES breakaway)
+
+install(TARGETS ${leaves} EXPORT breakawayTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT breakawayTargets NAMESPACE breakaway:: DESTINATION ${package_folder})
+if(TARGET breakaway_cli)
+  install(TARGETS breakaway_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/breakawayConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/breakawayConfig.cmake" INSTALL_DESTINATION ${package_folder})
+# Before 1.0 a minor version may break its users, so 0.2 does not stand in for 0.1.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/breakawayConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/breakawayConfig.cmake" "${PROJECT_BINARY_DIR}/breakawayConfigVersion.cmake"
+  DESTINATION ${package_folder})

@@ -2,8 +2,6 @@
 # of the leaves that it names: an include which the design forbids does not compile.
 include_guard(GLOBAL)
 
-set(BREAKAWAY_EXPORTED_TARGETS "" CACHE INTERNAL "leaves to install")
-
 # breakaway_leaf(<name> [SOURCES file...] [USES breakaway::leaf...] [PRIVATE_USES target...] [FLASHED])
 # FLASHED: may end up on a motion controller, so neither exceptions nor RTTI, and no silent promotion to double.
 function(breakaway_leaf name)
@@ -24,7 +22,8 @@ function(breakaway_leaf name)
     set(scope INTERFACE)
   endif()
   add_library(breakaway::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CXX_EXTENSIONS OFF
+    BREAKAWAY_FLASHED ${LEAF_FLASHED})
   target_compile_features(${target} ${scope} cxx_std_20)
   # -ffp-contract=off: a compiler that may fuse a*b+c on one machine and not on the next gives results that differ in the
   # last bit; the same object code must give the same bits in simulation and on target.
@@ -34,7 +33,6 @@ function(breakaway_leaf name)
     $<INSTALL_INTERFACE:include>)
   target_link_libraries(${target} ${scope} ${LEAF_USES})
   set_property(GLOBAL APPEND PROPERTY BREAKAWAY_LEAVES ${target})
-  set_property(GLOBAL APPEND PROPERTY BREAKAWAY_INCLUDE_FOLDERS "${CMAKE_CURRENT_SOURCE_DIR}/include")
 endfunction()
 
 # Warnings are for developers; consumers of the package do not inherit them.

@@ -1,0 +1,35 @@
+# Every public header compiles alone: one test a header, which includes it twice in an otherwise empty file and sees the
+# include folders of its own leaf only, under the rules that hold for what is flashed.
+
+# package_compile_test(<name> <leaf target> <code> [argument...]): checks the syntax of `code` as a user of the leaf.
+function(package_compile_test name leaf code)
+  set(file "${CMAKE_CURRENT_BINARY_DIR}/sources/${name}.cpp")
+  file(CONFIGURE OUTPUT "${file}" CONTENT "${code}" @ONLY)
+  set(folders $<TARGET_PROPERTY:${leaf},INTERFACE_INCLUDE_DIRECTORIES>)
+  add_test(NAME ${name} COMMAND_EXPAND_LISTS
+    COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wconversion -Werror ${ARGN}
+            "-I$<JOIN:${folders},;-I>" "${file}")
+  set_tests_properties(${name} PROPERTIES LABELS package TIMEOUT 120)
+endfunction()
+
+# The public headers of a leaf as they are included.
+function(public_headers leaf result)
+  get_target_property(source_folder ${leaf} SOURCE_DIR)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${source_folder}/include" "${source_folder}/include/*.hpp")
+  set(${result} "${headers}" PARENT_SCOPE)
+endfunction()
+
+get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
+foreach(leaf IN LISTS leaves)
+  get_target_property(flashed ${leaf} BREAKAWAY_FLASHED)
+  set(rules "")
+  if(flashed)
+    set(rules -fno-exceptions -fno-rtti -Wdouble-promotion)
+  endif()
+  public_headers(${leaf} headers)
+  foreach(header IN LISTS headers)
+    string(REGEX REPLACE "^breakaway/|[.]hpp$" "" title "${header}")
+    string(REPLACE "/" "." title "${title}")
+    package_compile_test(header.${title}.compiles_alone ${leaf} "#include <${header}>\n#include <${header}>\n" ${rules})
+  endforeach()
+endforeach()

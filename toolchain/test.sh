@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Builds and checks everything; what a change must pass before it is merged.
+set -euo pipefail
+source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
+
+usage() {
+  cat <<'HELP'
+Usage: toolchain/test.sh [--quick]
+
+Installs what the checks need and the machine lacks (Debian packages, as root or by sudo), then runs, stopping at the
+first that fails: format, release build with warnings as errors, all tests, the tests under the address and
+undefined-behaviour sanitizers (without those labelled slow or package), the fuzzers for a fixed number of inputs, clang-tidy.
+
+  --quick   the release build and its tests only
+HELP
+}
+
+quick=false
+(($# <= 1)) || die "takes one option at most, got $#; see --help"
+case ${1-} in
+  -h | --help) usage && exit 0 ;;
+  --quick) quick=true ;;
+  ?*) die "unknown option '$1'; see --help" ;;
+esac
+
+step_name='set-up'
+report_failure() {
+  local code=$?
+  ((code == 0)) || printf '\nFAILED in step: %s (exit code %d)\n' "$step_name" "$code" >&2
+}
+trap report_failure EXIT
+
+# step <name> <command...>: a heading, the command, its time.
+step() {
+  step_name=$1
+  local start=$SECONDS
+  printf '\n=== %s\n' "$step_name"
+  "${@:2}"
+  printf -- '--- %s: ok, %d s\n' "$step_name" $((SECONDS - start))
+}
+
+tracked() {
+  # A clone that another user owns (a container's usual case) is safe to list.
+  git -c safe.directory="$root" ls-files -z -- "$@"
+}
+
+build() {
+  cmake --preset "$1" --log-level=WARNING "${@:2}"
+  cmake --build --preset "$1"
+}
+
+run_tests() {
+  ctest --preset "$1" --no-tests=error "${@:2}"
+}
+
+check_format() {
+  tracked '*.hpp' '*.cpp' | xargs -0 clang-format --dry-run -Werror
+}
+
+# Only what the release build compiles: its flags are what clang-tidy needs to see.
+check_tidy() {
+  timeout 900 run-clang-tidy -quiet -j "$(nproc)" -p build/release '/(controller|hal|firmware|sim|tests)/.*\.cpp$'
+}
+
+require_packages run test
+cd -- "$root"
+
+if ! $quick; then
+  step 'format' check_format
+fi
+step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
+step 'release tests' run_tests release
+if ! $quick; then
+  step 'sanitizer build' build asan-ubsan
+  step 'sanitizer tests' run_tests asan-ubsan -LE '^(slow|package)$'
+  step 'fuzzer build' build fuzz
+  step 'fuzzers' run_tests fuzz
+  step 'clang-tidy' check_tidy
+fi
+printf '\nAll steps passed in %d s.\n' "$SECONDS"
