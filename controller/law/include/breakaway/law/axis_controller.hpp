@@ -1,0 +1,228 @@
+// AxisController: the switching impulsive law of [I], as it is flashed.
+//
+// [I]: van de Wouw and Leine, Impulsive Control of Mechanical Motion Systems with Uncertain Friction. Feedback (16),
+// kicks (5) and (15) from a precomputed table. With a period and an encoder, a kick is a shaped force pulse and rest is
+// certified from counts; with period 0 and resolution 0 the same class is the ideal law: an impulse at each instant of
+// exact rest.
+//
+// Two departures from (5), for axes whose friction or force gain is not what was stated: an axis certified at rest is
+// kicked wherever it stands, not only inside the maximal stick set; and a coast that outlasts its longest lawful time
+// ends in a kick.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/control_types.hpp"
+#include "breakaway/law/k3_table.hpp"
+#include "breakaway/law/kick_shaper.hpp"
+#include "breakaway/law/rest_detector.hpp"
+#include "breakaway/law/velocity_estimator.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class AxisController {
+ public:
+  using Parameters = AxisParameters<Scalar>;
+
+  // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
+  // outlive the controller.
+  AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept : p_{parameters}, table_{&table} {
+    if (!ideal()) {
+      velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction_lower_N};
+      rest_ = {p_.mass_kg, p_.friction_lower_N, p_.encoder_resolution_m, p_.period_s};
+      shaper_ = {p_, velocity_.weight()};
+      // A kick from c_hi under f_lo takes about sqrt(2 c_hi m / f_lo); creep may take longer but leads nowhere.
+      const Scalar longest_s = 4 * std::sqrt(2 * p_.stick_radius_upper_m() * p_.mass_kg / p_.friction_lower_N);
+      coast_limit_ = static_cast<std::int32_t>(std::min(longest_s / p_.period_s, Scalar(1'000'000))) + rest_.patience;
+    }
+  }
+
+  // Once a period. Bounded work, no state outside this object.
+  ControlOutput<Scalar> update(const Measurement<Scalar>& z) noexcept {
+    if (!z.fresh) return without_sample();
+    if (!(std::abs(z.position_error_m) <= largest) || (exact() && !(std::abs(z.velocity_m_s) <= largest))) {
+      fault_ = ControlFault::not_a_number;
+      mode_ = Mode::fault;
+    }
+    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    const Scalar x = z.position_error_m;
+    const Scalar v = exact() ? z.velocity_m_s : velocity_.update(x);
+    return mode_ == Mode::kick ? continue_kick(x, v) : flow(x, v);
+  }
+
+  // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach.
+  void shift_target(Scalar shift_m) noexcept {
+    velocity_.shift_origin(shift_m);
+    restart();
+  }
+
+  // Leaves the fault mode and forgets all history; the next update starts a new approach.
+  void reset() noexcept {
+    velocity_.reset();
+    fault_ = ControlFault::none;
+    restart();
+  }
+
+  // The gains in force between this update and the next, for a plant with continuous feedback (the ideal law).
+  Scalar damping_Ns_per_m() const noexcept {
+    return mode_ == Mode::approach ? p_.approach_damping_Ns_per_m : p_.kick_damping_Ns_per_m;
+  }
+
+  Mode mode() const noexcept { return mode_; }
+  ControlFault fault() const noexcept { return fault_; }
+  Scalar velocity_m_s() const noexcept { return velocity_.velocity_m_s(); }
+  std::uint32_t kicks() const noexcept { return kicks_; }
+  const Parameters& parameters() const noexcept { return p_; }
+
+ private:
+  static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
+  static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
+  static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
+
+  bool exact() const noexcept { return !(p_.encoder_resolution_m > 0); }
+  bool ideal() const noexcept { return !(p_.period_s > 0); }
+
+  // A period whose sample was lost: a pulse goes on and ends on time, everything else holds its force and concludes
+  // nothing.
+  ControlOutput<Scalar> without_sample() noexcept {
+    velocity_.skip();
+    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    return mode_ == Mode::kick ? pulse(last_force_N_ - kick_force_N_) : output(last_force_N_);
+  }
+
+  ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
+    if (mode_ == Mode::hold) {
+      if (!beyond_tolerance(x)) return output(feedback(x, v));
+      mode_ = std::abs(x) > p_.stick_radius_upper_m() ? Mode::approach : Mode::coast;
+      coasting_ = 0;
+    }
+    if (at_rest(x, v)) return std::abs(x) > p_.position_tolerance_m ? start_kick(x, Scalar{0}) : enter_hold(x, v);
+    if (mode_ == Mode::coast && !ideal() && ++coasting_ > coast_limit_) return start_kick(x, v);
+    return output(feedback(x, v));
+  }
+
+  bool at_rest(Scalar x, Scalar v) noexcept {
+    if (exact()) return !(v < 0 || v > 0) && std::abs(x) <= p_.stick_radius_upper_m();
+    return rest_.update(x, std::max(std::abs(last_force_N_), std::abs(force_before_N_)));
+  }
+
+  // Leaving hold needs one count more than entering it, so that a reading between two counts does not toggle the mode.
+  bool beyond_tolerance(Scalar x) const noexcept {
+    return std::abs(x) > p_.position_tolerance_m + p_.encoder_resolution_m * Scalar(1.5);
+  }
+
+  ControlOutput<Scalar> enter_hold(Scalar x, Scalar v) noexcept {
+    mode_ = Mode::hold;
+    judge_last_kick(x);
+    return output(feedback(x, v));
+  }
+
+  ControlOutput<Scalar> start_kick(Scalar x, Scalar v) noexcept {
+    judge_last_kick(x);
+    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    ++kicks_;
+    kicked_from_m_ = x;
+    awaiting_result_ = true;
+    if (ideal()) {
+      mode_ = Mode::coast;
+      ControlOutput<Scalar> kick = output(-p_.stiffness_N_per_m * x);
+      kick.impulse_Ns = table_->impulse_Ns(x);
+      kick.kicked = true;
+      return kick;
+    }
+    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
+    const Scalar least_N =
+        futile_ > 0 ? p_.friction_upper_N * (1 + escalation * static_cast<Scalar>(futile_)) : Scalar{0};
+    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), std::max(v * towards, Scalar{0}), least_N);
+    kick_force_N_ = kick.force_N * towards;
+    periods_left_ = kick.periods;
+    mode_ = Mode::kick;
+    // The feedback at the start is that of rest: the shaper's response counts from there.
+    ControlOutput<Scalar> first = pulse(-p_.stiffness_N_per_m * x);
+    first.kicked = true;
+    return first;
+  }
+
+  ControlOutput<Scalar> continue_kick(Scalar x, Scalar v) noexcept {
+    return pulse(-p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v);
+  }
+
+  // One period of the pulse; after its last one the coast begins, blind for as long as samples show the time before its
+  // end.
+  ControlOutput<Scalar> pulse(Scalar feedback_N) noexcept {
+    const ControlOutput<Scalar> now = output(kick_force_N_ + feedback_N);
+    if (--periods_left_ == 0) {
+      mode_ = Mode::coast;
+      coasting_ = 0;
+      rest_.restart(p_.latency_periods);
+    }
+    return now;
+  }
+
+  // u of (16). Far away the spring pulls only as hard as keeps the speed within its limit; within that distance this is
+  // (16).
+  Scalar feedback(Scalar x, Scalar v) const noexcept {
+    if (mode_ != Mode::approach) return -p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v;
+    const Scalar spring_limit_N = p_.approach_damping_Ns_per_m * p_.max_approach_speed_m_s;
+    return limited(-p_.stiffness_N_per_m * x, spring_limit_N) - p_.approach_damping_Ns_per_m * v;
+  }
+
+  ControlOutput<Scalar> output(Scalar force_N) noexcept {
+    const Scalar force = limited(force_N, p_.max_force_N);
+    force_before_N_ = last_force_N_;
+    last_force_N_ = force;
+    return {force, Scalar{0}, mode_, false};
+  }
+
+  // Learns from where the last kick led: nowhere, closer, or further away.
+  void judge_last_kick(Scalar x) noexcept {
+    if (!awaiting_result_ || exact()) return;
+    awaiting_result_ = false;
+    const bool moved = std::abs(x - kicked_from_m_) > p_.encoder_resolution_m / 2;
+    const bool grew = std::abs(x) > std::abs(kicked_from_m_) + p_.position_tolerance_m + p_.encoder_resolution_m;
+    futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
+    growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
+    if (futile_ >= futile_limit) fault_ = ControlFault::jammed;
+    if (growing_ >= growing_limit) fault_ = ControlFault::diverging;
+    if (fault_ != ControlFault::none) mode_ = Mode::fault;
+  }
+
+  void restart() noexcept {
+    mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
+    rest_.restart(p_.latency_periods);
+    periods_left_ = 0;
+    coasting_ = 0;
+    futile_ = growing_ = 0;
+    awaiting_result_ = false;
+  }
+
+  // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
+  // each before.
+  static constexpr Scalar escalation = Scalar(0.02);
+
+  Parameters p_{};
+  const K3Table<Scalar>* table_ = nullptr;
+  VelocityEstimator<Scalar> velocity_{};
+  RestDetector<Scalar> rest_{};
+  KickShaper<Scalar> shaper_{};
+  Scalar last_force_N_{};
+  Scalar force_before_N_{};
+  Scalar kick_force_N_{};
+  Scalar kicked_from_m_{};
+  std::int32_t coast_limit_ = 0;
+  std::int32_t coasting_ = 0;
+  std::uint32_t kicks_ = 0;
+  Mode mode_ = Mode::approach;
+  ControlFault fault_ = ControlFault::none;
+  std::uint8_t periods_left_ = 0;
+  std::uint8_t futile_ = 0;
+  std::uint8_t growing_ = 0;
+  bool awaiting_result_ = false;
+};
+
+}  // namespace breakaway::law

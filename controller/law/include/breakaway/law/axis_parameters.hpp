@@ -1,0 +1,109 @@
+// AxisParameters: everything that the control law needs to know of one axis, in SI units.
+//
+// Conventions of this room: x = position - target, positive force pushes towards positive x, v = dx/dt. A rotary axis
+// reads kg m^2, N m and rad for kg, N and m.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+namespace breakaway::law {
+
+enum class KickShape : std::uint8_t {
+  two_phase,  // whole periods of constant force that end on the k3 curve, for friction at its lower bound
+  naive,      // k3 spread evenly over whole periods: overshoots, kept to compare with
+};
+
+template <class Scalar>
+struct AxisParameters {
+  Scalar mass_kg{};
+  Scalar stiffness_N_per_m{};                                    // k1 of (16), > 0
+  Scalar approach_damping_Ns_per_m{};                            // k21 of (16): zeta < 1
+  Scalar kick_damping_Ns_per_m{};                                // k22 of (16): zeta > 1
+  Scalar friction_lower_N{};                                     // m g mu_lo of Assumption 1, > 0
+  Scalar friction_upper_N{};                                     // m g mu_hi of Assumption 1, >= friction_lower_N
+  Scalar max_force_N = std::numeric_limits<Scalar>::infinity();  // of the sum of feedback and kick
+  Scalar max_approach_speed_m_s = std::numeric_limits<Scalar>::infinity();  // infinity: (16) as printed
+  Scalar position_tolerance_m{};     // at rest within this the axis is left alone; 0: kicked for ever smaller errors
+  Scalar encoder_resolution_m{};     // one count; 0: exact position and velocity are measured
+  Scalar period_s{};                 // control period; 0: the ideal law, a kick is an impulse
+  std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
+  KickShape kick_shape = KickShape::two_phase;
+
+  constexpr Scalar stick_radius_upper_m() const noexcept {
+    return friction_upper_N / stiffness_N_per_m;
+  }  // c_hi of (9)
+};
+
+enum class ParameterError : std::uint8_t {
+  none,
+  mass_not_positive,
+  stiffness_not_positive,
+  approach_not_underdamped,
+  kick_not_overdamped,
+  friction_lower_not_positive,
+  friction_bounds_reversed,
+  max_force_below_friction,
+  max_approach_speed_not_positive,
+  tolerance_negative,
+  encoder_resolution_negative,
+  period_negative,
+};
+
+constexpr std::string_view to_string(ParameterError error) noexcept {
+  switch (error) {
+    case ParameterError::none:
+      return "parameters are valid";
+    case ParameterError::mass_not_positive:
+      return "mass must be positive and finite";
+    case ParameterError::stiffness_not_positive:
+      return "stiffness k1 must be positive and finite";
+    case ParameterError::approach_not_underdamped:
+      return "approach damping k21 must satisfy 0 < k21 < 2 sqrt(k1 m)";
+    case ParameterError::kick_not_overdamped:
+      return "kick damping k22 must exceed 2 sqrt(k1 m)";
+    case ParameterError::friction_lower_not_positive:
+      return "lower friction bound must be positive and finite";
+    case ParameterError::friction_bounds_reversed:
+      return "upper friction bound must be finite and not below the lower one";
+    case ParameterError::max_force_below_friction:
+      return "force limit must exceed the upper friction bound, or no kick is sure to move the axis";
+    case ParameterError::max_approach_speed_not_positive:
+      return "approach speed limit must be positive";
+    case ParameterError::tolerance_negative:
+      return "position tolerance must not be negative";
+    case ParameterError::encoder_resolution_negative:
+      return "encoder resolution must not be negative";
+    case ParameterError::period_negative:
+      return "control period must not be negative";
+  }
+  return "unknown parameter error";
+}
+
+// The first rule that the parameters break. Written so that a NaN breaks the rule that it stands in.
+template <class Scalar>
+ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
+  constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
+  const auto positive = [](Scalar value) { return value > 0 && value < infinity; };
+  const auto not_negative = [](Scalar value) { return value >= 0 && value < infinity; };
+  if (!positive(p.mass_kg)) return ParameterError::mass_not_positive;
+  if (!positive(p.stiffness_N_per_m)) return ParameterError::stiffness_not_positive;
+  const Scalar critical = 2 * std::sqrt(p.stiffness_N_per_m * p.mass_kg);
+  if (!(p.approach_damping_Ns_per_m > 0 && p.approach_damping_Ns_per_m < critical))
+    return ParameterError::approach_not_underdamped;
+  if (!(p.kick_damping_Ns_per_m > critical && p.kick_damping_Ns_per_m < infinity))
+    return ParameterError::kick_not_overdamped;
+  if (!positive(p.friction_lower_N)) return ParameterError::friction_lower_not_positive;
+  if (!(p.friction_upper_N >= p.friction_lower_N && p.friction_upper_N < infinity))
+    return ParameterError::friction_bounds_reversed;
+  if (!(p.max_force_N > p.friction_upper_N)) return ParameterError::max_force_below_friction;
+  if (!(p.max_approach_speed_m_s > 0)) return ParameterError::max_approach_speed_not_positive;
+  if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
+  if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;
+  if (!not_negative(p.period_s)) return ParameterError::period_negative;
+  return ParameterError::none;
+}
+
+}  // namespace breakaway::law

@@ -1,0 +1,79 @@
+// What every controller of this room takes and gives, once a period.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+namespace breakaway::law {
+
+template <class Scalar>
+struct Measurement {
+  Scalar position_error_m{};  // x = position - target
+  Scalar velocity_m_s{};      // read only when the encoder resolution is 0; otherwise estimated from positions
+  bool fresh = true;          // false: no new sample came this period (a lost frame); the fields above are not read
+};
+
+// The modes of AxisController, defined by the inequalities that lead into them.
+enum class Mode : std::uint8_t {
+  approach,  // since the last target change, never certified at rest: damping k21
+  kick,      // a pulse is under way
+  coast,     // after a pulse, not yet certified at rest: damping k22
+  hold,      // certified at rest with |x| <= position_tolerance_m
+  fault,     // latched until reset(): no force
+};
+
+enum class ControlFault : std::uint8_t {
+  none,
+  not_a_number,  // a measurement was NaN or infinite
+  jammed,        // many kicks in a row, each stronger than the last, did not move the axis
+  diverging,     // the error grew after many kicks in a row: friction, mass or force gain is outside its stated bounds
+};
+
+template <class Scalar>
+struct ControlOutput {
+  Scalar force_N{};     // for the next period; |force_N| <= max_force_N for any input bits
+  Scalar impulse_Ns{};  // at once; only of the ideal law (period 0), where a kick takes no time
+  Mode mode = Mode::approach;
+  bool kicked = false;  // a kick starts with this output
+};
+
+constexpr std::string_view to_string(Mode mode) noexcept {
+  switch (mode) {
+    case Mode::approach:
+      return "approach";
+    case Mode::kick:
+      return "kick";
+    case Mode::coast:
+      return "coast";
+    case Mode::hold:
+      return "hold";
+    case Mode::fault:
+      return "fault";
+  }
+  return "unknown mode";
+}
+
+constexpr std::string_view to_string(ControlFault fault) noexcept {
+  switch (fault) {
+    case ControlFault::none:
+      return "none";
+    case ControlFault::not_a_number:
+      return "measurement is not a number";
+    case ControlFault::jammed:
+      return "axis does not move under kicks";
+    case ControlFault::diverging:
+      return "position error grows under kicks";
+  }
+  return "unknown control fault";
+}
+
+// The force within +-limit; NaN becomes zero, because a force that nobody computed must not act.
+template <class Scalar>
+constexpr Scalar limited(Scalar force_N, Scalar limit_N) noexcept {
+  if (force_N > limit_N) return limit_N;
+  if (force_N < -limit_N) return -limit_N;
+  return force_N == force_N ? force_N : Scalar{0};
+}
+
+}  // namespace breakaway::law
