@@ -25,19 +25,22 @@ missing_packages() {
 }
 
 require_packages() {
-  local packages as_root=()
+  local packages missing as_root=()
   command -v dpkg-query >/dev/null ||
     die "needs Debian 12 or a system derived from it (no dpkg-query here); toolchain/packages.txt lists what to install"
-  mapfile -t packages < <(missing_packages "$@")
-  ((${#packages[@]})) || return 0
+  # Not <(...): that needs /dev/fd, which a minimal container may lack.
+  missing=$(missing_packages "$@")
+  mapfile -t packages <<<"$missing"
+  [[ -n $missing ]] || return 0
 
   if ((EUID != 0)); then
     # Without a terminal nobody can type a password, so sudo must not ask for one.
     local sudo_options=(-n)
     [[ -t 0 ]] && sudo_options=()
     command -v sudo >/dev/null && sudo "${sudo_options[@]}" true ||
-      die "these packages are missing, and neither root nor sudo is at hand to install them: ${packages[*]}
-Have them installed (apt-get install ${packages[*]}) and run this again."
+      die "packages are missing, and neither root nor sudo is at hand to install them. As root:
+  apt-get install ${packages[*]}
+Then run this again."
     as_root=(sudo "${sudo_options[@]}")
   fi
 
