@@ -36,9 +36,7 @@ class AxisController {
       velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction_lower_N};
       rest_ = {p_.mass_kg, p_.friction_lower_N, p_.encoder_resolution_m, p_.period_s};
       shaper_ = {p_, velocity_.weight()};
-      // A kick from c_hi under f_lo takes about sqrt(2 c_hi m / f_lo); creep may take longer but leads nowhere.
-      const Scalar longest_s = 4 * std::sqrt(2 * p_.stick_radius_upper_m() * p_.mass_kg / p_.friction_lower_N);
-      coast_limit_ = static_cast<std::int32_t>(std::min(longest_s / p_.period_s, Scalar(1'000'000))) + rest_.patience;
+      creep_radius_m_ = 20 * p_.accuracy_floor_m() + 4 * p_.encoder_resolution_m;
     }
   }
 
@@ -96,14 +94,27 @@ class AxisController {
   }
 
   ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
+    if (sighted_ < 100) ++sighted_;
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return output(feedback(x, v));
       mode_ = std::abs(x) > p_.stick_radius_upper_m() ? Mode::approach : Mode::coast;
-      coasting_ = 0;
+      sighted_ = 0;
     }
     if (at_rest(x, v)) return std::abs(x) > p_.position_tolerance_m ? start_kick(x, Scalar{0}) : enter_hold(x, v);
-    if (mode_ == Mode::coast && !ideal() && ++coasting_ > coast_limit_) return start_kick(x, v);
+    if (falls_short(x, v)) return start_kick(x, v);
     return output(feedback(x, v));
+  }
+
+  // Creeping: inside the maximal stick set, closing in far slower than the k3 curve allows, so that the axis will stop,
+  // or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper counts the
+  // speed in. Near the target, where a few counts of speed error matter, only certified rest will do.
+  bool falls_short(Scalar x, Scalar v) const noexcept {
+    const Scalar distance = std::abs(x);
+    if (exact() || sighted_ <= p_.latency_periods + 1 || distance > p_.stick_radius_upper_m() ||
+        distance < creep_radius_m_)
+      return false;
+    const Scalar closing = x > 0 ? -v : v;
+    return closing >= 0 && closing * p_.mass_kg < creep_share * std::abs(table_->impulse_Ns(x));
   }
 
   bool at_rest(Scalar x, Scalar v) noexcept {
@@ -158,7 +169,7 @@ class AxisController {
     const ControlOutput<Scalar> now = output(kick_force_N_ + feedback_N);
     if (--periods_left_ == 0) {
       mode_ = Mode::coast;
-      coasting_ = 0;
+      sighted_ = 0;
       rest_.restart(p_.latency_periods);
     }
     return now;
@@ -196,10 +207,12 @@ class AxisController {
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     rest_.restart(p_.latency_periods);
     periods_left_ = 0;
-    coasting_ = 0;
+    sighted_ = 0;
     futile_ = growing_ = 0;
     awaiting_result_ = false;
   }
+
+  static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping
 
   // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
   // each before.
@@ -214,8 +227,8 @@ class AxisController {
   Scalar force_before_N_{};
   Scalar kick_force_N_{};
   Scalar kicked_from_m_{};
-  std::int32_t coast_limit_ = 0;
-  std::int32_t coasting_ = 0;
+  Scalar creep_radius_m_{};
+  std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::uint32_t kicks_ = 0;
   Mode mode_ = Mode::approach;
   ControlFault fault_ = ControlFault::none;

@@ -35,6 +35,13 @@ struct AxisParameters {
   constexpr Scalar stick_radius_upper_m() const noexcept {
     return friction_upper_N / stiffness_N_per_m;
   }  // c_hi of (9)
+
+  // The least distance that a pulse of one period moves the axis from rest, if friction is f_hi until it breaks away
+  // and f_lo from then on: a kick that is sure to move the axis cannot aim for less.
+  constexpr Scalar accuracy_floor_m() const noexcept {
+    return period_s * period_s * friction_upper_N * (friction_upper_N - friction_lower_N) /
+           (2 * mass_kg * friction_lower_N);
+  }
 };
 
 enum class ParameterError : std::uint8_t {
