@@ -1,0 +1,14 @@
+// SYNC (CiA 301, 7.2.5): the frame at which every synchronous PDO acts. The network's producer sends it once a period.
+#pragma once
+
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/hal/can_frame.hpp"
+
+namespace breakaway::canopen {
+
+// Without the optional counter (1019h = 0).
+constexpr hal::CanFrame sync_frame() noexcept { return {.id = kSyncCobId, .size = 0, .remote = false, .data = {}}; }
+
+constexpr bool is_sync(const hal::CanFrame& frame) noexcept { return frame.id == kSyncCobId && !frame.remote; }
+
+}  // namespace breakaway::canopen

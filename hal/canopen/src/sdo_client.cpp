@@ -1,0 +1,242 @@
+#include "breakaway/canopen/sdo_client.hpp"
+
+#include <algorithm>
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
+
+namespace breakaway::canopen {
+namespace {
+
+// Command bytes: client and server specifiers in bits 5..7 (CiA 301, 7.2.4.3).
+constexpr std::uint8_t kInitiateWrite = 0x21;  // size in bytes 4..7
+constexpr std::uint8_t kInitiateRead = 0x40;
+constexpr std::uint8_t kSegmentRead = 0x60;
+constexpr std::uint8_t kAbort = 0x80;
+constexpr std::uint8_t kToggle = 0x10;
+constexpr std::uint8_t kLastSegment = 0x01;
+constexpr std::uint8_t kExpedited = 0x02;
+constexpr std::uint8_t kSizeIndicated = 0x01;
+
+constexpr unsigned kSegmentReadResponse = 0;
+constexpr unsigned kSegmentWriteResponse = 1;
+constexpr unsigned kInitiateReadResponse = 2;
+constexpr unsigned kInitiateWriteResponse = 3;
+constexpr unsigned kAbortResponse = 4;
+
+constexpr std::size_t kExpeditedBytes = 4;
+constexpr std::size_t kSegmentBytes = 7;
+
+constexpr unsigned specifier(std::uint8_t command) noexcept { return command >> 5U; }
+
+std::array<std::uint8_t, 8> with_object(std::uint8_t command, std::uint16_t index, std::uint8_t subindex) noexcept {
+  std::array<std::uint8_t, 8> bytes{command};
+  store_little_endian(bytes, index, 1);
+  bytes[3] = subindex;
+  return bytes;
+}
+
+}  // namespace
+
+SdoClient::SdoClient(std::uint8_t node_id, hal::Duration timeout) noexcept : node_id_{node_id}, timeout_{timeout} {}
+
+hal::Status SdoClient::start_read(std::uint16_t index, std::uint8_t subindex) noexcept {
+  if (busy()) return {hal::StatusCode::would_block};
+  begin(Phase::initiate_read, index, subindex);
+  size_ = 0;
+  request_initiate_read();
+  return {};
+}
+
+hal::Status SdoClient::start_write(std::uint16_t index, std::uint8_t subindex,
+                                   std::span<const std::uint8_t> bytes) noexcept {
+  if (busy()) return {hal::StatusCode::would_block};
+  if (bytes.empty() || bytes.size() > kCapacity) return {hal::StatusCode::invalid_argument};
+  begin(Phase::initiate_write, index, subindex);
+  std::copy(bytes.begin(), bytes.end(), buffer_.begin());
+  size_ = bytes.size();
+  request_initiate_write();
+  return {};
+}
+
+void SdoClient::begin(Phase phase, std::uint16_t index, std::uint8_t subindex) noexcept {
+  phase_ = phase;
+  index_ = index;
+  subindex_ = subindex;
+  announced_ = 0;
+  sent_ = 0;
+  toggle_ = false;
+  last_segment_ = false;
+}
+
+void SdoClient::request(const std::array<std::uint8_t, 8>& bytes) noexcept {
+  request_ = {.id = sdo_request_cob_id(node_id_), .size = 8, .remote = false, .data = bytes};
+  request_pending_ = true;
+  awaiting_ = false;
+}
+
+void SdoClient::request_initiate_read() noexcept { request(with_object(kInitiateRead, index_, subindex_)); }
+
+void SdoClient::request_initiate_write() noexcept {
+  auto bytes = with_object(kInitiateWrite, index_, subindex_);
+  if (size_ <= kExpeditedBytes) {
+    const auto unused = static_cast<unsigned>(kExpeditedBytes - size_);
+    bytes[0] = static_cast<std::uint8_t>(kInitiateWrite | kExpedited | unused << 2U);
+    std::copy_n(buffer_.begin(), size_, bytes.begin() + 4);
+  } else {
+    store_little_endian(bytes, static_cast<std::uint32_t>(size_), 4);
+  }
+  request(bytes);
+}
+
+void SdoClient::request_read_segment() noexcept {
+  request({static_cast<std::uint8_t>(kSegmentRead | (toggle_ ? kToggle : 0U))});
+}
+
+void SdoClient::request_write_segment() noexcept {
+  const std::size_t count = std::min(size_ - sent_, kSegmentBytes);
+  last_segment_ = sent_ + count == size_;
+  const auto unused = static_cast<unsigned>(kSegmentBytes - count);
+  std::array<std::uint8_t, 8> bytes{
+      static_cast<std::uint8_t>((toggle_ ? kToggle : 0U) | unused << 1U | (last_segment_ ? kLastSegment : 0U))};
+  std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(sent_), count, bytes.begin() + 1);
+  sent_ += count;
+  request(bytes);
+}
+
+bool SdoClient::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
+  if (abort_pending_) {
+    abort_pending_ = false;
+    frame = abort_;
+    return true;
+  }
+  if (!request_pending_) return false;
+  request_pending_ = false;
+  awaiting_ = true;
+  sent_at_ = now;
+  frame = request_;
+  return true;
+}
+
+hal::Status SdoClient::poll(hal::Time now) noexcept {
+  if (awaiting_ && now - sent_at_ > timeout_) abort(SdoAbort::timeout, {hal::StatusCode::timeout});
+  return busy() ? hal::Status{hal::StatusCode::would_block} : result_;
+}
+
+bool SdoClient::names_object(const hal::CanFrame& frame) const noexcept {
+  return load_little_endian<std::uint16_t>(frame.data, 1) == index_ && frame.data[3] == subindex_;
+}
+
+void SdoClient::on_frame(const hal::CanFrame& frame) noexcept {
+  if (!awaiting_ || frame.id != sdo_response_cob_id(node_id_) || frame.remote || frame.size != 8) return;
+  const unsigned response = specifier(frame.data[0]);
+  if (response == kAbortResponse) {
+    if (names_object(frame)) finish({hal::StatusCode::sdo_aborted, load_little_endian<std::uint32_t>(frame.data, 4)});
+  } else if (response > kAbortResponse) {
+    abort(SdoAbort::command_specifier, {hal::StatusCode::protocol_error, frame.data[0]});
+  } else if (phase_ == Phase::initiate_read && response == kInitiateReadResponse) {
+    on_initiate_read(frame);
+  } else if (phase_ == Phase::initiate_write && response == kInitiateWriteResponse) {
+    on_initiate_write(frame);
+  } else if (phase_ == Phase::read_segments && response == kSegmentReadResponse) {
+    on_read_segment(frame);
+  } else if (phase_ == Phase::write_segments && response == kSegmentWriteResponse) {
+    on_write_segment(frame);
+  }
+}
+
+void SdoClient::on_initiate_read(const hal::CanFrame& frame) noexcept {
+  if (!names_object(frame)) return;
+  const std::uint8_t command = frame.data[0];
+  const bool size_indicated = (command & kSizeIndicated) != 0;
+  if ((command & kExpedited) != 0) {
+    size_ = size_indicated ? kExpeditedBytes - ((command >> 2U) & 3U) : kExpeditedBytes;
+    std::copy_n(frame.data.begin() + 4, size_, buffer_.begin());
+    finish({});
+    return;
+  }
+  announced_ = size_indicated ? load_little_endian<std::uint32_t>(frame.data, 4) : 0;
+  if (announced_ > kCapacity) {
+    const auto code = SdoAbort::out_of_memory;
+    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
+    return;
+  }
+  phase_ = Phase::read_segments;
+  request_read_segment();
+}
+
+void SdoClient::on_initiate_write(const hal::CanFrame& frame) noexcept {
+  if (!names_object(frame)) return;
+  if (size_ <= kExpeditedBytes) {
+    finish({});
+    return;
+  }
+  phase_ = Phase::write_segments;
+  request_write_segment();
+}
+
+void SdoClient::on_read_segment(const hal::CanFrame& frame) noexcept {
+  const std::uint8_t command = frame.data[0];
+  if (((command & kToggle) != 0) != toggle_) {
+    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, command});
+    return;
+  }
+  const std::size_t count = kSegmentBytes - ((command >> 1U) & 7U);
+  const bool last = (command & kLastSegment) != 0;
+  if (count == 0 && !last) {  // would let a server keep us here for ever
+    abort(SdoAbort::length_too_low, {hal::StatusCode::protocol_error, command});
+    return;
+  }
+  if (size_ + count > kCapacity) {
+    const auto code = SdoAbort::out_of_memory;
+    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
+    return;
+  }
+  std::copy_n(frame.data.begin() + 1, count, buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
+  size_ += count;
+  if (last && announced_ != 0 && size_ != announced_) {
+    abort(SdoAbort::length_mismatch, {hal::StatusCode::protocol_error, command});
+    return;
+  }
+  if (last) {
+    finish({});
+    return;
+  }
+  toggle_ = !toggle_;
+  request_read_segment();
+}
+
+void SdoClient::on_write_segment(const hal::CanFrame& frame) noexcept {
+  if (((frame.data[0] & kToggle) != 0) != toggle_) {
+    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, frame.data[0]});
+    return;
+  }
+  if (last_segment_) {
+    finish({});
+    return;
+  }
+  toggle_ = !toggle_;
+  request_write_segment();
+}
+
+void SdoClient::finish(hal::Status result) noexcept {
+  phase_ = Phase::idle;
+  awaiting_ = false;
+  request_pending_ = false;
+  result_ = result;
+}
+
+void SdoClient::abort(SdoAbort code, hal::Status result) noexcept {
+  auto bytes = with_object(kAbort, index_, subindex_);
+  store_little_endian(bytes, static_cast<std::uint32_t>(code), 4);
+  abort_ = {.id = sdo_request_cob_id(node_id_), .size = 8, .remote = false, .data = bytes};
+  abort_pending_ = true;
+  finish(result);
+}
+
+void SdoClient::cancel() noexcept {
+  abort_pending_ = false;
+  finish({});
+}
+
+}  // namespace breakaway::canopen
