@@ -1,0 +1,165 @@
+#include "read_friction.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "breakaway/friction/shapes.hpp"
+
+namespace breakaway::scenario {
+namespace {
+
+using friction::ShapePtr;
+
+constexpr Range positive{0, 1e12, true};
+constexpr Range share{0, 1};
+
+ShapePtr read_shape(const Section& section);
+
+// Reads the keys that one kind has, beside the key `kind` itself.
+void read_keys(const Section& section, std::vector<Key> keys) {
+  std::string kind;
+  keys.push_back(required("kind", text(kind)));
+  section.read(keys);
+}
+
+Value shapes(std::vector<ShapePtr>& to) {
+  return tables([&to](const Section& part) { to.push_back(read_shape(part)); });
+}
+
+ShapePtr read_constant(const Section& section) {
+  double value = 1;
+  read_keys(section, {optional("value", number(value, "", share))});
+  return friction::constant(value);
+}
+
+ShapePtr read_static_kinetic(const Section& section) {
+  double at_rest = 1, sliding = 0;
+  read_keys(section, {optional("static_value", number(at_rest, "", share)),
+                      optional("kinetic_value", number(sliding, "", share))});
+  return friction::static_kinetic(at_rest, sliding);
+}
+
+double read_stribeck_velocity(const Section& section) {
+  double velocity_m_s = 0;
+  read_keys(section, {required("velocity_m_s", number(velocity_m_s, "m/s", positive))});
+  return velocity_m_s;
+}
+
+ShapePtr read_sine_in_time(const Section& section) {
+  double frequency_rad_s = 0, phase_rad = 0;
+  read_keys(section, {required("angular_frequency_rad_s", number(frequency_rad_s, "rad/s", positive)),
+                      optional("phase_rad", number(phase_rad, "rad"))});
+  return friction::sine_in_time(frequency_rad_s, phase_rad);
+}
+
+ShapePtr read_sine_in_position(const Section& section) {
+  double period_m = 0, phase_rad = 0;
+  read_keys(section,
+            {required("period_m", number(period_m, "m", positive)), optional("phase_rad", number(phase_rad, "rad"))});
+  return friction::sine_in_position(period_m, phase_rad);
+}
+
+ShapePtr read_position_table(const Section& section) {
+  std::vector<double> edges_m, values;
+  read_keys(section, {required("edges_m", numbers(edges_m, "m")), required("values", numbers(values, "", share))});
+  return friction::position_table(std::move(edges_m), std::move(values));
+}
+
+ShapePtr read_random_dwell(const Section& section) {
+  friction::RandomDwell p;
+  read_keys(section,
+            {optional("seed", integer([&](std::int64_t n) { p.seed = static_cast<std::uint64_t>(n); }, 0, INT64_MAX)),
+             optional("shortest_dwell_s", number(p.shortest_dwell_s, "s", positive)),
+             optional("longest_dwell_s", number(p.longest_dwell_s, "s", positive)),
+             optional("bound_share", number(p.bound_share, "", share))});
+  return friction::random_dwell(p);
+}
+
+ShapePtr read_mean(const Section& section) {
+  std::vector<double> weights;
+  std::vector<ShapePtr> parts;
+  read_keys(section, {optional("weights", numbers(weights, "", {0, 1e12})), required("parts", shapes(parts))});
+  if (weights.empty()) weights.assign(parts.size(), 1.0);
+  return friction::mean(std::move(weights), std::move(parts));
+}
+
+std::vector<ShapePtr> read_parts(const Section& section) {
+  std::vector<ShapePtr> parts;
+  read_keys(section, {required("parts", shapes(parts))});
+  return parts;
+}
+
+ShapePtr read_complement(const Section& section) {
+  ShapePtr part;
+  read_keys(section, {required("part", table([&](const Section& inner) { part = read_shape(inner); }))});
+  return friction::complement(std::move(part));
+}
+
+struct Kind {
+  std::string_view name;
+  ShapePtr (*read)(const Section&);
+};
+
+constexpr std::array kinds{
+    Kind{"constant", read_constant},
+    Kind{"static_kinetic", read_static_kinetic},
+    Kind{"stribeck", [](const Section& s) { return friction::stribeck(read_stribeck_velocity(s)); }},
+    Kind{"stribeck_gaussian", [](const Section& s) { return friction::stribeck_gaussian(read_stribeck_velocity(s)); }},
+    Kind{"sine_in_time", read_sine_in_time},
+    Kind{"sine_in_position", read_sine_in_position},
+    Kind{"position_table", read_position_table},
+    Kind{"random_dwell", read_random_dwell},
+    Kind{"mean", read_mean},
+    Kind{"product", [](const Section& s) { return friction::product(read_parts(s)); }},
+    Kind{"maximum", [](const Section& s) { return friction::maximum(read_parts(s)); }},
+    Kind{"minimum", [](const Section& s) { return friction::minimum(read_parts(s)); }},
+    Kind{"complement", read_complement},
+};
+
+ShapePtr read_shape(const Section& section) {
+  const auto kind = section.word("kind");
+  std::string names;
+  for (const Kind& known : kinds) {
+    if (kind == known.name) try {
+        return known.read(section);
+      } catch (const std::invalid_argument& error) {
+        section.fail("kind", fmt::format("= \"{}\": {}", *kind, error.what()));
+      }
+    names += (names.empty() ? "" : ", ") + std::string{known.name};
+  }
+  section.fail("kind",
+               fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : "is missing,", names));
+}
+
+}  // namespace
+
+Friction read_friction(const Section& section, double mass_kg) {
+  Friction f;
+  const bool coefficients = section.has("mu_lower") || section.has("mu_upper") || section.has("gravity_m_s2");
+  double gravity_m_s2 = 0;
+  ShapePtr shape = friction::constant(1);
+  std::vector<Key> keys{
+      optional("smooth_slope_Ns_per_m", number(f.smooth_slope_Ns_per_m, "N s/m", {-1e12, 1e12})),
+      optional("law", table([&](const Section& law) { shape = read_shape(law); })),
+  };
+  const std::string_view lower = coefficients ? "mu_lower" : "lower_N", upper = coefficients ? "mu_upper" : "upper_N";
+  const std::string_view unit = coefficients ? "" : "N";
+  keys.push_back(required(lower, number(f.lower_N, unit, positive)));
+  keys.push_back(required(upper, number(f.upper_N, unit, positive)));
+  if (coefficients) keys.push_back(required("gravity_m_s2", number(gravity_m_s2, "m/s^2", positive)));
+  section.read(keys);
+  if (f.lower_N > f.upper_N) {
+    section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", f.lower_N, upper, f.upper_N));
+  }
+  if (coefficients) {
+    f.normal_force_N = mass_kg * gravity_m_s2;
+    f.lower_N *= *f.normal_force_N;
+    f.upper_N *= *f.normal_force_N;
+  }
+  f.law = friction::FrictionLaw{friction::FrictionBounds{f.lower_N, f.upper_N}, std::move(shape)};
+  return f;
+}
+
+}  // namespace breakaway::scenario

@@ -1,0 +1,151 @@
+// Bad input is refused in one line that names the place, the value and the remedy.
+#include "breakaway/scenario/read_scenario.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "breakaway/scenario/input_error.hpp"
+
+namespace {
+
+using breakaway::scenario::InputError;
+using breakaway::scenario::parse_scenario;
+using breakaway::scenario::read_scenario;
+using breakaway::scenario::Scenario;
+
+const std::string sound = R"(
+[plant]
+mass_kg = 1
+[friction]
+lower_N = 2.5
+upper_N = 4.5
+[controller]
+k1_N_per_m = 1
+k21_Ns_per_m = 0.5
+k22_Ns_per_m = 3
+[run]
+duration_s = 60
+)";
+
+const std::string drive =
+    "[drive]\nrated_torque_Nm=1\nmax_torque_per_mille=1000\nforce_per_torque_N_per_Nm=10\nencoder_resolution_m=1e-6\n";
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_scenario(text, "axis.toml");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+struct BadInput {
+  const char* label;
+  std::string text;
+  std::vector<std::string> named;
+};
+
+class BadInputIsRefused : public testing::TestWithParam<BadInput> {};
+
+TEST_P(BadInputIsRefused, InOneLineThatNamesPlaceAndRemedy) {
+  const std::string message = refusal(GetParam().text);
+  EXPECT_TRUE(message.starts_with("axis.toml:")) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  for (const std::string& part : GetParam().named)
+    EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadInputIsRefused,
+    testing::Values(
+        BadInput{"MisspeltKey", with(sound, "mass_kg", "mas_kg"), {":3:", "[plant]", "mas_kg", "mass_kg"}},
+        BadInput{"MisspeltSection", with(sound, "[friction]", "[fricton]"), {":4:", "fricton", "friction"}},
+        BadInput{"MissingKey", with(sound, "mass_kg = 1", ""), {"[plant]", "mass_kg", "missing", "kg"}},
+        BadInput{"MissingSection", with(sound, "[plant]\nmass_kg = 1", ""), {"plant", "missing"}},
+        BadInput{"WrongType", with(sound, "mass_kg = 1", "mass_kg = \"1\""), {":3:", "mass_kg", "'1'", "number"}},
+        BadInput{"SectionIsNumber", "plant = 3\n" + with(sound, "[plant]\nmass_kg = 1", ""), {":1:", "plant", "table"}},
+        BadInput{"ZeroMass", with(sound, "mass_kg = 1", "mass_kg = 0"), {":3:", "mass_kg", "0", "(0, ", "kg"}},
+        BadInput{"PeriodInMilliseconds", sound + "[loop]\nperiod_s = 10\n" + drive, {"period_s", "10", "1] s"}},
+        BadInput{"NotANumber", with(sound, "lower_N = 2.5", "lower_N = nan"), {":5:", "lower_N", "nan"}},
+        BadInput{"Infinite", with(sound, "duration_s = 60", "duration_s = inf"), {"duration_s", "inf"}},
+        BadInput{"BoundsReversed", with(sound, "lower_N = 2.5", "lower_N = 5"), {"lower_N", "5", "upper_N", "swap"}},
+        BadInput{"MixedFrictionUnits", with(sound, "lower_N = 2.5", "mu_lower = 0.2"), {"upper_N", "mu_upper"}},
+        BadInput{"ApproachOverdamped",
+                 with(sound, "k21_Ns_per_m = 0.5", "k21_Ns_per_m = 2"),
+                 {"k21", "zeta = 1;", "below 2 sqrt(k1 m) = 2 N s/m"}},
+        BadInput{"KickUnderdamped", with(sound, "k22_Ns_per_m = 3", "k22_Ns_per_m = 2"), {"k22", "zeta = 1;", "above"}},
+        BadInput{"UnknownController",
+                 with(sound, "[controller]", "[controller]\nkind = \"pdi\""),
+                 {"kind", "pdi", "\"impulsive\" or \"pid\""}},
+        BadInput{"UnknownFrictionLaw",
+                 sound + "[friction.law]\nkind = \"stribek\"\n",
+                 {"[friction.law]", "stribek", "stribeck"}},
+        BadInput{"BadCombination",
+                 sound + "[friction.law]\nkind = \"mean\"\nweights = [1]\nparts = []\n",
+                 {"friction.law", "parts", "one or more"}},
+        BadInput{"LoopWithoutDrive", sound + "[loop]\nperiod_s = 0.001\n", {"[drive]", "missing"}},
+        BadInput{"DriveWithoutLoop", sound + drive, {"[loop]", "missing"}},
+        BadInput{"IdealKickInALoop",
+                 with(sound, "[controller]", "[controller]\nkick = \"ideal\"") + "[loop]\nperiod_s = 0.001\n" + drive,
+                 {"kick", "two_phase"}},
+        BadInput{"ForceLimitBelowFriction",
+                 with(sound, "[controller]", "[controller]\nmax_force_N = 4"),
+                 {"max_force_N", "4", "4.5"}},
+        BadInput{"TargetsOutOfOrder",
+                 with(sound, "[controller]",
+                      "[controller]\ntargets = [{time_s = 2, position_m = 0}, {time_s = 1, position_m = 1}]"),
+                 {"targets", "time_s"}},
+        BadInput{"NegativeNodeId",
+                 sound + "[loop]\nperiod_s=0.001\n" + with(drive, "[drive]", "[drive]\nnode_id = -1"),
+                 {"node_id", "-1", "[1, 127]"}},
+        BadInput{"SyntaxError", with(sound, "mass_kg = 1", "mass_kg = = 1"), {":3:", "TOML"}},
+        BadInput{"KeyTwice", with(sound, "mass_kg = 1", "mass_kg = 1\nmass_kg = 2"), {":4:", "TOML"}}),
+    [](const auto& row) { return std::string{row.param.label}; });
+
+TEST(ReadScenario, RefusesAFileThatIsNotThere) {
+  EXPECT_THROW(read_scenario("/nowhere/axis.toml"), InputError);
+  EXPECT_THROW(read_scenario(std::filesystem::temp_directory_path()), InputError);
+}
+
+TEST(ReadScenario, TakesCoefficientsOrNewtons) {
+  const Scenario newtons = parse_scenario(sound, "");
+  const Scenario coefficients = parse_scenario(
+      with(with(sound, "lower_N = 2.5", "gravity_m_s2 = 10\nmu_lower = 0.25"), "upper_N = 4.5", "mu_upper = 0.45"), "");
+  EXPECT_DOUBLE_EQ(coefficients.friction.lower_N, newtons.friction.lower_N);
+  EXPECT_DOUBLE_EQ(coefficients.friction.upper_N, newtons.friction.upper_N);
+  EXPECT_FALSE(newtons.friction.normal_force_N.has_value());
+}
+
+TEST(ReadScenario, ReadsTheExamplesFrictionLaw) {
+  const Scenario s = read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/impulsive_example.toml");
+  const auto mu = [](double t, double v) { return 0.1 / (1 + 0.5 * v) + 0.3 + 0.05 * std::sin(4 * t); };
+  for (const double t : {0.0, 0.3, 2.0}) {
+    for (const double v : {0.0, 0.5, 7.0}) EXPECT_NEAR(s.friction.law.level_N(t, 0, v), 10 * mu(t, v), 1e-14);
+  }
+}
+
+TEST(ReadScenario, NamesOnlyThePartsThatTheFileNames) {
+  const Scenario ideal = parse_scenario(sound, "");
+  EXPECT_TRUE(ideal.ideal());
+  EXPECT_FALSE(ideal.drive || ideal.bus);
+  const Scenario bus = parse_scenario(sound + "[loop]\nperiod_s = 0.001\n" + drive, "");
+  EXPECT_TRUE(bus.loop && bus.drive && bus.bus);
+  EXPECT_EQ(bus.drive->rated_torque_mNm, 1000u);
+  EXPECT_EQ(bus.controller.impulsive->kick, breakaway::scenario::Kick::two_phase);
+}
+
+TEST(ReadScenario, AcceptsEveryScenarioOfTheProject) {
+  for (const auto& entry : std::filesystem::directory_iterator{BREAKAWAY_SOURCE_DIR "/sim/scenarios"}) {
+    EXPECT_NO_THROW(read_scenario(entry.path())) << entry.path();
+  }
+}
+
+}  // namespace
