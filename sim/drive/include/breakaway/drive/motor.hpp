@@ -1,0 +1,35 @@
+// The motor behind the drive's torque command: physical limit and current-loop lag; and the encoder on its axis.
+#pragma once
+
+#include <cstdint>
+
+#include "breakaway/drive/mechanism.hpp"
+
+namespace breakaway::drive {
+
+class Motor {
+ public:
+  // peak_force_N > 0; time_constant_s >= 0, 0: the force follows at once.
+  Motor(double peak_force_N, double time_constant_s) : peak_force_N_(peak_force_N), time_constant_s_(time_constant_s) {}
+
+  double clamped(double force_N) const;  // to +-peak_force_N
+  double commanded_N() const { return segment_.steady_N; }
+
+  // From time_s on the force tends to clamped(force_N), starting from what it is then.
+  void command(double force_N, double time_s);
+
+  const ForceSegment& segment() const { return segment_; }
+  double largest_force_N(double time_s) const;  // largest |force| from the beginning until time_s
+  double peak_force_N() const { return peak_force_N_; }
+
+ private:
+  double peak_force_N_;
+  double time_constant_s_;
+  ForceSegment segment_{};
+  double largest_so_far_N_ = 0;
+};
+
+// The count nearest to position_m / resolution_m, in a 32-bit counter that wraps around.
+std::int32_t encoder_counts(double position_m, double resolution_m);
+
+}  // namespace breakaway::drive

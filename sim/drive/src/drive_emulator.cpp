@@ -1,0 +1,148 @@
+#include "breakaway/drive/drive_emulator.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/drive/objects.hpp"
+
+namespace breakaway::drive {
+
+using canopen::NmtCommand;
+using canopen::NmtState;
+namespace object = cia402::object;
+
+namespace {
+
+const DriveConfig& validated(const DriveConfig& config) {
+  validate(config);
+  return config;
+}
+
+}  // namespace
+
+DriveEmulator::DriveEmulator(const DriveConfig& config, Mechanism& mechanism, Send send)
+    : config_(validated(config)),
+      send_(std::move(send)),
+      emergency_(dictionary_,
+                 [this](const hal::CanFrame& frame) {
+                   if (nmt_ != NmtState::stopped) post(frame);
+                 }),
+      sdo_(dictionary_),
+      drive_(config_, dictionary_, emergency_, mechanism),
+      random_(config.seed) {
+  add_communication_objects(dictionary_, config_);
+  add_drive_objects(dictionary_, config_);
+  // What CiA 402 maps at power-on, with the torque command and the position in the third PDOs.
+  using Mapped = std::initializer_list<Address>;
+  const Mapped received[kPdos] = {{{object::controlword, 0}},
+                                  {{object::controlword, 0}, {object::mode, 0}},
+                                  {{object::controlword, 0}, {object::target_torque, 0}},
+                                  {}};
+  const Mapped sent[kPdos] = {{{object::statusword, 0}},
+                              {{object::statusword, 0}, {object::mode_display, 0}},
+                              {{object::statusword, 0}, {object::position_actual, 0}},
+                              {}};
+  for (unsigned number = 1; number <= kPdos; ++number) {
+    const std::uint32_t absent = number > config_.valid_pdos ? canopen::kCobIdInvalid : 0;
+    rpdos_.emplace_back(dictionary_, PdoDirection::receive, number,
+                        absent | canopen::rpdo_cob_id(number, config_.node_id), received[number - 1]);
+    tpdos_.emplace_back(dictionary_, PdoDirection::transmit, number,
+                        absent | canopen::tpdo_cob_id(number, config_.node_id), sent[number - 1]);
+  }
+  dictionary_.on_written([this](Address address) { on_written(address); });
+}
+
+void DriveEmulator::power_on(hal::Time at) {
+  advance_to(at);
+  powered_ = true;
+  reset(NmtCommand::reset_node);
+}
+
+void DriveEmulator::power_off(hal::Time at) {
+  advance_to(at);
+  powered_ = false;
+  nmt_ = NmtState::boot_up;
+  timers_.cancel_all();
+  outgoing_.clear();
+  drive_.restart(now_);
+}
+
+void DriveEmulator::advance_to(hal::Time at) {
+  for (auto due = next_event(); due && *due <= at; due = next_event()) {
+    now_ = std::max(now_, *due);
+    if (const auto timer = timers_.first(); timer && *timers_.due(*timer) <= now_) {
+      timers_.cancel(*timer);
+      on_time(*timer);
+    } else {
+      drive_.on_time(now_);
+    }
+    settle();
+  }
+  now_ = std::max(now_, at);
+}
+
+std::optional<hal::Time> DriveEmulator::next_event() const {
+  if (!powered_) return std::nullopt;
+  std::optional<hal::Time> next = drive_.next_event();
+  const auto consider = [&next](hal::Time time) { next = next ? std::min(*next, time) : time; };
+  if (const auto timer = timers_.first()) consider(*timers_.due(*timer));
+  if (!outgoing_.empty()) consider(outgoing_.begin()->first);
+  return next;
+}
+
+void DriveEmulator::advance_mechanism_to(hal::Time at) {
+  advance_to(at);
+  drive_.advance_mechanism_to(at);
+}
+
+double DriveEmulator::largest_force_N(hal::Time until) const {
+  return drive_.motor().largest_force_N(std::chrono::duration<double>(until).count());
+}
+
+void DriveEmulator::trip_fault(std::uint16_t code, hal::Time at) {
+  advance_to(at);
+  if (nmt_ == NmtState::boot_up) return;
+  drive_.trip(code, false);
+  settle();
+}
+
+void DriveEmulator::on_time(std::size_t timer) {
+  if (timer >= tpdo_event) return transmit(timer - tpdo_event);
+  if (timer >= rpdo_deadline) return drive_.trip(emcy::rpdo_timeout, true);
+  switch (timer) {
+    case boot:
+      return finish_boot();
+    case heartbeat_due:
+      post_heartbeat(nmt_);
+      return restart_heartbeat();
+    case master_heartbeat:
+      return lose_master();
+    case sync_alarm:
+      return drive_.trip(emcy::sync_late, false);
+    case sdo_timeout:
+      return post({.id = canopen::sdo_response_cob_id(config_.node_id),
+                   .size = 8,
+                   .data = sdo_.abort(canopen::SdoAbort::timeout)});
+  }
+}
+
+void DriveEmulator::settle() {
+  const std::int64_t mode = get(object::mode_display);
+  if (drive_.settle(now_)) note_event(object::statusword);
+  if (mode != last_mode_display_) note_event(object::mode_display);
+  last_mode_display_ = mode;
+  flush();
+}
+
+void DriveEmulator::flush() {
+  while (!outgoing_.empty() && outgoing_.begin()->first <= now_) {
+    const hal::CanFrame frame = outgoing_.begin()->second;
+    outgoing_.erase(outgoing_.begin());
+    if (!silent_) send_(frame, now_);
+  }
+}
+
+void DriveEmulator::post(const hal::CanFrame& frame, hal::Duration delay) { outgoing_.emplace(now_ + delay, frame); }
+
+}  // namespace breakaway::drive

@@ -1,0 +1,63 @@
+#include "breakaway/drive/emergency.hpp"
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
+
+namespace breakaway::drive {
+
+namespace {
+
+constexpr Address kErrorRegister{0x1001, 0};
+constexpr std::uint16_t kHistory = 0x1003;
+constexpr Address kCobId{0x1014, 0};
+
+// The bit of 1001h for an error code, beside bit 0 (any error).
+unsigned register_bit(std::uint16_t code) {
+  switch (code >> 12) {
+    case 0x2:
+      return 1U << 1;  // current
+    case 0x3:
+      return 1U << 2;  // voltage
+    case 0x4:
+      return 1U << 3;  // temperature
+    case 0x8:
+      return code < 0x8300 ? 1U << 4 : 1U << 5;  // communication; device profile
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+void EmergencyProducer::raise(std::uint16_t code) {
+  if (active_.insert(code).second) send(code);
+}
+
+void EmergencyProducer::clear(std::uint16_t code) {
+  if (active_.erase(code) != 0) send(emcy::no_error);
+}
+
+void EmergencyProducer::send(std::uint16_t code) {
+  unsigned error_register = 0;
+  for (const std::uint16_t active : active_) error_register |= 1U | register_bit(active);
+  dictionary_.set(kErrorRegister, error_register);
+  if (code != emcy::no_error) remember(code);
+  const auto cob_id = static_cast<std::uint32_t>(dictionary_.get(kCobId));
+  if ((cob_id & canopen::kCobIdInvalid) != 0) return;
+  hal::CanFrame frame{.id = static_cast<std::uint16_t>(cob_id & 0x7FFU), .size = 8};
+  canopen::store_little_endian(frame.data, code);
+  frame.data[2] = static_cast<std::uint8_t>(error_register);
+  post_(frame);
+}
+
+void EmergencyProducer::remember(std::uint16_t code) {
+  std::uint8_t depth = 1;
+  while (dictionary_.find({kHistory, static_cast<std::uint8_t>(depth + 1)}) != nullptr) ++depth;
+  for (std::uint8_t sub = depth; sub > 1; --sub)
+    dictionary_.set({kHistory, sub}, dictionary_.get({kHistory, static_cast<std::uint8_t>(sub - 1)}));
+  dictionary_.set({kHistory, 1}, code);
+  const std::int64_t count = dictionary_.get({kHistory, 0});
+  dictionary_.set({kHistory, 0}, std::min<std::int64_t>(count + 1, depth));
+}
+
+}  // namespace breakaway::drive

@@ -1,0 +1,107 @@
+#include "breakaway/drive/objects.hpp"
+
+#include "breakaway/canopen/cob_id.hpp"
+
+namespace breakaway::drive {
+
+using canopen::SdoAbort;
+namespace object = cia402::object;
+
+namespace {
+
+constexpr auto rw = Access::read_write;
+constexpr std::uint32_t kServoDriveProfile = 0x00020192;  // CiA 402 (192h), servo drive (bit 17)
+constexpr std::uint8_t kHistoryDepth = 8;
+
+void set_communication_rules(ObjectDictionary& dictionary) {
+  dictionary.set_rule(0x1003, [](Address, std::int64_t value) -> std::optional<SdoAbort> {
+    if (value != 0) return SdoAbort::invalid_value;  // 0 empties the history; nothing else makes sense
+    return std::nullopt;
+  });
+  const auto eleven_bits = [](Address, std::int64_t value) -> std::optional<SdoAbort> {
+    const auto cob_id = static_cast<std::uint32_t>(value) & ~canopen::kCobIdInvalid;
+    if (cob_id == 0 || cob_id > 0x7FF) return SdoAbort::invalid_value;  // also refuses bit 30, being SYNC producer
+    return std::nullopt;
+  };
+  dictionary.set_rule(object::sync_cob_id, eleven_bits);
+  dictionary.set_rule(object::emcy_cob_id, eleven_bits);
+}
+
+// Ranges of 605Ah to 605Eh. In torque mode every stop is the same: the torque demand goes to zero at once.
+void add_option_codes(ObjectDictionary& dictionary) {
+  dictionary.add({object::quick_stop_option, 0}, {.type = Type::i16, .access = rw, .value = 2, .low = 0, .high = 8});
+  dictionary.add({object::shutdown_option, 0}, {.type = Type::i16, .access = rw, .value = 0, .low = 0, .high = 1});
+  dictionary.add({object::disable_option, 0}, {.type = Type::i16, .access = rw, .value = 1, .low = 0, .high = 1});
+  dictionary.add({object::halt_option, 0}, {.type = Type::i16, .access = rw, .value = 1, .low = 1, .high = 4});
+  dictionary.add({object::fault_reaction_option, 0},
+                 {.type = Type::i16, .access = rw, .value = 2, .low = 0, .high = 4});
+}
+
+void add_torque_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+  dictionary.add({object::target_torque, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
+  dictionary.add({object::max_torque, 0},
+                 {.type = Type::u16, .access = rw, .value = config.max_torque_per_mille, .mapping = Mapping::both});
+  dictionary.add({object::torque_demand, 0}, {.type = Type::i16, .mapping = Mapping::transmit});
+  dictionary.add({object::rated_current_mA, 0}, {.type = Type::u32, .value = config.rated_current_mA});
+  dictionary.add({object::rated_torque_mNm, 0}, {.type = Type::u32, .value = config.rated_torque_mNm});
+  dictionary.add({object::torque_actual, 0}, {.type = Type::i16, .mapping = Mapping::transmit});
+  dictionary.add({object::torque_offset, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
+}
+
+void add_mode_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+  dictionary.add({object::mode, 0}, {.type = Type::i8, .access = rw, .mapping = Mapping::both});
+  dictionary.add({object::mode_display, 0}, {.type = Type::i8, .mapping = Mapping::transmit});
+  dictionary.add({object::supported_modes, 0}, {.type = Type::u32, .value = config.supported_modes});
+  dictionary.set_rule(object::mode, [&dictionary](Address, std::int64_t mode) -> std::optional<SdoAbort> {
+    if (mode == 0) return std::nullopt;
+    const std::int64_t supported = dictionary.get({object::supported_modes, 0});
+    if (mode < 0 || mode > 32 || (supported >> (mode - 1) & 1) == 0) return SdoAbort::invalid_value;
+    return std::nullopt;
+  });
+  const bool ms_only = config.quirks.interpolation_in_ms_only;
+  dictionary.add({object::interpolation_period, 0}, {.type = Type::u8, .value = 2});
+  dictionary.add({object::interpolation_period, 1}, {.type = Type::u8, .access = rw, .value = 1});
+  dictionary.add({object::interpolation_period, 2},
+                 {.type = Type::i8, .access = rw, .value = -3, .low = ms_only ? -3 : -128, .high = ms_only ? -3 : 63});
+}
+
+}  // namespace
+
+void add_communication_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+  const std::uint8_t node = config.node_id;
+  dictionary.add({object::device_type, 0}, {.type = Type::u32, .value = kServoDriveProfile});
+  dictionary.add({object::error_register, 0}, {.type = Type::u8, .mapping = Mapping::transmit});
+  dictionary.add({0x1003, 0}, {.type = Type::u8, .access = rw});
+  for (std::uint8_t sub = 1; sub <= kHistoryDepth; ++sub) dictionary.add({0x1003, sub}, {.type = Type::u32});
+  dictionary.add({object::sync_cob_id, 0}, {.type = Type::u32, .access = rw, .value = canopen::kSyncCobId});
+  dictionary.add({object::sync_period_us, 0}, {.type = Type::u32, .access = rw});
+  dictionary.add({object::sync_window_us, 0}, {.type = Type::u32, .access = rw});
+  dictionary.add({0x1008, 0}, {.type = Type::text, .text = config.device_name});
+  dictionary.add({object::emcy_cob_id, 0}, {.type = Type::u32, .access = rw, .value = canopen::emcy_cob_id(node)});
+  dictionary.add({object::consumer_heartbeat, 0}, {.type = Type::u8, .value = 1});
+  dictionary.add({object::consumer_heartbeat, 1}, {.type = Type::u32, .access = rw, .high = 0x7F'FFFF});
+  dictionary.add({object::producer_heartbeat, 0},
+                 {.type = Type::u16, .access = rw, .value = config.producer_heartbeat_ms});
+  dictionary.add({object::identity, 0}, {.type = Type::u8, .value = 4});
+  for (std::uint8_t sub = 1; sub <= 4; ++sub) dictionary.add({object::identity, sub}, {.type = Type::u32});
+  dictionary.add({0x1029, 0}, {.type = Type::u8, .value = 1});
+  dictionary.add({0x1029, 1}, {.type = Type::u8, .access = rw, .value = config.error_behaviour, .low = 0, .high = 2});
+  dictionary.add({0x1200, 0}, {.type = Type::u8, .value = 2});
+  dictionary.add({0x1200, 1}, {.type = Type::u32, .value = canopen::sdo_request_cob_id(node)});
+  dictionary.add({0x1200, 2}, {.type = Type::u32, .value = canopen::sdo_response_cob_id(node)});
+  set_communication_rules(dictionary);
+}
+
+void add_drive_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+  dictionary.add({object::error_code, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
+  dictionary.add({object::controlword, 0}, {.type = Type::u16, .access = rw, .mapping = Mapping::both});
+  dictionary.add({object::statusword, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
+  dictionary.add({object::position_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
+  dictionary.add({object::velocity_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
+  dictionary.add({0x6403, 0}, {.type = Type::text, .access = rw});  // motor catalogue number
+  add_option_codes(dictionary);
+  add_torque_objects(dictionary, config);
+  add_mode_objects(dictionary, config);
+}
+
+}  // namespace breakaway::drive

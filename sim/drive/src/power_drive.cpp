@@ -1,0 +1,206 @@
+#include "breakaway/drive/power_drive.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace breakaway::drive {
+
+using cia402::State;
+namespace object = cia402::object;
+namespace status_bit = cia402::status_bit;
+
+namespace {
+
+constexpr std::int64_t kModeChanging = -1;
+constexpr std::uint16_t kEnableOperationBit = 0x08;
+
+double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
+
+// The nearest value of an i16 object.
+std::int64_t saturate_i16(double value) {
+  return static_cast<std::int64_t>(std::clamp(std::round(value), -32768.0, 32767.0));
+}
+
+double force_per_per_mille(const DriveConfig& config) {
+  return config.rated_torque_mNm * 1e-6 * config.force_per_torque_N_per_Nm;
+}
+
+}  // namespace
+
+PowerDrive::PowerDrive(const DriveConfig& config, ObjectDictionary& dictionary, EmergencyProducer& emergency,
+                       Mechanism& mechanism)
+    : config_(config),
+      dictionary_(dictionary),
+      emergency_(emergency),
+      mechanism_(mechanism),
+      force_per_per_mille_N_(force_per_per_mille(config)),
+      motor_(config.peak_force_N.value_or(config.max_torque_per_mille * force_per_per_mille_N_),
+             config.current_loop_time_constant_s) {}
+
+void PowerDrive::restart(hal::Time at) {
+  machine_ = {};
+  watched_state_ = machine_.state();
+  timers_.cancel_all();
+  controlword_ = 0;
+  requested_mode_ = 0;
+  controlword_changed_.reset();
+  enable_needs_edge_ = limited_ = false;
+  faults_.clear();
+  causes_.clear();
+  last_sync_.reset();
+  if (config_.quirks.silent_drop_at && *config_.quirks.silent_drop_at >= at)
+    timers_.set(silent_drop, *config_.quirks.silent_drop_at);
+  cut_power(at);
+}
+
+void PowerDrive::on_written(std::uint16_t index, hal::Time at) {
+  if (index == object::controlword) control(static_cast<std::uint16_t>(get(index)), at);
+  if (index == object::mode) request_mode(at);
+}
+
+void PowerDrive::control(std::uint16_t controlword, hal::Time at) {
+  if (controlword != controlword_) {
+    const bool too_soon = controlword_changed_ && at - *controlword_changed_ < config_.quirks.min_controlword_interval;
+    if (too_soon) return;
+    controlword_changed_ = at;
+    controlword_ = controlword;
+  }
+  const bool was_fault = machine_.state() == State::fault;
+  machine_.control(as_the_drive_reads_it(controlword), causes_.empty(), get(object::quick_stop_option));
+  if (was_fault && machine_.state() != State::fault) clear_faults();
+}
+
+std::uint16_t PowerDrive::as_the_drive_reads_it(std::uint16_t controlword) {
+  if ((controlword & kEnableOperationBit) == 0) enable_needs_edge_ = false;
+  const bool no_mode = config_.quirks.needs_mode_to_enable && get(object::mode) == 0;
+  if (!enable_needs_edge_ && !no_mode) return controlword;
+  return static_cast<std::uint16_t>(controlword & ~unsigned{kEnableOperationBit});
+}
+
+void PowerDrive::request_mode(hal::Time at) {
+  if (get(object::mode) == requested_mode_) return;  // asked for again, as by a cyclic RPDO
+  requested_mode_ = get(object::mode);
+  if (config_.quirks.mode_display_delay.count() == 0) {
+    dictionary_.set({object::mode_display, 0}, get(object::mode));
+    return;
+  }
+  dictionary_.set({object::mode_display, 0}, kModeChanging);
+  timers_.set(mode_change, at + config_.quirks.mode_display_delay);
+}
+
+void PowerDrive::trip(std::uint16_t code, bool cause_remains) {
+  faults_.insert(code);
+  if (cause_remains) causes_.insert(code);
+  dictionary_.set({object::error_code, 0}, code);
+  emergency_.raise(code);
+  machine_.trip();
+}
+
+void PowerDrive::clear_faults() {
+  for (const std::uint16_t code : faults_) emergency_.clear(code);
+  faults_.clear();
+  dictionary_.set({object::error_code, 0}, 0);
+}
+
+void PowerDrive::advance_mechanism_to(hal::Time at) { mechanism_.advance_to(seconds(at), motor_.segment()); }
+
+void PowerDrive::sample(hal::Time at, bool on_sync) {
+  advance_mechanism_to(at);
+  const std::int32_t counts = encoder_counts(mechanism_.position_m(), config_.encoder_resolution_m);
+  dictionary_.set({object::position_actual, 0}, counts);
+  dictionary_.set({object::torque_actual, 0}, saturate_i16(motor_.segment().at(seconds(at)) / force_per_per_mille_N_));
+  if (!on_sync) return;
+  if (last_sync_ && at > *last_sync_) {
+    // Unsigned: the counter may have wrapped around between the two.
+    const auto moved =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(last_sync_counts_));
+    const double velocity = std::round(moved / seconds(at - *last_sync_));
+    dictionary_.set({object::velocity_actual, 0},
+                    static_cast<std::int64_t>(std::clamp(velocity, -2147483648.0, 2147483647.0)));
+  }
+  last_sync_ = at;
+  last_sync_counts_ = counts;
+}
+
+bool PowerDrive::makes_torque() const {
+  const bool halted = (controlword_ & cia402::control::halt) != 0;
+  return machine_.state() == State::operation_enabled && !halted &&
+         get(object::mode_display) == static_cast<std::int64_t>(cia402::Mode::cyclic_torque);
+}
+
+double PowerDrive::torque_demand_per_mille() {
+  limited_ = false;
+  if (!makes_torque()) return 0;
+  const auto max_per_mille = static_cast<double>(get(object::max_torque));
+  auto asked = static_cast<double>(get(object::target_torque));
+  if (config_.quirks.torque_relative_to_max) asked *= max_per_mille / 1000;
+  asked += static_cast<double>(get(object::torque_offset));
+  const double peak_per_mille = motor_.peak_force_N() / force_per_per_mille_N_;
+  const double limit = std::min(max_per_mille, peak_per_mille);
+  limited_ = std::abs(asked) > limit;
+  return std::clamp(asked, -limit, limit);
+}
+
+void PowerDrive::command_torque(double demand_per_mille, hal::Time at) {
+  dictionary_.set({object::torque_demand, 0}, saturate_i16(demand_per_mille));
+  const double force_N = motor_.clamped(demand_per_mille * force_per_per_mille_N_);
+  if (force_N == motor_.commanded_N()) return;
+  advance_mechanism_to(at);
+  motor_.command(force_N, seconds(at));
+  segment_listener_(motor_.segment());
+}
+
+void PowerDrive::cut_power(hal::Time at) { command_torque(0, at); }
+
+void PowerDrive::watch_stops(hal::Time at) {
+  if (machine_.state() == watched_state_) return;
+  watched_state_ = machine_.state();
+  if (watched_state_ == State::quick_stop_active || watched_state_ == State::fault_reaction_active)
+    timers_.set(stop, at + config_.stop_duration);
+  else
+    timers_.cancel(stop);
+}
+
+std::uint16_t PowerDrive::statusword() const {
+  unsigned word = cia402::status_bits(machine_.state());
+  if (machine_.state() != State::not_ready_to_switch_on) word |= status_bit::voltage_enabled | status_bit::remote;
+  if (emergency_.any() && faults_.empty()) word |= status_bit::warning;
+  if (limited_) word |= status_bit::internal_limit;
+  if (makes_torque()) word |= status_bit::follows_target;
+  return static_cast<std::uint16_t>(word);
+}
+
+bool PowerDrive::settle(hal::Time at) {
+  watch_stops(at);
+  command_torque(torque_demand_per_mille(), at);
+  const std::int64_t word = statusword();
+  const bool changed = word != get(object::statusword);
+  dictionary_.set({object::statusword, 0}, word);
+  return changed;
+}
+
+std::optional<hal::Time> PowerDrive::next_event() const {
+  const auto first = timers_.first();
+  return first ? timers_.due(*first) : std::nullopt;
+}
+
+void PowerDrive::on_time(hal::Time at) {
+  for (auto first = timers_.first(); first && *timers_.due(*first) <= at; first = timers_.first()) {
+    timers_.cancel(*first);
+    switch (*first) {
+      case stop:
+        machine_.stop_finished(get(object::quick_stop_option));
+        break;
+      case mode_change:
+        dictionary_.set({object::mode_display, 0}, get(object::mode));
+        break;
+      case silent_drop:
+        enable_needs_edge_ = machine_.state() == State::operation_enabled;
+        machine_.fall_back_to_switched_on();
+        break;
+    }
+  }
+}
+
+}  // namespace breakaway::drive
