@@ -1,0 +1,265 @@
+#include "breakaway/cia402/drive_node.hpp"
+
+#include <array>
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/sdo_abort.hpp"
+#include "breakaway/cia402/objects.hpp"
+
+namespace breakaway::cia402 {
+namespace {
+
+using canopen::NmtCommand;
+using canopen::NmtState;
+using canopen::SdoAbort;
+using hal::StatusCode;
+
+constexpr std::uint32_t object_id(std::uint16_t index, std::uint8_t subindex) noexcept {
+  return static_cast<std::uint32_t>(index) << 8 | subindex;
+}
+
+constexpr SetupStep kReadMode{.kind = SetupStep::Kind::read, .index = object::mode_display};
+constexpr SetupStep kReadErrorCode{.kind = SetupStep::Kind::read, .index = object::error_code};
+constexpr SetupStep kWriteMode{.kind = SetupStep::Kind::write,
+                               .index = object::mode,
+                               .size = 1,
+                               .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
+
+// The drive lacks the object, or has it fixed.
+bool is_missing(hal::Status result) noexcept {
+  if (result.code != StatusCode::sdo_aborted) return false;
+  const auto code = static_cast<SdoAbort>(result.detail);
+  return code == SdoAbort::no_such_object || code == SdoAbort::no_such_subindex || code == SdoAbort::read_only;
+}
+
+}  // namespace
+
+DriveNode::DriveNode(const NodeConfig& config) noexcept
+    : config_{config},
+      plan_{config},
+      sdo_{config.node_id, config.sdo_timeout},
+      heartbeat_{config.node_id, config.heartbeat_timeout},
+      own_heartbeat_{config.master_node_id, config.heartbeat_period},
+      emcy_{config.node_id} {
+  const hal::Status status = check(config);
+  config_valid_ = status.ok();
+  if (!config_valid_) refuse(status);
+}
+
+void DriveNode::on_frame(const hal::ReceivedFrame& received) noexcept {
+  heartbeat_.on_frame(received.frame, received.time);
+  emcy_.on_frame(received.frame);
+  sdo_.on_frame(received.frame);
+}
+
+bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
+  if (!config_valid_) return false;
+  if (nmt_command_) {
+    frame = canopen::nmt_frame(*nmt_command_, config_.node_id);
+    nmt_command_.reset();
+    return true;
+  }
+  return own_heartbeat_.next_frame(frame, NmtState::operational, now) || sdo_.next_frame(frame, now);
+}
+
+void DriveNode::update(hal::Time now) noexcept {
+  if (!config_valid_) return;
+  if (!since_) since_ = now;
+  heartbeat_.update(now);
+  if (heartbeat_.take_boot_up()) {
+    if (phase_ != SetupPhase::waiting) ++reboots_;
+    begin_configuration(now);
+  }
+  switch (phase_) {
+    case SetupPhase::waiting:
+      return wait_for_node(now);
+    case SetupPhase::configuring:
+      return configure(now);
+    case SetupPhase::starting:
+      return start_node(now);
+    case SetupPhase::verifying_mode:
+      return verify_mode(now);
+    case SetupPhase::ready:
+      return watch(now);
+    case SetupPhase::refused:
+      return;
+  }
+}
+
+void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
+  phase_ = phase;
+  since_ = now;
+  last_command_.reset();
+}
+
+void DriveNode::refuse(hal::Status status) noexcept {
+  phase_ = SetupPhase::refused;
+  status_ = status;
+}
+
+// A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up.
+void DriveNode::wait_for_node(hal::Time now) noexcept {
+  if (heartbeat_.state() == NmtState::pre_operational) return begin_configuration(now);
+  const bool heard = heartbeat_.state().has_value();
+  const hal::Duration patience = last_command_ && !heard ? kBootTime : config_.heartbeat_timeout;
+  const bool at_once = heard && !last_command_;
+  if (!at_once && now - last_command_.value_or(*since_) < patience) return;
+  nmt_command_ = heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication;
+  last_command_ = now;
+}
+
+void DriveNode::begin_configuration(hal::Time now) noexcept {
+  enter(SetupPhase::configuring, now);
+  status_ = {StatusCode::would_block};
+  sdo_.cancel();
+  heartbeat_.stop();
+  nmt_command_.reset();
+  transfer_running_ = false;
+  error_code_wanted_ = false;
+  error_code_ = 0;
+  rating_ = {};
+  step_ = 0;
+  attempts_ = 0;
+}
+
+void DriveNode::configure(hal::Time now) noexcept {
+  const SetupStep& step = plan_.steps()[step_];
+  if (!transfer_running_) return start_transfer(step);
+  const hal::Status result = sdo_.poll(now);
+  if (result.code == StatusCode::would_block) return;
+  transfer_running_ = false;
+  if (result.ok() || (step.optional && is_missing(result)))
+    on_step_done(step, now);
+  else
+    on_step_failed(step, result, now);
+  if (phase_ == SetupPhase::configuring) start_transfer(plan_.steps()[step_]);
+}
+
+void DriveNode::start_transfer(const SetupStep& step) noexcept {
+  setup_object_ = object_id(step.index, step.subindex);
+  if (status_.code == StatusCode::would_block) status_.detail = setup_object_;
+  std::array<std::uint8_t, 4> bytes{};
+  canopen::store_little_endian(bytes, step.value);
+  const hal::Status started = step.kind == SetupStep::Kind::read
+                                  ? sdo_.start_read(step.index, step.subindex)
+                                  : sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size));
+  transfer_running_ = started.ok();
+}
+
+void DriveNode::on_step_done(const SetupStep& step, hal::Time now) noexcept {
+  const bool answered = sdo_.poll(now).ok();
+  if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
+  if (phase_ == SetupPhase::refused) return;
+  if (step.index == object::producer_heartbeat) heartbeat_.start(now);
+  attempts_ = 0;
+  if (++step_ == plan_.steps().size()) begin_start(now);
+}
+
+void DriveNode::on_step_failed(const SetupStep& step, hal::Status result, hal::Time now) noexcept {
+  if (result.code != StatusCode::timeout) return refuse(result);
+  if (++attempts_ < kSdoAttempts) return;
+  enter(SetupPhase::waiting, now);
+  heartbeat_.stop();
+  heartbeat_.forget_state();
+  status_ = {StatusCode::timeout, object_id(step.index, step.subindex)};
+}
+
+void DriveNode::on_value_read(std::uint16_t index) noexcept {
+  const auto value = canopen::load_little_endian<std::uint32_t>(sdo_.data());
+  const hal::Status unsupported{StatusCode::not_supported, object_id(index, 0)};
+  switch (index) {
+    case object::device_type:
+      if ((value & 0xFFFFU) != kDeviceProfile) refuse(unsupported);
+      break;
+    case object::supported_modes:
+      if ((value & kSupportsCyclicTorque) == 0) refuse(unsupported);
+      break;
+    case object::rated_current_mA:
+      rating_.rated_current_mA = value;
+      break;
+    case object::rated_torque_mNm:
+      rating_.rated_torque_mNm = value;
+      if (value == 0) refuse(unsupported);  // no unit to command torque in
+      break;
+    case object::max_torque:
+      rating_.max_torque_per_mille = static_cast<std::uint16_t>(value);
+      if (rating_.max_torque_per_mille == 0) refuse(unsupported);
+      break;
+    default:
+      break;
+  }
+}
+
+void DriveNode::begin_start(hal::Time now) noexcept {
+  enter(SetupPhase::starting, now);
+  status_ = {StatusCode::would_block, 0};
+  setup_object_ = 0;
+  heartbeat_.forget_state();  // only a state heard after the command counts
+}
+
+void DriveNode::start_node(hal::Time now) noexcept {
+  if (heartbeat_.state() == NmtState::operational) {
+    enter(SetupPhase::verifying_mode, now);
+    last_mode_request_ = now;
+    last_mode_poll_.reset();
+    return;
+  }
+  if (last_command_ && now - *last_command_ < config_.heartbeat_timeout) return;
+  nmt_command_ = NmtCommand::start;
+  last_command_ = now;
+}
+
+void DriveNode::verify_mode(hal::Time now) noexcept {
+  if (heartbeat_.state() != NmtState::operational) {
+    sdo_.cancel();
+    transfer_running_ = false;
+    return begin_start(now);
+  }
+  if (transfer_running_) {
+    const hal::Status result = sdo_.poll(now);
+    if (result.code == StatusCode::would_block) return;
+    transfer_running_ = false;
+    return on_mode_transfer(result, now);
+  }
+  if (last_mode_poll_ && now - *last_mode_poll_ < kModePollTime) return;
+  last_mode_poll_ = now;
+  mode_write_ = now - last_mode_request_ >= kModeRequestTime;
+  if (mode_write_) last_mode_request_ = now;
+  start_transfer(mode_write_ ? kWriteMode : kReadMode);
+}
+
+void DriveNode::on_mode_transfer(hal::Status result, hal::Time now) noexcept {
+  if (!mode_write_ && result.ok() &&
+      canopen::load_little_endian<std::int8_t>(sdo_.data()) == static_cast<std::int8_t>(Mode::cyclic_torque)) {
+    enter(SetupPhase::ready, now);
+    status_ = {};
+    setup_object_ = 0;
+  } else if (now - *since_ > kModeTimeout) {
+    refuse({StatusCode::not_supported, object_id(object::mode_display, 0)});
+  }
+}
+
+void DriveNode::watch(hal::Time now) noexcept {
+  if (heartbeat_.state() != NmtState::operational) {
+    sdo_.cancel();
+    transfer_running_ = false;
+    return begin_start(now);
+  }
+  if (transfer_running_) {
+    const hal::Status result = sdo_.poll(now);
+    if (result.code == StatusCode::would_block) return;
+    transfer_running_ = false;
+    if (result.ok()) error_code_ = canopen::load_little_endian<std::uint16_t>(sdo_.data());
+  } else if (error_code_wanted_) {
+    error_code_wanted_ = false;
+    start_transfer(kReadErrorCode);
+  }
+}
+
+void DriveNode::forget_errors() noexcept {
+  emcy_.forget();
+  error_code_ = 0;
+  error_code_wanted_ = false;
+}
+
+}  // namespace breakaway::cia402

@@ -1,0 +1,94 @@
+#include "breakaway/cia402/setup_plan.hpp"
+
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/canopen/pdo.hpp"
+#include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/pdo_layout.hpp"
+
+namespace breakaway::cia402 {
+namespace {
+
+constexpr bool kOptional = true;
+constexpr bool kRequired = false;
+
+std::uint32_t whole_milliseconds(hal::Duration duration) noexcept {
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+bool fits_16_bit_milliseconds(hal::Duration duration) noexcept {
+  return duration >= std::chrono::milliseconds{1} && duration <= std::chrono::milliseconds{0xFFFF};
+}
+
+bool is_node_id(std::uint8_t id) noexcept { return id >= canopen::kMinNodeId && id <= canopen::kMaxNodeId; }
+
+}  // namespace
+
+SetupPlan::SetupPlan(const NodeConfig& config) noexcept {
+  read(object::device_type, 0, kRequired);
+  read(object::supported_modes, 0, kRequired);
+  read(object::rated_current_mA, 0, kOptional);
+  read(object::rated_torque_mNm, 0, kRequired);
+  read(object::max_torque, 0, kOptional);
+
+  const std::uint32_t master = static_cast<std::uint32_t>(config.master_node_id) << 16;
+  write(object::consumer_heartbeat, 1, 4, master | whole_milliseconds(config.heartbeat_timeout), kOptional);
+  write(object::producer_heartbeat, 0, 2, whole_milliseconds(config.heartbeat_period), kRequired);
+
+  const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(config.period).count();
+  write(object::sync_period_us, 0, 4, static_cast<std::uint32_t>(period_us), kOptional);
+  const auto interpolation = interpolation_period(config.period).value_or(InterpolationPeriod{});
+  write(object::interpolation_period, 1, 1, interpolation.units, kOptional);
+  write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), kOptional);
+
+  for (const canopen::PdoMapping& pdo : {command_pdo(config.node_id), feedback_pdo(config.node_id)}) {
+    for (std::size_t i = 0; i < canopen::remap_step_count(pdo); ++i) {
+      const canopen::ObjectWrite step = canopen::remap_step(pdo, i);
+      write(step.index, step.subindex, step.size, step.value, kRequired);
+    }
+  }
+  write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), kRequired);
+}
+
+void SetupPlan::read(std::uint16_t index, std::uint8_t subindex, bool optional) noexcept {
+  add({.kind = SetupStep::Kind::read, .optional = optional, .index = index, .subindex = subindex});
+}
+
+void SetupPlan::write(std::uint16_t index, std::uint8_t subindex, std::uint8_t size, std::uint32_t value,
+                      bool optional) noexcept {
+  add({.kind = SetupStep::Kind::write,
+       .optional = optional,
+       .index = index,
+       .subindex = subindex,
+       .size = size,
+       .value = value});
+}
+
+void SetupPlan::add(const SetupStep& step) noexcept {
+  if (count_ < steps_.size()) steps_[count_++] = step;
+}
+
+std::optional<InterpolationPeriod> interpolation_period(hal::Duration period) noexcept {
+  hal::Duration unit = std::chrono::milliseconds{1};
+  for (std::int8_t exponent = -3; exponent >= -6; --exponent, unit /= 10)
+    if (period > hal::Duration::zero() && period % unit == hal::Duration::zero() && period / unit <= 255)
+      return InterpolationPeriod{static_cast<std::uint8_t>(period / unit), exponent};
+  unit = std::chrono::milliseconds{10};
+  for (std::int8_t exponent = -2; exponent <= 0; ++exponent, unit *= 10)
+    if (period > hal::Duration::zero() && period % unit == hal::Duration::zero() && period / unit <= 255)
+      return InterpolationPeriod{static_cast<std::uint8_t>(period / unit), exponent};
+  return std::nullopt;
+}
+
+hal::Status check(const NodeConfig& config) noexcept {
+  constexpr auto invalid = hal::StatusCode::invalid_argument;
+  if (!is_node_id(config.node_id)) return {invalid, 1};
+  if (!is_node_id(config.master_node_id) || config.master_node_id == config.node_id) return {invalid, 2};
+  if (!fits_16_bit_milliseconds(config.heartbeat_period)) return {invalid, 3};
+  if (!fits_16_bit_milliseconds(config.heartbeat_timeout) || config.heartbeat_timeout <= config.heartbeat_period)
+    return {invalid, 4};
+  if (config.sdo_timeout <= hal::Duration::zero()) return {invalid, 5};
+  if (!interpolation_period(config.period)) return {invalid, 6};
+  return {};
+}
+
+}  // namespace breakaway::cia402
