@@ -1,0 +1,89 @@
+// Whatever a server answers, and whenever, the SDO client stays inside its buffer, reports only what its contract
+// lists, and is free again once the time limit has passed.
+#include <fuzzer/FuzzedDataProvider.h>
+#include <breakaway/canopen/sdo_client.hpp>
+#include <cstdlib>
+#include <vector>
+
+namespace {
+
+using breakaway::canopen::SdoClient;
+using breakaway::hal::CanFrame;
+using breakaway::hal::StatusCode;
+using breakaway::hal::Time;
+
+constexpr std::uint8_t kNode = 5;
+constexpr std::uint16_t kResponse = 0x580 + kNode;
+constexpr Time kTimeLimit{1000};
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void start(SdoClient& client, FuzzedDataProvider& input) {
+  const auto index = input.ConsumeIntegral<std::uint16_t>();
+  const auto subindex = input.ConsumeIntegral<std::uint8_t>();
+  if (input.ConsumeBool()) {
+    require(client.start_read(index, subindex).ok());
+    return;
+  }
+  const auto size = input.ConsumeIntegralInRange<std::size_t>(0, 2 * SdoClient::kCapacity);
+  const std::vector<std::uint8_t> bytes = input.ConsumeBytes<std::uint8_t>(size);
+  const bool fits = !bytes.empty() && bytes.size() <= SdoClient::kCapacity;
+  require(client.start_write(index, subindex, bytes).ok() == fits);
+}
+
+// The command byte of a server that keeps to CiA 301 (7.2.4.3): without it no input would get past the first segments.
+std::uint8_t proper_command(FuzzedDataProvider& input, std::uint8_t request) {
+  const unsigned toggle = request & 0x10U;
+  switch (request >> 5U) {
+    case 0:  // write segment
+      return static_cast<std::uint8_t>(0x20U | toggle);
+    case 1:  // initiate write
+      return 0x60;
+    case 2:  // initiate read: segmented, its size unknown
+      return 0x40;
+    default:  // read segment: any length, now and then the last
+      return static_cast<std::uint8_t>(toggle | input.ConsumeIntegralInRange(0U, 3U) << 1U |
+                                       (input.ConsumeProbability<float>() < 0.05F ? 1U : 0U));
+  }
+}
+
+CanFrame answer(FuzzedDataProvider& input, const CanFrame& request) {
+  CanFrame frame{.id = kResponse, .size = 8, .remote = false, .data = request.data};
+  frame.data[0] = proper_command(input, request.data[0]);
+  if (input.ConsumeProbability<float>() < 0.9F) return frame;
+
+  if (input.ConsumeBool()) frame.id = input.ConsumeIntegral<std::uint16_t>();
+  if (input.ConsumeBool()) frame.size = input.ConsumeIntegral<std::uint8_t>();
+  if (input.ConsumeBool()) frame.remote = true;
+  if (input.ConsumeBool()) frame.data[0] = input.ConsumeIntegral<std::uint8_t>();
+  const auto first_wrong = input.ConsumeIntegralInRange<std::size_t>(1, frame.data.size());
+  for (std::size_t i = first_wrong; i < frame.data.size(); ++i) frame.data[i] = input.ConsumeIntegral<std::uint8_t>();
+  return frame;
+}
+
+bool is_listed(StatusCode code) {
+  return code == StatusCode::ok || code == StatusCode::would_block || code == StatusCode::timeout ||
+         code == StatusCode::sdo_aborted || code == StatusCode::protocol_error;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
+  FuzzedDataProvider input(bytes, count);
+  SdoClient client(kNode, kTimeLimit);
+  CanFrame request;
+  Time now{0};
+  while (input.remaining_bytes() > 0) {
+    if (!client.busy()) start(client, input);
+    if (client.next_frame(request, now)) require(request.id == 0x600 + kNode && request.size == 8);
+    client.on_frame(answer(input, request));
+    now += Time{input.ConsumeIntegralInRange<int>(0, 300)};
+    require(is_listed(client.poll(now).code));
+    require(client.data().size() <= SdoClient::kCapacity);
+  }
+  client.next_frame(request, now);
+  require(client.poll(now + kTimeLimit + kTimeLimit).code != StatusCode::would_block);
+  return 0;
+}
