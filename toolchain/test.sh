@@ -23,10 +23,13 @@ case ${1-} in
   ?*) die "unknown option '$1'; see --help" ;;
 esac
 
-step_name='set-up'
+step_name=''
 report_failure() {
   local code=$?
-  ((code == 0)) || printf '\nFAILED in step: %s (exit code %d)\n' "$step_name" "$code" >&2
+  if ((code != 0)) && [[ -n $step_name ]]; then
+    printf '\nFAILED in step: %s (exit code %d)\n' "$step_name" "$code" >&2
+    exit 1
+  fi
 }
 trap report_failure EXIT
 

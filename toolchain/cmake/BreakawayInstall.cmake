@@ -33,3 +33,4 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/breakawayConfig.cmake.i
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/breakawayConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/breakawayConfig.cmake" "${PROJECT_BINARY_DIR}/breakawayConfigVersion.cmake"
   DESTINATION ${package_folder})
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION ${CMAKE_INSTALL_DOCDIR})
