@@ -1,0 +1,149 @@
+// Gragg-Bulirsch-Stoer extrapolation: the modified midpoint rule with 2, 4, .. 18 substeps, extrapolated in the square
+// of the substep. Order up to 18, for smooth right-hand sides of a few equations.
+//
+// The tableau holds increments, not states, so that a step from zero keeps its relative accuracy however small it is.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+
+namespace breakaway::integrators {
+
+template <std::size_t N>
+using Vector = std::array<double, N>;
+
+template <std::size_t N>
+struct ExtrapolatedStep {
+  bool converged = false;
+  Vector<N> state{};          // at the end of the step, if it converged
+  double suggested_step = 0;  // to go on with, or to retry with; signed like the step
+};
+
+namespace detail {
+
+inline constexpr std::size_t max_rows = 9;
+
+constexpr double substeps(std::size_t row) { return 2.0 * static_cast<double>(row + 1); }
+
+// Right-hand sides evaluated for rows 0..row: 2 + 4 + .. + 2 (row + 1).
+constexpr double evaluations(std::size_t row) { return static_cast<double>((row + 1) * (row + 2)); }
+
+template <std::size_t N>
+Vector<N> sum(const Vector<N>& a, const Vector<N>& b) {
+  Vector<N> result;
+  for (std::size_t i = 0; i < N; ++i) result[i] = a[i] + b[i];
+  return result;
+}
+
+// The increment over one step by the modified midpoint rule; slope0 is the right-hand side at the start.
+template <std::size_t N, class RightHandSide>
+Vector<N> midpoint_increment(RightHandSide& slope, double t, const Vector<N>& y, const Vector<N>& slope0, double step,
+                             double parts) {
+  const double h = step / parts;
+  Vector<N> before{}, now, derivative;
+  for (std::size_t i = 0; i < N; ++i) now[i] = h * slope0[i];
+  for (double part = 1; part < parts; ++part) {
+    slope(t + part * h, sum(y, now), derivative);
+    for (std::size_t i = 0; i < N; ++i) {
+      const double next = before[i] + 2 * h * derivative[i];
+      before[i] = now[i];
+      now[i] = next;
+    }
+  }
+  return now;
+}
+
+// Adds a row to the tableau in place (Neville) and returns the change that its last column made.
+template <std::size_t N>
+Vector<N> extrapolate(std::array<Vector<N>, max_rows>& tableau, const Vector<N>& increment, std::size_t row) {
+  Vector<N> change{}, value = increment;
+  for (std::size_t column = 0; column < row; ++column) {
+    const double ratio = substeps(row) / substeps(row - column - 1);
+    for (std::size_t i = 0; i < N; ++i) {
+      change[i] = (value[i] - tableau[column][i]) / (ratio * ratio - 1);
+      tableau[column][i] = value[i];
+      value[i] += change[i];
+    }
+  }
+  tableau[row] = value;
+  return change;
+}
+
+}  // namespace detail
+
+// One step of y' = slope(t, y), as slope(t, y, derivative), from (t, y). tolerance: componentwise, relative to the
+// greater of a component's magnitudes at the two ends; 1e-14 is attainable.
+template <std::size_t N, class RightHandSide>
+ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vector<N>& y, double step,
+                                      double tolerance) {
+  Vector<N> slope0;
+  slope(t, y, slope0);
+  std::array<Vector<N>, detail::max_rows> tableau;
+  ExtrapolatedStep<N> result;
+  double best_work = 0;
+  for (std::size_t row = 0; row < detail::max_rows; ++row) {
+    const auto increment = detail::midpoint_increment(slope, t, y, slope0, step, detail::substeps(row));
+    const auto change = detail::extrapolate(tableau, increment, row);
+    if (row < 2) continue;
+    result.state = detail::sum(y, tableau[row]);
+    double error = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const double scale = tolerance * std::max(std::abs(y[i]), std::abs(result.state[i]));
+      if (change[i] != 0) error = std::max(error, std::abs(change[i]) / scale);
+      if (!std::isfinite(result.state[i])) error = std::numeric_limits<double>::infinity();
+    }
+    if (!std::isfinite(error)) {
+      result.suggested_step = 0.1 * step;
+      return result;
+    }
+    // The step at which this row would just converge, and the row whose work per unit of step is least.
+    const double exponent = 1 / static_cast<double>(2 * row + 1);
+    const double factor = std::clamp(0.94 * std::pow(0.65 / std::max(error, 1e-30), exponent), 0.05, 8.0);
+    const double work = detail::evaluations(row) / factor;
+    if (row == 2 || work < best_work) {
+      best_work = work;
+      result.suggested_step = step * factor;
+    }
+    if (error <= 1) {
+      result.converged = true;
+      return result;
+    }
+  }
+  result.suggested_step = std::copysign(std::min(std::abs(result.suggested_step), 0.7 * std::abs(step)), step);
+  return result;
+}
+
+template <std::size_t N>
+struct Integration {
+  Vector<N> state{};
+  int steps = 0;
+};
+
+// Integrates from t to exactly `end` with adaptive steps, the first of which is at most first_step (positive). Throws
+// std::runtime_error when the step falls below the resolution of t.
+template <std::size_t N, class RightHandSide>
+Integration<N> integrate(RightHandSide&& slope, double t, const Vector<N>& y, double end, double first_step,
+                         double tolerance) {
+  Integration<N> result{y, 0};
+  double step = std::copysign(first_step, end - t);
+  while (t != end) {
+    const bool last = std::abs(step) >= std::abs(end - t);
+    if (last) step = end - t;
+    const auto trial = extrapolated_step(slope, t, result.state, step, tolerance);
+    if (trial.converged) {
+      t = last ? end : t + step;
+      result.state = trial.state;
+      ++result.steps;
+    } else if (t + trial.suggested_step == t) {
+      throw std::runtime_error("the integration cannot go on: its step fell below the resolution of its variable");
+    }
+    step = trial.suggested_step;
+  }
+  return result;
+}
+
+}  // namespace breakaway::integrators
