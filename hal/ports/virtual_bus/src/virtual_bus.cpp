@@ -45,6 +45,8 @@ hal::Time VirtualBus::next_event() const noexcept {
     event = frame_end_;
   else if (idle_from_ > now_)
     event = idle_from_;
+  else if (std::any_of(ports_.begin(), ports_.end(), [](const auto& port) { return !port->transmit_.empty(); }))
+    event = now_;
   return deliveries_.empty() ? event : std::min(event, deliveries_.front().received.time);
 }
 

@@ -59,6 +59,9 @@ class VirtualBus {
   hal::Time now() const noexcept { return now_; }
   // Runs the bus up to and including `time`; a time in the past changes nothing.
   void advance_to(hal::Time time) noexcept;
+  // When advance_to has something to do next, as things stand: for a caller that brings several machines forward
+  // together.
+  hal::Time next_event() const noexcept;
 
   const VirtualBusCounters& counters() const noexcept { return counters_; }
 
@@ -71,7 +74,6 @@ class VirtualBus {
   bool start_next_frame() noexcept;
   void finish_frame() noexcept;
   void deliver_due() noexcept;
-  hal::Time next_event() const noexcept;
   double random_unit() noexcept;
   hal::Duration random_delay() noexcept;
 

@@ -1,0 +1,257 @@
+// ControlLoop: receive, supervise, control, send; once a period, for up to MaxAxes axes on one bus.
+//
+// The frames of a step leave in the order RPDO of every axis, SYNC, then one acyclic frame. Every drive acts on its new
+// command and takes its next sample at that SYNC; the samples have a whole period to come back. So a force computed in
+// step k from the sample of SYNC k-1 acts from SYNC k to SYNC k+1: the latency is one period, and a pulse of n steps
+// lasts n periods.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/heartbeat.hpp"
+#include "breakaway/canopen/sync.hpp"
+#include "breakaway/firmware/supervisor.hpp"
+#include "breakaway/firmware/timing_statistics.hpp"
+#include "breakaway/hal/can_port.hpp"
+#include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/law/control_types.hpp"
+
+namespace breakaway::firmware {
+
+// clang-format off
+
+// A controller of controller/law: position error in, force out.
+template <class C, class Scalar>
+concept AxisLaw = requires(C& controller, const C& constant, const law::Measurement<Scalar>& z, Scalar shift_m) {
+  { controller.update(z) } noexcept -> std::same_as<law::ControlOutput<Scalar>>;
+  { controller.shift_target(shift_m) } noexcept;
+  { controller.reset() } noexcept;
+  { constant.fault() } noexcept -> std::same_as<law::ControlFault>;
+  { constant.mode() } noexcept -> std::same_as<law::Mode>;
+};
+
+// A drive on the bus: MotorDrive, and the frames that make it one.
+template <class D, class Scalar>
+concept BusDrive = hal::MotorDrive<D, Scalar> &&
+    requires(D& drive, const D& constant, const hal::ReceivedFrame& in, hal::CanFrame& out, hal::Time now) {
+  { drive.on_frame(in) } noexcept;
+  { drive.on_sync(now) } noexcept;
+  { drive.update(now) } noexcept;
+  { drive.next_acyclic_frame(out, now) } noexcept -> std::same_as<bool>;
+  { drive.next_command_frame(out) } noexcept -> std::same_as<bool>;
+  { constant.heartbeat_lost() } noexcept -> std::same_as<bool>;
+  { constant.last_emcy() } noexcept -> std::same_as<const canopen::Emcy&>;
+  { constant.emcy_count() } noexcept -> std::same_as<std::uint32_t>;  // messages since construction
+};
+
+// clang-format on
+
+struct LoopConfig {
+  hal::Duration period{};
+  std::uint32_t bit_rate = 1'000'000;
+  std::uint8_t node_id = 127;  // our own, as the drives' heartbeat consumers know it
+  hal::Duration heartbeat_period = std::chrono::milliseconds{50};
+};
+
+// What one axis did in the last step: for logs and displays.
+template <class Scalar>
+struct AxisStatus {
+  hal::DriveFeedback<Scalar> feedback{};
+  law::ControlOutput<Scalar> output{};
+  AxisFault fault = AxisFault::none;
+  bool running = false;  // enabled and under control
+};
+
+template <hal::CanPort Port, class Drive, class Controller, class Scalar, std::size_t MaxAxes = 8>
+requires BusDrive<Drive, Scalar> && AxisLaw<Controller, Scalar>
+class ControlLoop {
+ public:
+  ControlLoop(Port& port, const LoopConfig& config) noexcept
+      : port_{&port},
+        config_{config},
+        statistics_{config.period},
+        heartbeat_{config.node_id, config.heartbeat_period} {}
+
+  // Before the first step. invalid_argument: no room for another axis.
+  hal::Status add_axis(const Drive& drive, const Controller& controller, const AxisLimits<Scalar>& limits,
+                       Scalar encoder_resolution_m) noexcept {
+    if (count_ == MaxAxes) return {hal::StatusCode::invalid_argument, static_cast<std::uint32_t>(MaxAxes)};
+    axes_[count_++].emplace(drive, controller, limits, encoder_resolution_m);
+    return {};
+  }
+
+  // Whether this many axes at this rate fit the bus; the figures are in canopen::bus_budget().
+  hal::Status check_configuration() const noexcept {
+    return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.period, config_.bit_rate);
+  }
+
+  // The axis is to be enabled as soon as its drive is set up, and kept enabled.
+  void request_enable(std::size_t axis) noexcept { axes_[axis]->wanted = true; }
+
+  // The axis is to stop and stay disabled. Cannot fail.
+  void request_stop(std::size_t axis) noexcept {
+    axes_[axis]->wanted = false;
+    axes_[axis]->drive.request_stop();
+  }
+
+  // Acknowledges a latched fault; the drive is enabled again if it is still wanted.
+  void reset_fault(std::size_t axis) noexcept {
+    Axis& a = *axes_[axis];
+    a.supervisor.reset();
+    a.controller.reset();
+    a.drive.reset_fault();
+  }
+
+  // The target as an encoder count: exact at any distance from zero, in any scalar type. May be called at any time.
+  void set_target_counts(std::size_t axis, std::int32_t counts) noexcept {
+    Axis& a = *axes_[axis];
+    // The difference of two int32 may need 33 bits.
+    const auto shift = static_cast<std::int64_t>(counts) - static_cast<std::int64_t>(a.target_counts);
+    const Scalar shift_m = static_cast<Scalar>(shift) * a.encoder_resolution_m;
+    a.target_counts = counts;
+    a.drive.set_datum_counts(counts);
+    a.controller.shift_target(shift_m);
+    a.supervisor.begin_motion(a.last_error_m - shift_m);
+    a.last_error_m -= shift_m;
+  }
+
+  // The target in metres, rounded to the nearest encoder count.
+  void set_target_m(std::size_t axis, Scalar target_m) noexcept {
+    constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
+    set_target_counts(
+        axis, static_cast<std::int32_t>(law::limited(std::round(target_m / axes_[axis]->encoder_resolution_m), most)));
+  }
+
+  // One period. `now` is the time at which the step starts; nothing in it waits.
+  void step(hal::Time now) noexcept {
+    statistics_.begin(now);
+    receive();
+    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
+    send(now);
+  }
+
+  std::size_t axes() const noexcept { return count_; }
+  const AxisStatus<Scalar>& status(std::size_t axis) const noexcept { return axes_[axis]->status; }
+  const Drive& drive(std::size_t axis) const noexcept { return axes_[axis]->drive; }
+  const Controller& controller(std::size_t axis) const noexcept { return axes_[axis]->controller; }
+  const Supervisor<Scalar>& supervisor(std::size_t axis) const noexcept { return axes_[axis]->supervisor; }
+  const TimingStatistics& statistics() const noexcept { return statistics_; }
+  std::uint64_t refused_frames() const noexcept { return refused_frames_; }
+
+ private:
+  struct Axis {
+    Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits, Scalar resolution_m) noexcept
+        : drive{d}, controller{c}, supervisor{limits}, encoder_resolution_m{resolution_m} {}
+    Drive drive;
+    Controller controller;
+    Supervisor<Scalar> supervisor;
+    Scalar encoder_resolution_m;
+    Scalar last_error_m{};
+    std::int32_t target_counts = 0;
+    std::uint32_t emergencies_seen = 0;
+    bool wanted = false;
+    AxisStatus<Scalar> status{};
+  };
+
+  // A step takes in at most what a full bus can bring in a period of 10 ms at 1 Mbit/s; the rest waits in the port.
+  static constexpr int max_frames_per_step = 256;
+
+  void receive() noexcept {
+    hal::ReceivedFrame received;
+    for (int n = 0; n < max_frames_per_step && port_->receive(received); ++n) {
+      for (std::size_t i = 0; i < count_; ++i) axes_[i]->drive.on_frame(received);
+    }
+  }
+
+  void control(Axis& a, hal::Time now) noexcept {
+    a.drive.update(now);
+    const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
+    const bool was_running = a.status.running;
+    a.status.feedback = feedback;
+    a.status.output = {};
+    a.status.running = supervise(a, feedback, was_running, now);
+    if (!a.status.running) return;
+    if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
+    if (!was_running) begin(a);
+    a.status.output = a.controller.update({feedback.position_offset_m, Scalar{0}, feedback.fresh});
+    a.drive.command(a.status.output.force_N);
+  }
+
+  // True: the axis is enabled and may be given force in this period.
+  bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
+    const std::uint16_t emergency_code = new_emergency(a);
+    if (feedback.state == hal::DriveState::unusable) {
+      a.status.fault = AxisFault::drive_unusable;
+      return false;
+    }
+    if (was_running) {
+      const AxisHealth health{a.drive.heartbeat_lost(), emergency_code, port_->bus_state() == hal::BusState::bus_off,
+                              a.controller.fault()};
+      if (a.supervisor.check(feedback, health, now) != AxisFault::none) {
+        a.drive.request_stop();
+        port_->purge_transmit_queue();
+      }
+    }
+    a.status.fault = a.supervisor.fault();
+    if (a.status.fault != AxisFault::none) return false;
+    if (a.wanted && feedback.state == hal::DriveState::disabled) a.drive.request_enable();
+    return feedback.state == hal::DriveState::enabled && feedback.ever_valid && (was_running || feedback.fresh);
+  }
+
+  // The code of an EMCY message that came since the last step.
+  static std::uint16_t new_emergency(Axis& a) noexcept {
+    const bool is_new = a.drive.emcy_count() != a.emergencies_seen;
+    a.emergencies_seen = a.drive.emcy_count();
+    return is_new ? a.drive.last_emcy().code : std::uint16_t{0};
+  }
+
+  void begin(Axis& a) noexcept {
+    a.controller.reset();
+    a.supervisor.begin_motion(a.last_error_m);
+  }
+
+  // Frames still queued when the next step starts are stale by then: the port drops them.
+  void send(hal::Time now) noexcept {
+    const hal::Time deadline = now + config_.period;
+    hal::CanFrame frame;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (axes_[i]->drive.next_command_frame(frame)) transmit(frame, deadline);
+    }
+    transmit(canopen::sync_frame(), deadline);
+    for (std::size_t i = 0; i < count_; ++i) axes_[i]->drive.on_sync(now);
+    if (heartbeat_.next_frame(frame, canopen::NmtState::operational, now)) {
+      transmit(frame, deadline);
+      return;
+    }
+    // One acyclic frame a period keeps set-up from crowding out the cyclic traffic; the axes take turns.
+    for (std::size_t i = 0; i < count_; ++i) {
+      next_acyclic_ = next_acyclic_ + 1 < count_ ? next_acyclic_ + 1 : 0;
+      if (!axes_[next_acyclic_]->drive.next_acyclic_frame(frame, now)) continue;
+      transmit(frame, deadline);
+      break;
+    }
+  }
+
+  void transmit(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!port_->send(frame, deadline).ok()) ++refused_frames_;
+  }
+
+  Port* port_;
+  LoopConfig config_;
+  TimingStatistics statistics_;
+  canopen::HeartbeatProducer heartbeat_;
+  std::array<std::optional<Axis>, MaxAxes> axes_{};
+  std::size_t count_ = 0;
+  std::size_t next_acyclic_ = 0;
+  std::uint64_t refused_frames_ = 0;
+};
+
+}  // namespace breakaway::firmware

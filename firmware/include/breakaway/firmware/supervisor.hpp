@@ -1,0 +1,175 @@
+// Supervisor: watches one axis and decides, once a period, whether it may go on.
+//
+// A fault is latched: it names the first thing that went wrong and stays until reset(). What follows from it, zero
+// force and a stop request to the drive, is the ControlLoop's, in the same step.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/time.hpp"
+#include "breakaway/law/control_types.hpp"
+
+namespace breakaway::firmware {
+
+enum class AxisFault : std::uint8_t {
+  none,
+  feedback_stale,      // no new position for longer than feedback_timeout
+  heartbeat_lost,      // the drive's heartbeat stopped
+  emergency,           // the drive sent an EMCY message with an error code
+  drive_fault,         // the drive's state machine went to fault
+  drive_left_enabled,  // the drive left Operation enabled, or rebooted, without being asked
+  position_limit,
+  speed_limit,      // also what an encoder that jumps looks like
+  force_limit,      // the drive reports more force than it was allowed
+  following_error,  // the error grew beyond what it was at the target change by more than the limit
+  not_a_number,     // feedback was NaN or infinite
+  axis_jammed,
+  position_diverging,
+  bus_off,         // the CAN controller left the bus
+  drive_unusable,  // set-up failed
+};
+
+constexpr std::string_view to_string(AxisFault fault) noexcept {
+  switch (fault) {
+    case AxisFault::none:
+      return "none";
+    case AxisFault::feedback_stale:
+      return "feedback stale";
+    case AxisFault::heartbeat_lost:
+      return "heartbeat lost";
+    case AxisFault::emergency:
+      return "drive emergency";
+    case AxisFault::drive_fault:
+      return "drive fault";
+    case AxisFault::drive_left_enabled:
+      return "drive left operation enabled";
+    case AxisFault::position_limit:
+      return "position limit";
+    case AxisFault::speed_limit:
+      return "speed limit";
+    case AxisFault::force_limit:
+      return "force limit";
+    case AxisFault::following_error:
+      return "following error";
+    case AxisFault::not_a_number:
+      return "feedback is not a number";
+    case AxisFault::axis_jammed:
+      return "axis jammed";
+    case AxisFault::position_diverging:
+      return "position diverging";
+    case AxisFault::bus_off:
+      return "bus off";
+    case AxisFault::drive_unusable:
+      return "drive unusable";
+  }
+  return "unknown axis fault";
+}
+
+template <class Scalar>
+struct AxisLimits {
+  static constexpr Scalar unlimited = std::numeric_limits<Scalar>::infinity();
+  Scalar position_min_m = -unlimited;
+  Scalar position_max_m = unlimited;
+  Scalar speed_m_s = unlimited;
+  Scalar force_N = unlimited;  // of the force that the drive reports
+  Scalar following_error_m = unlimited;
+  hal::Duration feedback_timeout{};  // age of the newest sample; one lost frame makes two periods
+};
+
+// What the supervisor looks at, beside the feedback.
+struct AxisHealth {
+  bool heartbeat_lost = false;
+  std::uint16_t emergency_code = 0;  // of an EMCY message that came in this period; 0000 means that an error went away
+  bool bus_off = false;
+  law::ControlFault control_fault = law::ControlFault::none;
+};
+
+template <class Scalar>
+class Supervisor {
+ public:
+  constexpr explicit Supervisor(const AxisLimits<Scalar>& limits) noexcept : limits_{limits} {}
+
+  // The drive was just enabled, or the target just moved: the error may be this large from now on.
+  void begin_motion(Scalar position_error_m) noexcept {
+    allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
+  }
+
+  // Once a period while the axis is meant to be enabled. Returns the latched fault.
+  AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
+    const AxisFault seen = fault_ == AxisFault::none ? first_violation(feedback, health, now) : AxisFault::none;
+    if (seen != AxisFault::none) {
+      fault_ = seen;
+      fault_time_ = now;
+      fault_code_ = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
+    }
+    if (feedback.fresh) remember(feedback);
+    return fault_;
+  }
+
+  void reset() noexcept {
+    fault_ = AxisFault::none;
+    fault_code_ = 0;
+    has_previous_ = false;
+    allowed_error_m_ = AxisLimits<Scalar>::unlimited;
+  }
+
+  AxisFault fault() const noexcept { return fault_; }
+  hal::Time fault_time() const noexcept { return fault_time_; }
+  std::uint16_t fault_code() const noexcept { return fault_code_; }
+
+ private:
+  using Feedback = hal::DriveFeedback<Scalar>;
+
+  // In the order in which one thing explains the next.
+  AxisFault first_violation(const Feedback& f, const AxisHealth& health, hal::Time now) const noexcept {
+    if (health.bus_off) return AxisFault::bus_off;
+    if (health.emergency_code != 0) return AxisFault::emergency;
+    if (f.state == hal::DriveState::fault) return AxisFault::drive_fault;
+    if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
+    if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
+    if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
+    if (f.fresh) return measured_violation(f, health);
+    return AxisFault::none;
+  }
+
+  AxisFault measured_violation(const Feedback& f, const AxisHealth& health) const noexcept {
+    const bool finite = std::isfinite(f.position_offset_m) && std::isfinite(f.position_m) && std::isfinite(f.force_N);
+    if (!finite || health.control_fault == law::ControlFault::not_a_number) return AxisFault::not_a_number;
+    if (health.control_fault == law::ControlFault::jammed) return AxisFault::axis_jammed;
+    if (health.control_fault == law::ControlFault::diverging) return AxisFault::position_diverging;
+    if (f.position_m < limits_.position_min_m || f.position_m > limits_.position_max_m)
+      return AxisFault::position_limit;
+    if (too_fast(f)) return AxisFault::speed_limit;
+    if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
+    if (std::abs(f.position_offset_m) > allowed_error_m_) return AxisFault::following_error;
+    return AxisFault::none;
+  }
+
+  bool too_fast(const Feedback& f) const noexcept {
+    if (!has_previous_) return false;
+    constexpr Scalar seconds_per_tick = Scalar(1e-9);
+    const Scalar elapsed_s = static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick;
+    return std::abs(f.position_m - previous_position_m_) > limits_.speed_m_s * elapsed_s;
+  }
+
+  void remember(const Feedback& f) noexcept {
+    previous_position_m_ = f.position_m;
+    previous_time_ = f.sample_time;
+    has_previous_ = true;
+  }
+
+  AxisLimits<Scalar> limits_;
+  Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
+  Scalar previous_position_m_{};
+  hal::Time previous_time_{};
+  hal::Time fault_time_{};
+  std::uint16_t fault_code_ = 0;
+  AxisFault fault_ = AxisFault::none;
+  bool has_previous_ = false;
+};
+
+}  // namespace breakaway::firmware

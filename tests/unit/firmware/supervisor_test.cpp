@@ -1,0 +1,138 @@
+#include "breakaway/firmware/supervisor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace breakaway::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+using Feedback = hal::DriveFeedback<float>;
+
+AxisLimits<float> limits() {
+  AxisLimits<float> l;
+  l.position_min_m = -1;
+  l.position_max_m = 1;
+  l.speed_m_s = 2;
+  l.force_N = 50;
+  l.following_error_m = 0.1F;
+  l.feedback_timeout = 2500us;
+  return l;
+}
+
+Feedback healthy(hal::Time now) {
+  Feedback f;
+  f.state = hal::DriveState::enabled;
+  f.sample_time = now;
+  f.fresh = f.ever_valid = true;
+  return f;
+}
+
+struct Violation {
+  const char* label;
+  AxisFault expected;
+  std::function<void(Feedback&, AxisHealth&)> inject;
+};
+
+class SupervisorNames : public ::testing::TestWithParam<Violation> {};
+
+TEST_P(SupervisorNames, AndLatchesTheFault) {
+  Supervisor<float> supervisor{limits()};
+  supervisor.begin_motion(0.0F);
+  const AxisHealth well;
+  for (const hal::Time now : {1ms, 2ms}) ASSERT_EQ(supervisor.check(healthy(now), well, now), AxisFault::none);
+  Feedback bad = healthy(3ms);
+  AxisHealth ill;
+  GetParam().inject(bad, ill);
+  EXPECT_EQ(supervisor.check(bad, ill, 3ms), GetParam().expected);
+  EXPECT_EQ(supervisor.check(healthy(4ms), well, 4ms), GetParam().expected) << "latched";
+  EXPECT_EQ(supervisor.fault_time(), hal::Time{3ms});
+  supervisor.reset();
+  EXPECT_EQ(supervisor.check(healthy(5ms), well, 5ms), AxisFault::none);
+}
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, SupervisorNames,
+    ::testing::Values(
+        Violation{"stale", AxisFault::feedback_stale,
+                  [](Feedback& f, AxisHealth&) {
+                    f.fresh = false;
+                    f.sample_time = 0ms;
+                  }},
+        Violation{"heartbeat", AxisFault::heartbeat_lost, [](Feedback&, AxisHealth& h) { h.heartbeat_lost = true; }},
+        Violation{"emcy", AxisFault::emergency, [](Feedback&, AxisHealth& h) { h.emergency_code = 0x2310; }},
+        Violation{"fault", AxisFault::drive_fault, [](Feedback& f, AxisHealth&) { f.state = hal::DriveState::fault; }},
+        Violation{"left", AxisFault::drive_left_enabled,
+                  [](Feedback& f, AxisHealth&) { f.state = hal::DriveState::disabled; }},
+        Violation{"rebooted", AxisFault::drive_left_enabled,
+                  [](Feedback& f, AxisHealth&) { f.state = hal::DriveState::configuring; }},
+        Violation{"position", AxisFault::position_limit,
+                  [](Feedback& f, AxisHealth&) {
+                    f.position_m = 1.001F;
+                    f.sample_time = 10s;
+                  }},
+        Violation{"speed", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = 0.003F; }},
+        Violation{"jump", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = -0.9F; }},
+        Violation{"force", AxisFault::force_limit, [](Feedback& f, AxisHealth&) { f.force_N = -50.1F; }},
+        Violation{"following", AxisFault::following_error,
+                  [](Feedback& f, AxisHealth&) { f.position_offset_m = 0.11F; }},
+        Violation{"nan", AxisFault::not_a_number,
+                  [](Feedback& f, AxisHealth&) { f.position_offset_m = std::nanf(""); }},
+        Violation{"inf", AxisFault::not_a_number, [](Feedback& f, AxisHealth&) { f.force_N = infinity; }},
+        Violation{"jammed", AxisFault::axis_jammed,
+                  [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::jammed; }},
+        Violation{"diverging", AxisFault::position_diverging,
+                  [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::diverging; }},
+        Violation{"bus", AxisFault::bus_off, [](Feedback&, AxisHealth& h) { h.bus_off = true; }}),
+    [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+TEST(Supervisor, ToleratesOneLostSample) {
+  Supervisor<float> supervisor{limits()};
+  ASSERT_EQ(supervisor.check(healthy(1ms), {}, 1ms), AxisFault::none);
+  Feedback old = healthy(1ms);
+  old.fresh = false;
+  EXPECT_EQ(supervisor.check(old, {}, 3ms), AxisFault::none);
+  EXPECT_EQ(supervisor.check(old, {}, 4ms), AxisFault::feedback_stale);
+}
+
+TEST(Supervisor, KeepsTheFirstOfSeveralFaults) {
+  Supervisor<float> supervisor{limits()};
+  AxisHealth ill;
+  ill.emergency_code = 0x7305;
+  Feedback bad = healthy(1ms);
+  bad.state = hal::DriveState::fault;
+  bad.fault_code = 0x1000;
+  EXPECT_EQ(supervisor.check(bad, ill, 1ms), AxisFault::emergency);
+  EXPECT_EQ(supervisor.fault_code(), 0x7305);
+  ill.bus_off = true;
+  EXPECT_EQ(supervisor.check(bad, ill, 2ms), AxisFault::emergency);
+}
+
+TEST(Supervisor, AllowsTheErrorThatATargetChangeMakes) {
+  Supervisor<float> supervisor{limits()};
+  supervisor.begin_motion(-0.5F);
+  Feedback f = healthy(1ms);
+  f.position_offset_m = -0.59F;
+  EXPECT_EQ(supervisor.check(f, {}, 1ms), AxisFault::none);
+  f.position_offset_m = -0.61F;
+  EXPECT_EQ(supervisor.check(f, {}, 2ms), AxisFault::following_error);
+}
+
+TEST(Supervisor, WatchesNothingThatHasNoLimit) {
+  Supervisor<float> supervisor{{.feedback_timeout = 2500us}};
+  for (int i = 1; i < 100; ++i) {
+    const hal::Time now = i * 1ms;
+    Feedback f = healthy(now);
+    f.position_m = f.position_offset_m = f.force_N = 1e30F * static_cast<float>(i % 2);
+    EXPECT_EQ(supervisor.check(f, {}, now), AxisFault::none);
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::firmware
