@@ -1,0 +1,125 @@
+// Identifiers, byte order, NMT, heartbeat, EMCY.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/heartbeat.hpp"
+#include "breakaway/canopen/nmt.hpp"
+#include "breakaway/canopen/sync.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace breakaway::canopen;
+using breakaway::hal::CanFrame;
+
+TEST(CobId, FollowsThePredefinedConnectionSet) {
+  EXPECT_EQ(emcy_cob_id(5), 0x085);
+  EXPECT_EQ(tpdo_cob_id(1, 5), 0x185);
+  EXPECT_EQ(tpdo_cob_id(4, 127), 0x4FF);
+  EXPECT_EQ(rpdo_cob_id(1, 5), 0x205);
+  EXPECT_EQ(rpdo_cob_id(4, 1), 0x501);
+  EXPECT_EQ(sdo_response_cob_id(5), 0x585);
+  EXPECT_EQ(sdo_request_cob_id(5), 0x605);
+  EXPECT_EQ(heartbeat_cob_id(127), 0x77F);
+  EXPECT_EQ(sync_frame(), (CanFrame{.id = 0x080}));
+}
+
+TEST(Bytes, LeastSignificantFirst) {
+  std::array<std::uint8_t, 8> bytes{};
+  store_little_endian(bytes, std::uint32_t{0x12345678}, 2);
+  EXPECT_EQ(bytes, (std::array<std::uint8_t, 8>{0, 0, 0x78, 0x56, 0x34, 0x12, 0, 0}));
+  EXPECT_EQ(load_little_endian<std::uint16_t>(bytes, 3), 0x3456);
+}
+
+TEST(Bytes, SignedValuesSurvive) {
+  std::array<std::uint8_t, 4> bytes{};
+  for (const std::int32_t value : {0, 1, -1, std::numeric_limits<std::int32_t>::min(), 0x7FFFFFFF}) {
+    store_little_endian(bytes, value);
+    EXPECT_EQ(load_little_endian<std::int32_t>(bytes), value);
+  }
+  store_little_endian(bytes, std::int16_t{-2});
+  EXPECT_EQ(load_little_endian<std::int16_t>(bytes), -2);
+}
+
+TEST(Bytes, NothingOutsideIsTouchedAndItReadsAsZero) {
+  std::array<std::uint8_t, 2> bytes{};
+  store_little_endian(bytes, std::uint32_t{0xAABBCCDD}, 1);
+  EXPECT_EQ(bytes[1], 0xDD);
+  EXPECT_EQ(load_little_endian<std::uint32_t>(bytes, 1), 0xDDU);
+}
+
+TEST(Nmt, CommandNamesTheNode) {
+  EXPECT_EQ(nmt_frame(NmtCommand::start, 7), (CanFrame{.id = 0, .size = 2, .data = {0x01, 7}}));
+  EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, kAllNodes).data[0], 0x82);
+}
+
+TEST(Heartbeat, SilenceIsNoLossBeforeSupervisionStarts) {
+  HeartbeatConsumer consumer{3, 250ms};
+  consumer.update(10s);
+  EXPECT_FALSE(consumer.lost());
+  EXPECT_FALSE(consumer.state().has_value());
+}
+
+TEST(Heartbeat, LostAfterTheTimeoutAndBackWithTheNextOne) {
+  HeartbeatConsumer consumer{3, 250ms};
+  consumer.start(0ms);
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 100ms);
+  consumer.update(350ms);
+  EXPECT_FALSE(consumer.lost());
+  consumer.update(350ms + 1ns);
+  EXPECT_TRUE(consumer.lost());
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 400ms);
+  EXPECT_FALSE(consumer.lost());
+  EXPECT_EQ(consumer.state(), NmtState::operational);
+}
+
+TEST(Heartbeat, OtherNodesAndMalformedFramesDoNotCount) {
+  HeartbeatConsumer consumer{3, 250ms};
+  consumer.start(0ms);
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 4), 200ms);
+  consumer.on_frame({.id = 0x703, .size = 1, .remote = true, .data = {}}, 200ms);
+  consumer.on_frame({.id = 0x703, .size = 2, .data = {0x05}}, 200ms);
+  consumer.on_frame({.id = 0x703, .size = 1, .data = {0x33}}, 200ms);
+  consumer.update(251ms);
+  EXPECT_TRUE(consumer.lost());
+  EXPECT_FALSE(consumer.state().has_value());
+}
+
+TEST(Heartbeat, BootUpIsReportedOnce) {
+  HeartbeatConsumer consumer{3, 250ms};
+  consumer.on_frame(heartbeat_frame(NmtState::boot_up, 3), 1ms);
+  consumer.on_frame(heartbeat_frame(NmtState::pre_operational, 3), 2ms);
+  EXPECT_TRUE(consumer.take_boot_up());
+  EXPECT_FALSE(consumer.take_boot_up());
+}
+
+TEST(Heartbeat, ProducerSendsOnceAPeriodAndDoesNotCatchUp) {
+  HeartbeatProducer producer{127, 100ms};
+  CanFrame frame;
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 5ms));
+  EXPECT_EQ(frame, (CanFrame{.id = 0x77F, .size = 1, .data = {0x05}}));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 104ms));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 405ms));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 406ms));
+  HeartbeatProducer silent{127, 0ms};
+  EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, 1s));
+}
+
+TEST(Emcy, RoundTripAndReset) {
+  const Emcy overload{.code = 0x2310, .error_register = 0x03, .manufacturer = {1, 2, 3, 4, 5}};
+  EmcyConsumer consumer{9};
+  EXPECT_FALSE(consumer.on_frame(emcy_frame(overload, 8)));
+  EXPECT_TRUE(consumer.on_frame(emcy_frame(overload, 9)));
+  EXPECT_EQ(consumer.last(), overload);
+  EXPECT_TRUE(consumer.active());
+  EXPECT_TRUE(consumer.on_frame(emcy_frame({}, 9)));
+  EXPECT_FALSE(consumer.active());
+  EXPECT_EQ(consumer.count(), 2U);
+}
+
+}  // namespace
