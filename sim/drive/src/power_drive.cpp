@@ -109,7 +109,7 @@ void PowerDrive::sample(hal::Time at, bool on_sync) {
   advance_mechanism_to(at);
   const std::int32_t counts = encoder_counts(mechanism_.position_m(), config_.encoder_resolution_m);
   dictionary_.set({object::position_actual, 0}, counts);
-  dictionary_.set({object::torque_actual, 0}, saturate_i16(motor_.segment().at(seconds(at)) / force_per_per_mille_N_));
+  dictionary_.set({object::torque_actual, 0}, saturate_i16(motor_.force_at_N(seconds(at)) / force_per_per_mille_N_));
   if (!on_sync) return;
   if (last_sync_ && at > *last_sync_) {
     // Unsigned: the counter may have wrapped around between the two.

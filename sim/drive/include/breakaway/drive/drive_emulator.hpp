@@ -57,10 +57,10 @@ class DriveEmulator {
   cia402::State state() const { return drive_.state(); }
   canopen::NmtState nmt_state() const { return nmt_; }  // boot_up: off or booting
   const ObjectDictionary& objects() const { return dictionary_; }
-  const ForceSegment& force() const { return drive_.motor().segment(); }
+  const plant::AppliedForce& force() const { return drive_.motor().segment(); }
   double largest_force_N(hal::Time until) const;  // largest magnitude from the beginning until `until`
   // Called with each new force segment; the one before ends where it starts.
-  void on_force_segment(std::function<void(const ForceSegment&)> listener) {
+  void on_force_segment(std::function<void(const plant::AppliedForce&)> listener) {
     drive_.on_force_segment(std::move(listener));
   }
 

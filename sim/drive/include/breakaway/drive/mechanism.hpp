@@ -1,32 +1,31 @@
 // What a drive's force acts on, and what its encoder sits on.
 #pragma once
 
-#include <cmath>
+#include "breakaway/plant/applied_force.hpp"
 
 namespace breakaway::drive {
 
-// The force from start_s until the next segment: steady_N + transient_N exp(-(t - start_s) / time_constant_s), the
-// answer of a first-order current loop to a step. An ideal loop has time_constant_s = 0 and transient_N = 0.
-struct ForceSegment {
-  double steady_N = 0;
-  double transient_N = 0;
-  double time_constant_s = 0;
-  double start_s = 0;
-
-  double at(double time_s) const {
-    if (transient_N == 0) return steady_N;
-    return steady_N + transient_N * std::exp(-(time_s - start_s) / time_constant_s);
-  }
-};
-
+// The drive fills constant_N and the transient only: a held command, and a current loop that settles on it.
 class Mechanism {
  public:
   // Moves on to time_s under `force`, which holds since the time of the last call. time_s never decreases.
-  virtual void advance_to(double time_s, const ForceSegment& force) = 0;
+  virtual void advance_to(double time_s, const plant::AppliedForce& force) = 0;
   virtual double position_m() const = 0;
 
  protected:
   ~Mechanism() = default;
+};
+
+// A plant, plant::Slide or alike, as the mechanism of a drive. `plant` must outlive it.
+template <class Plant>
+class PlantMechanism final : public Mechanism {
+ public:
+  explicit PlantMechanism(Plant& plant) : plant_(plant) {}
+  void advance_to(double time_s, const plant::AppliedForce& force) override { plant_.advance_to(time_s, force); }
+  double position_m() const override { return plant_.state().position_m; }
+
+ private:
+  Plant& plant_;
 };
 
 }  // namespace breakaway::drive

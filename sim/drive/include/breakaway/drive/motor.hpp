@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "breakaway/drive/mechanism.hpp"
+#include "breakaway/plant/applied_force.hpp"
 
 namespace breakaway::drive {
 
@@ -13,19 +13,20 @@ class Motor {
   Motor(double peak_force_N, double time_constant_s) : peak_force_N_(peak_force_N), time_constant_s_(time_constant_s) {}
 
   double clamped(double force_N) const;  // to +-peak_force_N
-  double commanded_N() const { return segment_.steady_N; }
+  double commanded_N() const { return segment_.constant_N; }
 
   // From time_s on the force tends to clamped(force_N), starting from what it is then.
   void command(double force_N, double time_s);
 
-  const ForceSegment& segment() const { return segment_; }
+  const plant::AppliedForce& segment() const { return segment_; }
+  double force_at_N(double time_s) const { return segment_.constant_N + segment_.transient_at_N(time_s); }
   double largest_force_N(double time_s) const;  // largest |force| from the beginning until time_s
   double peak_force_N() const { return peak_force_N_; }
 
  private:
   double peak_force_N_;
   double time_constant_s_;
-  ForceSegment segment_{};
+  plant::AppliedForce segment_{};
   double largest_so_far_N_ = 0;
 };
 

@@ -44,7 +44,9 @@ class PowerDrive {
 
   cia402::State state() const { return machine_.state(); }
   const Motor& motor() const { return motor_; }
-  void on_force_segment(std::function<void(const ForceSegment&)> listener) { segment_listener_ = std::move(listener); }
+  void on_force_segment(std::function<void(const plant::AppliedForce&)> listener) {
+    segment_listener_ = std::move(listener);
+  }
 
  private:
   enum Timer : std::size_t { stop, mode_change, silent_drop, timer_count };
@@ -68,7 +70,7 @@ class PowerDrive {
   Motor motor_;
   StateMachine machine_;
   Timers<timer_count> timers_;
-  std::function<void(const ForceSegment&)> segment_listener_ = [](const ForceSegment&) {};
+  std::function<void(const plant::AppliedForce&)> segment_listener_ = [](const plant::AppliedForce&) {};
 
   std::uint16_t controlword_ = 0;  // the last one that the drive noticed
   std::optional<hal::Time> controlword_changed_;
