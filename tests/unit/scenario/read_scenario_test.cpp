@@ -91,8 +91,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"BadCombination",
                  sound + "[friction.law]\nkind = \"mean\"\nweights = [1]\nparts = []\n",
                  {"friction.law", "parts", "one or more"}},
-        BadInput{"LoopWithoutDrive", sound + "[loop]\nperiod_s = 0.001\n", {"[drive]", "missing"}},
-        BadInput{"DriveWithoutLoop", sound + drive, {"[loop]", "missing"}},
         BadInput{"IdealKickInALoop",
                  with(sound, "[controller]", "[controller]\nkick = \"ideal\"") + "[loop]\nperiod_s = 0.001\n" + drive,
                  {"kick", "two_phase"}},

@@ -71,7 +71,7 @@ struct Result {
   bool settled = false;
   double settling_time_s = 0;  // NaN if never settled
   double final_error_m = 0;    // position - target
-  double max_force_N = 0;      // largest |force| of the actuator
+  double max_force_N = 0;      // largest |force| of the actuator; NaN for the ideal law, which has impulses
   double duration_s = 0;       // simulated
   double wall_s = 0;           // taken by the computation
   std::vector<KickRecord> kicks;

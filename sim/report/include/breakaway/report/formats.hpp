@@ -1,0 +1,21 @@
+// The results of a scene as text for other programs. SI units; names carry them.
+#pragma once
+
+#include <string>
+
+#include "breakaway/scenario/result.hpp"
+#include "breakaway/scenario/scenario.hpp"
+
+namespace breakaway::report {
+
+// All figures and kicks, without samples and frames.
+std::string to_json(const scenario::Scenario& scenario, const scenario::Result& result);
+
+// One line a sample, with a header line. Requires a recorded trace.
+std::string to_csv(const scenario::Result& result);
+
+// The log format of candump -L, which can-utils and Wireshark read: (seconds.microseconds) can0 ID#DATA. Requires
+// recorded frames.
+std::string to_candump(const scenario::Result& result);
+
+}  // namespace breakaway::report

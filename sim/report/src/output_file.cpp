@@ -1,0 +1,59 @@
+#include "breakaway/report/output_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "breakaway/scenario/input_error.hpp"
+
+namespace breakaway::report {
+namespace {
+
+[[noreturn]] void fail(const std::string& path) {
+  throw scenario::InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+}
+
+// False, with errno, unless every byte reached the operating system.
+bool write_all(std::FILE* file, std::string_view text) {
+  return std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+}
+
+bool write_file(const std::string& path, std::string_view text) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return false;
+  const bool written = write_all(file, text);
+  const int reason = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (!written) errno = reason;
+  return written && closed;
+}
+
+}  // namespace
+
+void write_output(const std::string& path, std::string_view text) {
+  if (path == "-") {
+    if (!write_all(stdout, text)) fail("standard output");
+    return;
+  }
+  std::error_code ignored;
+  const std::filesystem::path target =
+      std::filesystem::exists(path, ignored) ? std::filesystem::canonical(path, ignored) : std::filesystem::path{path};
+  // A device or a pipe cannot be replaced by a file of its name.
+  if (std::filesystem::exists(target, ignored) && !std::filesystem::is_regular_file(target, ignored)) {
+    if (!write_file(path, text)) fail(path);
+    return;
+  }
+  const std::string part = fmt::format("{}.{}.part", target.string(), getpid());
+  if (!write_file(part, text) || std::rename(part.c_str(), target.c_str()) != 0) {
+    const int reason = errno;
+    std::remove(part.c_str());
+    errno = reason;
+    fail(path);
+  }
+}
+
+}  // namespace breakaway::report

@@ -1,0 +1,263 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+
+#include "breakaway/design/k3.hpp"
+#include "gnuplot.hpp"
+
+namespace breakaway::report {
+namespace {
+
+using scenario::KickRecord;
+using scenario::Result;
+using scenario::Sample;
+using scenario::Scenario;
+
+constexpr int width_px = 900;
+
+constexpr const char* style = R"(
+set encoding utf8
+set border 3 linecolor '#888888'
+set tics nomirror out textcolor '#333333'
+set grid linecolor '#e4e4e4' linetype 1 linewidth 0.6
+set key top right samplen 2 spacing 1.2 textcolor '#333333'
+set style line 1 linecolor '#1c5d99' linewidth 1.8
+set style line 2 linecolor '#c8553d' linewidth 1.8
+set style line 3 linecolor '#2a7f62' linewidth 1.8
+set style line 4 linecolor '#777777' linewidth 1.2 dashtype 2
+set style line 5 linecolor '#8f6bb3' linewidth 1.8
+set style line 6 linecolor '#f2c14e' linewidth 7
+set style line 7 linecolor '#c8553d' linewidth 7
+set lmargin 11
+set rmargin 3
+)";
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
+
+// A gnuplot data block `$name`, one row an entry.
+template <class Range, class Row>
+std::string data(std::string_view name, const Range& entries, Row row) {
+  std::string text = fmt::format("${} << END\n", name);
+  for (const auto& entry : entries) {
+    std::string separator;
+    for (const double value : row(entry)) text += std::exchange(separator, " ") + number(value);
+    text += '\n';
+  }
+  return text + "END\n";
+}
+
+std::string trace_data(const Result& result) {
+  return data("trace", result.trace, [](const Sample& s) {
+    return std::array{s.time_s, s.position_m, s.velocity_m_s, s.force_N, s.target_m, s.bus_load};
+  });
+}
+
+// Dashed verticals at the instants that the theory names.
+std::string instants(const Result& result, bool labelled) {
+  if (!result.ideal) return "";
+  std::string text;
+  const std::array marks{std::pair{"t_1", result.ideal->t1_s}, std::pair{"t_2", result.ideal->t2_s},
+                         std::pair{"t_∞", result.ideal->t_inf_s}};
+  for (const auto& [name, time_s] : marks) {
+    if (!std::isfinite(time_s)) continue;
+    text += fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead linestyle 4\n", time_s);
+    if (labelled)
+      text += fmt::format("set label '{}' at first {}, graph 1.06 center textcolor '#555555'\n", name, time_s);
+  }
+  return text;
+}
+
+std::string panel(const Result& result, bool first, bool last, std::string_view plot) {
+  return fmt::format("unset label\nunset arrow\n{}set format x '{}'\nset xlabel '{}'\n{}\n", instants(result, first),
+                     last ? "% h" : "", last ? "time [s]" : "", plot);
+}
+
+Picture response(const Scenario& s, const Result& result) {
+  const bool loop = result.loop.has_value();
+  std::string commands = std::string{style} + trace_data(result) +
+                         fmt::format(
+                             "set multiplot layout {},1\nset tmargin 2\nset bmargin 3\nset key bottom right\n"
+                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\n",
+                             loop ? 3 : 2, number(result.trace.back().time_s));
+  commands +=
+      panel(result, true, false,
+            "set ylabel 'position [m]'\nplot $trace using 1:5 with steps linestyle 4 title 'target', '' using 1:2 "
+            "with lines linestyle 1 title 'position'");
+  commands +=
+      panel(result, false, !loop, "set ylabel 'velocity [m/s]'\nplot $trace using 1:3 with lines linestyle 2 notitle");
+  if (loop) {
+    commands +=
+        panel(result, false, true, "set ylabel 'force [N]'\nplot $trace using 1:4 with lines linestyle 3 notitle");
+  }
+  return {"Response",
+          result.ideal
+              ? "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest "
+                "is answered by an impulse, seen as a jump of the velocity; from t₂ on it is within the minimal "
+                "stick set. It rests on the target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine."
+              : fmt::format("Position, velocity and actuator force. The approach is limited in speed and force; once "
+                            "the axis is at rest, short force pulses of at most {:g} N bring it to the target.",
+                            s.controller.max_force_N),
+          draw_svg("response", width_px, loop ? 760 : 560, commands)};
+}
+
+// |error| on a logarithmic axis shows the last micrometres.
+Picture error_over_time(const Scenario& s, const Result& result) {
+  const double floor_m = s.drive ? s.drive->encoder_resolution_m / 10 : 1e-15;
+  std::string commands = style +
+                         data("error", result.trace,
+                              [&](const Sample& x) {
+                                return std::array{x.time_s, std::max(std::fabs(x.position_m - x.target_m), floor_m)};
+                              }) +
+                         data("kicks", result.kicks,
+                              [&](const KickRecord& k) {
+                                return std::array{k.time_s, std::max(std::fabs(k.error_m), floor_m)};
+                              }) +
+                         instants(result, true) +
+                         "set tmargin 2\nset logscale y\nset format y '10^{%T}'\nset ylabel '|position error| "
+                         "[m]'\nset xlabel 'time [s]'\n";
+  std::string plots = "plot $error using 1:2 with lines linestyle 1 title '|error|'";
+  if (!result.kicks.empty()) {
+    plots += ", $kicks using 1:2 with points pointtype 7 pointsize 0.5 linecolor '#c8553d' title 'kicks'";
+  }
+  if (s.run && s.run->settle_tolerance_m > 0) {
+    plots += fmt::format(", {} with lines linestyle 4 title 'tolerance'", number(s.run->settle_tolerance_m));
+  }
+  if (s.drive) {
+    plots += fmt::format(", {} with lines linecolor '#bbbbbb' title 'one encoder count'",
+                         number(s.drive->encoder_resolution_m));
+  }
+  return {"Position error",
+          "The distance from the target on a logarithmic axis. Each dot is a kick from rest; where the curve is level, "
+          "the axis stands.",
+          draw_svg("error", width_px, 420, commands + plots + "\n")};
+}
+
+Picture phase_plane(const Scenario& s, const Result& result) {
+  const double stiffness =
+      s.controller.impulsive ? s.controller.impulsive->stiffness_N_per_m : s.controller.pid->proportional_N_per_m;
+  const double upper_m = s.friction.upper_N / stiffness, lower_m = s.friction.lower_N / stiffness;
+  const double target_m = result.trace.back().target_m;
+  const std::string commands =
+      style + trace_data(result) +
+      fmt::format("$sets << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
+                  number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
+      "set offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n"
+      "set xlabel 'position [m]'\nset ylabel 'velocity [m/s]'\n"
+      "plot $sets using 1:2:3:4 with vectors nohead linestyle 6 title 'maximal stick set', "
+      "$inner using 1:2:3:4 with vectors nohead linestyle 7 title 'minimal stick set', "
+      "$trace using 2:3 with lines linestyle 1 title 'solution', "
+      "$trace every ::0::0 using 2:3 with points pointtype 7 pointsize 0.6 linecolor '#1c5d99' title 'start'\n";
+  return {
+      "Phase plane",
+      "The solution in the plane of position and velocity, with the sets in which the axis can stick: for the greatest "
+      "friction (maximal) and for the least (minimal). Compare Figure 6 of van de Wouw & Leine.",
+      draw_svg("phase", width_px, 460, commands)};
+}
+
+Picture kick_law(const Scenario& s, const Result& result) {
+  const auto& gains = *s.controller.impulsive;
+  const auto law = design::K3<double>::make(
+      {s.plant.mass_kg, gains.stiffness_N_per_m, gains.kick_damping_Ns_per_m, s.friction.lower_N});
+  const double upper_m = s.friction.upper_N / gains.stiffness_N_per_m;
+  std::vector<double> places;
+  for (int i = -200; i <= 200; ++i) places.push_back(upper_m * i * std::abs(i) / 40000.0);
+  std::string commands = style +
+                         data("law", places,
+                              [&](double y) {
+                                return std::array{y, law->impulse_Ns(y)};
+                              }) +
+                         data("kicks", result.kicks,
+                              [&](const KickRecord& k) {
+                                return std::array{k.error_m, law->impulse_Ns(k.error_m)};
+                              }) +
+                         fmt::format("set xrange [{}:{}]\n", number(-1.05 * upper_m), number(1.05 * upper_m)) +
+                         "set xlabel 'position error [m]'\nset ylabel 'impulse k_3 [N s]'\n"
+                         "plot $law using 1:2 with lines linestyle 1 title 'k_3'";
+  if (!result.kicks.empty()) {
+    commands +=
+        ", $kicks using 1:2 with points pointtype 7 pointsize 0.6 linecolor '#c8553d' title 'kicks of this run'";
+  }
+  return {
+      "Impulse law",
+      "The impulse that sends the axis from rest at a position error to its target under the least friction, over the "
+      "maximal stick set. Compare Figure 4 of van de Wouw & Leine.",
+      draw_svg("law", width_px, 400, commands + "\n")};
+}
+
+Picture friction_along(const Scenario& s, const Result& result) {
+  const double unit = s.friction.normal_force_N.value_or(1.0);
+  const double lower = s.friction.lower_N / unit, upper = s.friction.upper_N / unit;
+  const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
+  const std::string commands =
+      style +
+      data("friction", result.trace,
+           [&](const Sample& x) {
+             return std::array{x.time_s, x.friction_level_N / unit};
+           }) +
+      instants(result, true) + fmt::format("set tmargin 2\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
+      fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
+                  s.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
+      fmt::format(
+          "plot $friction using 1:2 with lines linestyle 1 title 'along the solution', {} with lines linestyle 4 "
+          "title 'bounds', {} with lines linestyle 4 notitle, {} with lines linecolor '#bbbbbb' dashtype 3 title "
+          "'mean of the bounds'\n",
+          lower, upper, (lower + upper) / 2);
+  return {
+      "Friction",
+      "The friction that the axis meets along the solution, within the bounds that the controller is designed for. The "
+      "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
+      draw_svg("friction", width_px, 380, commands)};
+}
+
+Picture kicks(const Result& result) {
+  int index = 0;
+  const bool ideal = result.ideal.has_value();
+  const std::string commands =
+      style +
+      data("kicks", result.kicks,
+           [&](const KickRecord& k) {
+             const double strength = std::fabs(ideal ? k.impulse_Ns : k.force_N);
+             return std::array{static_cast<double>(++index), std::fabs(k.error_m), strength};
+           }) +
+      "set multiplot layout 1,2\nset logscale y\nset format y '10^{%T}'\nset xlabel 'kick'\nset offsets 0.5, 0.5, 0, "
+      "0\n"
+      "set ylabel '|position error| before [m]'\n"
+      "plot $kicks using 1:2 with linespoints linestyle 1 pointtype 7 pointsize 0.4 notitle\n" +
+      (ideal ? "set ylabel '|impulse| [N s]'\n"
+             : "unset logscale y\nset format y '%h'\nset yrange [0:*]\nset ylabel '|force| [N]'\n") +
+      "plot $kicks using 1:3 with linespoints linestyle 2 pointtype 7 pointsize 0.4 notitle\n";
+  return {
+      "Kicks",
+      ideal ? "Each kick leaves a smaller error, by at least the factor that the friction bounds imply, so infinitely "
+              "many kicks end in a finite time."
+            : "The error from which each kick starts, and the force commanded in its first period.",
+      draw_svg("kicks", width_px, 360, commands)};
+}
+
+Picture bus_load(const Result& result) {
+  const std::string commands = style + trace_data(result) +
+                               "set xlabel 'time [s]'\nset ylabel 'bus load [%]'\nset yrange [0:100]\n"
+                               "plot $trace using 1:(100*$6) with lines linestyle 5 notitle\n";
+  return {"Bus load",
+          fmt::format("The share of each control period in which a frame is on the wire; {:.1f} % on average.",
+                      100 * result.loop->bus_load),
+          draw_svg("bus", width_px, 300, commands)};
+}
+
+}  // namespace
+
+std::vector<Picture> draw_pictures(const Scenario& s, const Result& result) {
+  std::vector<Picture> pictures{response(s, result), error_over_time(s, result), phase_plane(s, result)};
+  if (s.controller.impulsive) pictures.push_back(kick_law(s, result));
+  pictures.push_back(friction_along(s, result));
+  if (!result.kicks.empty()) pictures.push_back(kicks(result));
+  if (result.loop) pictures.push_back(bus_load(result));
+  return pictures;
+}
+
+}  // namespace breakaway::report

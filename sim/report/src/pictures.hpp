@@ -1,0 +1,21 @@
+// The pictures of the report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "breakaway/scenario/result.hpp"
+#include "breakaway/scenario/scenario.hpp"
+
+namespace breakaway::report {
+
+struct Picture {
+  std::string title;
+  std::string caption;
+  std::string svg;
+};
+
+// Those for which the result holds something to see.
+std::vector<Picture> draw_pictures(const scenario::Scenario& scenario, const scenario::Result& result);
+
+}  // namespace breakaway::report
