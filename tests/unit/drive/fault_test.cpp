@@ -78,6 +78,13 @@ TEST_F(DriveFaultTest, KeepsAHistoryNewestFirst) {
   EXPECT_EQ(sdo({0x40, 0x03, 0x10, 1, 0, 0, 0, 0}), (Bytes{0x43, 0x03, 0x10, 1, 0, 0, 0, 0}));
 }
 
+TEST_F(DriveFaultTest, TellsAnErrorOnceHoweverLongItLasts) {
+  start();
+  enable_cyclic();
+  for (int i = 0; i < 5; ++i) send(0x205, {0x0F});
+  EXPECT_EQ(count(0x085), 1U);
+}
+
 TEST_F(DriveFaultTest, EmcyCanBeMovedAndSwitchedOff) {
   start();
   expect_written({0x23, 0x14, 0x10, 0, 0x95, 0, 0, 0});

@@ -59,6 +59,16 @@ TEST_F(DriveNetworkTest, ResetNodeRestoresEveryParameterAndAnnouncesItself) {
   EXPECT_EQ(drive->state(), cia402::State::switch_on_disabled);
 }
 
+TEST_F(DriveNetworkTest, ResetForgetsAnSdoTransferAndFramesNotYetSent) {
+  start();
+  sdo({0x40, 0x08, 0x10, 0, 0, 0, 0, 0});
+  send(0x605, {0x60, 0, 0, 0, 0, 0, 0, 0});
+  send(0x000, {0x82, 5});
+  run(milliseconds{6});
+  EXPECT_EQ(count(0x585), 0U);
+  EXPECT_EQ(abort_code({0x70, 0, 0, 0, 0, 0, 0, 0}), 0x05040001U);
+}
+
 TEST_F(DriveNetworkTest, ResetCommunicationKeepsTheDriveParameters) {
   start();
   expect_written({0x2B, 0x17, 0x10, 0, 100, 0, 0, 0});
