@@ -1,0 +1,135 @@
+// The far end of the wire for the tests of cia402::Drive: a node that answers as a drive does, with nothing behind it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/heartbeat.hpp"
+#include "breakaway/canopen/sdo_abort.hpp"
+#include "breakaway/cia402/state.hpp"
+#include "breakaway/hal/can_frame.hpp"
+#include "breakaway/hal/time.hpp"
+
+namespace breakaway::test {
+
+class ScriptedDrive {
+ public:
+  explicit ScriptedDrive(std::uint8_t node_id) : node_{node_id} {}
+
+  std::map<std::uint32_t, std::uint32_t> objects{
+      {key(0x1000, 0), 0x00020192}, {key(0x6502, 0), 1U << 9}, {key(0x6075, 0), 5000},  {key(0x6076, 0), 1000},
+      {key(0x6072, 0), 2000},       {key(0x6061, 0), 10},      {key(0x603F, 0), 0x2310}};
+  std::map<std::uint32_t, canopen::SdoAbort> refused;  // writes and reads of these abort
+  std::vector<std::uint32_t> written;                  // keys, in order
+  std::vector<canopen::NmtCommand> commands;
+  std::vector<hal::CanFrame> out;  // what it sends
+  bool silent = false;
+  canopen::NmtState nmt = canopen::NmtState::boot_up;
+  cia402::State state = cia402::State::switch_on_disabled;
+  bool follows_controlword = true;
+  std::int32_t counts = 0;
+  std::int16_t torque = 0;
+  std::uint16_t controlword = 0;
+  std::int16_t target = 0;
+  unsigned rpdos = 0;
+
+  static constexpr std::uint32_t key(std::uint16_t index, std::uint8_t subindex) {
+    return static_cast<std::uint32_t>(index) << 8 | subindex;
+  }
+
+  void boot() {
+    objects[key(0x1017, 0)] = 0;
+    state = cia402::State::switch_on_disabled;
+    send(canopen::heartbeat_frame(canopen::NmtState::boot_up, node_));
+    nmt = canopen::NmtState::pre_operational;
+  }
+  void heartbeat() { send(canopen::heartbeat_frame(nmt, node_)); }
+  void emergency(std::uint16_t code) { send(canopen::emcy_frame({.code = code}, node_)); }
+
+  void on_frame(const hal::CanFrame& frame) {
+    if (silent) return;
+    if (frame.id == 0x000 && frame.data[1] == node_) on_nmt(static_cast<canopen::NmtCommand>(frame.data[0]));
+    if (frame.id == 0x600U + node_) on_sdo(frame);
+    if (frame.id == 0x200U + node_ && nmt == canopen::NmtState::operational) on_rpdo(frame);
+    if (frame.id == 0x080 && nmt == canopen::NmtState::operational) send_tpdo();
+  }
+  // Heartbeats at the period that was written to it.
+  void advance_to(hal::Time now) {
+    const auto period = std::chrono::milliseconds{objects[key(0x1017, 0)]};
+    if (period.count() == 0 || now < last_heartbeat_ + period) return;
+    last_heartbeat_ = now;
+    heartbeat();
+  }
+
+ private:
+  void send(const hal::CanFrame& frame) {
+    if (!silent) out.push_back(frame);
+  }
+  void on_nmt(canopen::NmtCommand command) {
+    commands.push_back(command);
+    if (command == canopen::NmtCommand::start) nmt = canopen::NmtState::operational;
+    if (command == canopen::NmtCommand::enter_pre_operational) nmt = canopen::NmtState::pre_operational;
+    if (command == canopen::NmtCommand::reset_communication) boot();
+  }
+  void on_sdo(const hal::CanFrame& frame) {
+    const auto index = canopen::load_little_endian<std::uint16_t>(frame.data, 1);
+    const std::uint32_t object = key(index, frame.data[3]);
+    const bool read = frame.data[0] == 0x40;
+    hal::CanFrame answer{.id = static_cast<std::uint16_t>(0x580U + node_), .size = 8, .data = frame.data};
+    std::optional<canopen::SdoAbort> error;
+    if (refused.contains(object)) error = refused[object];
+    if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
+    if (error) {
+      answer.data[0] = 0x80;
+      canopen::store_little_endian(answer.data, static_cast<std::uint32_t>(*error), 4);
+    } else if (read) {
+      answer.data[0] = 0x43;
+      canopen::store_little_endian(answer.data, objects[object], 4);
+    } else {
+      objects[object] = canopen::load_little_endian<std::uint32_t>(frame.data, 4);
+      written.push_back(object);
+      answer.data = {0x60, frame.data[1], frame.data[2], frame.data[3]};
+    }
+    send(answer);
+  }
+  void on_rpdo(const hal::CanFrame& frame) {
+    ++rpdos;
+    const bool reset_edge = (frame.data[0] & 0x80) != 0 && (controlword & 0x80) == 0;
+    controlword = canopen::load_little_endian<std::uint16_t>(frame.data, 0);
+    target = canopen::load_little_endian<std::int16_t>(frame.data, 2);
+    if (follows_controlword) state = next_state(reset_edge);
+  }
+  cia402::State next_state(bool reset_edge) const {
+    using cia402::State;
+    if (state == State::fault) return reset_edge ? State::switch_on_disabled : state;
+    if ((controlword & 0x02) == 0) return State::switch_on_disabled;
+    if ((controlword & 0x06) == 0x02)
+      return state == State::operation_enabled ? State::quick_stop_active : State::switch_on_disabled;
+    switch (state) {
+      case State::switch_on_disabled:
+        return (controlword & 0x07) == 0x06 ? State::ready_to_switch_on : state;
+      case State::ready_to_switch_on:
+        return (controlword & 0x07) == 0x07 ? State::switched_on : state;
+      case State::switched_on:
+        return (controlword & 0x0F) == 0x0F ? State::operation_enabled : state;
+      default:
+        return state;
+    }
+  }
+  void send_tpdo() {
+    hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x180U + node_), .size = 8, .data = {}};
+    canopen::store_little_endian(frame.data, static_cast<std::uint16_t>(cia402::status_bits(state) | 0x0210U), 0);
+    canopen::store_little_endian(frame.data, counts, 2);
+    canopen::store_little_endian(frame.data, torque, 6);
+    send(frame);
+  }
+
+  std::uint8_t node_;
+  hal::Time last_heartbeat_{};
+};
+
+}  // namespace breakaway::test
