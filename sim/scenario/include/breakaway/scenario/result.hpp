@@ -67,6 +67,12 @@ struct TimedFrame {
   hal::CanFrame frame;
 };
 
+// From time_s on the axis stayed within tolerance_m to the end; NaN if it did not.
+struct Reached {
+  double tolerance_m = 0;
+  double time_s = 0;
+};
+
 struct Result {
   bool settled = false;
   double settling_time_s = 0;  // NaN if never settled
@@ -78,6 +84,8 @@ struct Result {
   std::vector<FaultRecord> faults;
   std::optional<IdealFigures> ideal;
   std::optional<LoopFigures> loop;
+  std::vector<Reached> reached;  // scenes on the bus: 1 mm, 0.1 mm, 10 um and the settling tolerance
+  bool limit_cycle = false;      // scenes on the bus: not settled, and set in motion again and again in the last second
   std::vector<Sample> trace;
   std::vector<TimedFrame> frames;
 };

@@ -1,0 +1,44 @@
+// The plant as a drive's mechanism: held by a brake until it is released, so that setting the drive up over the bus
+// does not count as motion. Scene time starts at the release.
+#pragma once
+
+#include "breakaway/drive/mechanism.hpp"
+#include "breakaway/plant/slide.hpp"
+#include "breakaway/scenario/scenario.hpp"
+
+namespace breakaway::scenario {
+
+class BrakedSlide final : public drive::Mechanism {
+ public:
+  explicit BrakedSlide(const Scenario& s)
+      : slide_{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}} {}
+
+  void release(double time_s) {
+    released_ = true;
+    release_s_ = time_s;
+  }
+
+  void advance_to(double time_s, const plant::AppliedForce& force) override {
+    if (!released_ || time_s < release_s_) return;
+    if (force.start_s != segment_start_s_) {
+      segment_start_s_ = force.start_s;
+      velocity_at_segment_start_m_s_ = slide_.state().velocity_m_s;
+    }
+    plant::AppliedForce in_scene_time = force;
+    in_scene_time.start_s -= release_s_;
+    slide_.advance_to(time_s - release_s_, in_scene_time);
+  }
+
+  double position_m() const override { return slide_.state().position_m; }
+  double velocity_at_segment_start_m_s() const { return velocity_at_segment_start_m_s_; }
+  const plant::Slide& slide() const { return slide_; }
+
+ private:
+  plant::Slide slide_;
+  double release_s_ = 0;
+  double segment_start_s_ = -1;
+  double velocity_at_segment_start_m_s_ = 0;
+  bool released_ = false;
+};
+
+}  // namespace breakaway::scenario
