@@ -55,6 +55,10 @@ class KickShaper {
     return {std::min(total_N, p_.max_force_N) - feedback_N, n};
   }
 
+  // Rounds of the fixed point. Each leaves a sixth of the error or less; three end within 1 % of the speed of the
+  // curve, and below it, even for the longest pulses, and within 1e-4 for those of one or two periods.
+  static constexpr int rounds = 3;
+
  private:
   struct Response {
     Scalar distance_per_N{};  // g[n] in m/N
@@ -90,7 +94,7 @@ class KickShaper {
     const Scalar y = std::max(distance_m - speed_m_s * (n * p_.period_s - c), Scalar{0});
     Scalar s = std::sqrt(y);
     Scalar speed_at_end = 0;
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       const Scalar speed_per_root = table.reduced(s) / p_.mass_kg;
       const Scalar b = c * speed_per_root / 2;
       s = b + std::sqrt(b * b + y);
