@@ -1,0 +1,37 @@
+// The subcommands of `breakaway`, one file each.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace breakaway::cli {
+
+enum ExitCode : int {
+  done = 0,
+  failed_check = 1,  // not settled, or not certified
+  bad_input = 2,
+};
+
+constexpr const char* exit_codes =
+    "\nExit codes: 0 done; 1 not settled, or a check failed; 2 bad input (one line on standard error says what).";
+
+// Each adds its subcommand; when that is run, it sets exit_code or throws scenario::InputError.
+void add_simulate(CLI::App& app, int& exit_code);
+void add_k3(CLI::App& app, int& exit_code);
+void add_design(CLI::App& app, int& exit_code);
+
+// For options: CLI11 reads "nan" and "inf" as numbers.
+inline CLI::Validator number_validator(bool positive, const char* expects) {
+  return {[=](std::string& text) -> std::string {
+            double value = std::numeric_limits<double>::quiet_NaN();
+            if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && (!positive || value > 0)) return "";
+            return text + " is not " + expects;
+          },
+          ""};
+}
+inline const CLI::Validator positive_number = number_validator(true, "a finite number above 0");
+inline const CLI::Validator finite_number = number_validator(false, "a finite number");
+
+}  // namespace breakaway::cli

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <limits>
+#include <memory>
+
+#include "breakaway/design/report.hpp"
+#include "breakaway/report/json_writer.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+using scenario::Scenario;
+
+struct Options {
+  std::string axis, json;
+};
+
+// The accuracy that the file asks for. The ideal law reaches any, so there it may be left out.
+double tolerance_m(const Scenario& s) {
+  if (s.run && s.run->settle_tolerance_m > 0) return s.run->settle_tolerance_m;
+  if (s.controller.position_tolerance_m > 0) return s.controller.position_tolerance_m;
+  if (s.ideal()) return std::numeric_limits<double>::min();
+  throw scenario::InputError{"[run] settle_tolerance_m is missing: say which accuracy the axis shall reach"};
+}
+
+design::AxisDesign axis_design(const Scenario& s) {
+  if (!s.controller.impulsive) {
+    throw scenario::InputError{"[controller] kind is \"pid\"; design checks the impulsive law only"};
+  }
+  const auto p = scenario::axis_parameters<double>(s);
+  return {.mass_kg = p.mass_kg,
+          .stiffness_N_per_m = p.stiffness_N_per_m,
+          .approach_damping_Ns_per_m = p.approach_damping_Ns_per_m,
+          .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
+          .friction = {p.friction_lower_N, p.friction_upper_N},
+          .smooth_friction_slope_Ns_per_m = s.friction.smooth_slope_Ns_per_m,
+          .max_force_N = std::min(p.max_force_N, std::numeric_limits<double>::max()),
+          .period_s = p.period_s,
+          .encoder_resolution_m = p.encoder_resolution_m,
+          .latency_ticks = p.latency_periods,
+          .position_tolerance_m = tolerance_m(s)};
+}
+
+void write_check(report::JsonWriter& json, const design::Check& check) {
+  json.member("name", check.name);
+  json.member("required", check.required);
+  json.member("holds", check.holds);
+  json.member("margin", check.margin);
+  json.member("source", check.source);
+  json.member("reason", check.reason);
+}
+
+std::string to_json(const design::DesignReport& report) {
+  report::JsonWriter json;
+  json.object([&] {
+    json.member("certified", report.certified);
+    json.array("reasons", [&] {
+      for (const std::string& reason : report.reasons) json.value(reason);
+    });
+    json.member("zeta_approach", report.zeta_approach);
+    json.member("zeta_kick", report.zeta_kick);
+    json.member("c_lower_m", report.c_lower_m);
+    json.member("c_upper_m", report.c_upper_m);
+    json.member("friction_ratio", report.ratio);
+    json.member("friction_ratio_threshold_18", report.ratio_threshold_18);
+    json.member("friction_ratio_exact_threshold", report.exact_ratio_threshold);
+    json.member("least_k22_for_18_Ns_per_m", report.least_damping_Ns_per_m);
+    json.member("largest_impulse_Ns", report.largest_impulse_Ns);
+    json.member("contraction_per_kick", report.contraction_per_kick);
+    json.member("accuracy_floor_m", report.accuracy_floor_m);
+    json.member("bound_s", report.finite_time_bound_s);
+    json.object("table", [&] {
+      json.member("bytes", report.table_bytes);
+      json.member("proved_error", report.table_proved_error);
+      json.member("measured_error", report.table_measured_error);
+    });
+    json.array("checks", [&] {
+      for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
+    });
+  });
+  return json.text();
+}
+
+void print_report(const design::DesignReport& r) {
+  for (const design::Check& check : r.checks) {
+    const char* verdict = check.holds ? "holds" : check.required ? "FAILS" : "no";
+    fmt::print("{:<6} {:<36} margin {:>11.4g}  {}\n", verdict, check.name, check.margin, check.reason);
+  }
+  fmt::print("\nzeta                  {:.4g} in the approach, {:.4g} in the kick phase\n", r.zeta_approach,
+             r.zeta_kick);
+  fmt::print("stick sets            {:.4g} m (minimal), {:.4g} m (maximal)\n", r.c_lower_m, r.c_upper_m);
+  fmt::print("accuracy floor        {:.4g} m\n", r.accuracy_floor_m);
+  fmt::print("bound (19)            {:.4g} s from the minimal stick set to the target\n", r.finite_time_bound_s);
+  fmt::print("error after a kick    at most {:.4g} of the error before\n", r.contraction_per_kick);
+  fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
+             r.table_proved_error, r.table_measured_error);
+  fmt::print("{}\n", r.certified ? "certified" : "NOT certified");
+  for (const std::string& reason : r.reasons) fmt::print("  {}\n", reason);
+}
+
+int design_file(const Options& options) {
+  const auto report = design::design_axis(axis_design(scenario::read_scenario(options.axis)));
+  if (!report) throw scenario::InputError{fmt::format("{}: {}", options.axis, report.error().message)};
+  if (!options.json.empty()) report::write_output(options.json, to_json(*report));
+  if (options.json != "-") print_report(*report);
+  return report->certified ? done : failed_check;
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("design", "Check an axis: every assumption with its margin, accuracy, k3 table");
+  command
+      ->add_option("axis", options->axis,
+                   "The axis: a scenario file, or its [plant], [friction], [controller], [loop] and [drive]")
+      ->required();
+  command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output");
+  command->footer(std::string{"Example: breakaway design sim/scenarios/can_axis.toml\n"} + exit_codes);
+  command->callback([options, &exit_code] { exit_code = design_file(*options); });
+}
+
+}  // namespace breakaway::cli

@@ -1,0 +1,85 @@
+#include "breakaway/design/k3.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <vector>
+
+#include "breakaway/report/json_writer.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+struct Options {
+  design::KickPlant<double> plant{};
+  std::vector<double> positions_m;
+  std::string json;
+};
+
+std::string to_json(const design::K3<double>& law, const std::vector<double>& positions_m) {
+  report::JsonWriter json;
+  json.object([&] {
+    json.array("rows", [&] {
+      for (const double y : positions_m) {
+        json.object([&] {
+          json.member("position_m", y);
+          json.member("k3_Ns", law.impulse_Ns(y) + 0.0);  // + 0.0: no negative zero
+          json.member("time_to_go_s", law.time_to_go_s(y));
+        });
+      }
+    });
+  });
+  return json.text();
+}
+
+void print_table(const design::K3<double>& law, const std::vector<double>& positions_m) {
+  fmt::print("{:>24} {:>24} {:>24}\n", "position [m]", "k3 [N s]", "time to go [s]");
+  for (const double y : positions_m) {
+    fmt::print("{:>24.15g} {:>24.15g} {:>24.15g}\n", y, law.impulse_Ns(y) + 0.0, law.time_to_go_s(y));
+  }
+}
+
+void k3(const Options& options) {
+  const auto law = design::K3<double>::make(options.plant);
+  if (!law) throw scenario::InputError{law.error().message};
+  if (!options.json.empty()) report::write_output(options.json, to_json(*law, options.positions_m));
+  if (options.json != "-") print_table(*law, options.positions_m);
+}
+
+}  // namespace
+
+void add_k3(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("k3", "The exact impulse that sends a resting axis to its target");
+  auto& plant = options->plant;
+  command->add_option("--mass", plant.mass_kg, "Moving mass [kg]")->required()->check(positive_number);
+  command->add_option("--k1", plant.stiffness_N_per_m, "Stiffness of the control [N/m]")
+      ->required()
+      ->check(positive_number);
+  command
+      ->add_option("--k22", plant.damping_Ns_per_m,
+                   "Damping in the kick phase [N s/m]; zeta = k22 / (2 sqrt(k1 m)) > 1")
+      ->required()
+      ->check(positive_number);
+  command->add_option("--friction-lower", plant.friction_lower_N, "Least friction force, m g mu_lower [N]")
+      ->required()
+      ->check(positive_number);
+  command->add_option("--position", options->positions_m, "Position error at rest [m]; give it once for each row")
+      ->required()
+      ->allow_extra_args(false)
+      ->check(finite_number);
+  command->add_option("--json", options->json, "Write the rows as JSON to this file; - is standard output");
+  command->footer(
+      std::string{"Example: breakaway k3 --mass 1 --k1 1 --k22 3 --friction-lower 2.5 --position -0.1 --position 1e-6 "
+                  "--json -\n"} +
+      exit_codes);
+  command->callback([options, &exit_code] {
+    k3(*options);
+    exit_code = done;
+  });
+}
+
+}  // namespace breakaway::cli

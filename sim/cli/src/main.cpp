@@ -1,0 +1,44 @@
+// breakaway: simulates and designs positioning axes that beat stiction.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "breakaway/scenario/input_error.hpp"
+#include "commands.hpp"
+
+namespace {
+
+int refuse(std::string what) {
+  for (char& c : what) {
+    if (c == '\n') c = ' ';
+  }
+  fmt::print(stderr, "breakaway: {}\n", what);
+  return breakaway::cli::bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace breakaway;
+  int exit_code = cli::done;
+  CLI::App app{"Positioning control that beats dry friction: simulation and design on a PC.", "breakaway"};
+  app.require_subcommand(1);
+  app.footer(std::string{"Example: breakaway simulate sim/scenarios/can_axis.toml --report can_axis.html\n"} +
+             cli::exit_codes);
+  cli::add_simulate(app, exit_code);
+  cli::add_k3(app, exit_code);
+  cli::add_design(app, exit_code);
+  try {
+    app.parse(argc, argv);
+    if (std::fflush(stdout) != 0) return refuse("standard output: cannot be written");
+    return exit_code;
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return refuse(fmt::format("{} (breakaway --help tells more)", error.what()));
+  } catch (const scenario::InputError& error) {
+    return refuse(error.what());
+  } catch (const std::exception& error) {
+    return refuse(fmt::format("unexpected failure: {}", error.what()));
+  }
+}

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "breakaway/report/formats.hpp"
+#include "breakaway/report/html.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/scenario/run_scene.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+using scenario::Result;
+using scenario::Scenario;
+
+struct Options {
+  std::string scenario, json, csv, candump, report;
+  bool quiet() const { return json == "-" || csv == "-" || candump == "-" || report == "-"; }
+};
+
+void print_summary(const Options& options, const Scenario& s, const Result& r) {
+  if (!s.title.empty()) fmt::print("{}\n", s.title);
+  if (r.settled) {
+    fmt::print("  settled        at {:.6g} s\n", r.settling_time_s);
+  } else {
+    fmt::print("  NOT settled    within {:.6g} s\n", r.duration_s);
+  }
+  fmt::print("  final error    {:.3g} m\n  kicks          {}\n", r.final_error_m, r.kicks.size());
+  if (r.ideal) {
+    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s (bound {:.7g} s)\n", r.ideal->t1_s, r.ideal->t2_s,
+               r.ideal->t_inf_s, r.ideal->bound_s);
+  }
+  if (r.loop) {
+    fmt::print("  largest force  {:.4g} N\n  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", r.max_force_N,
+               100 * r.loop->bus_load, r.loop->ticks, r.loop->missed_ticks);
+  }
+  for (const auto& fault : r.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
+  for (const std::string& path : {options.json, options.csv, options.candump, options.report}) {
+    if (!path.empty()) fmt::print("  written        {}\n", path);
+  }
+}
+
+void report_progress(const char* what) {
+  if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
+}
+
+int simulate(const Options& options) {
+  const Scenario scene = scenario::read_scenario(options.scenario);
+  report_progress("simulating");
+  const bool trace = !options.csv.empty() || !options.report.empty();
+  const Result result = scenario::run_scene(scene, {.trace = trace, .frames = !options.candump.empty()});
+  if (!options.report.empty()) report_progress("drawing the pictures");
+  // Everything is ready before the first file is written: an error here leaves no file behind.
+  const std::string html = options.report.empty() ? "" : report::to_html(scene, result);
+  if (!options.json.empty()) report::write_output(options.json, report::to_json(scene, result));
+  if (!options.csv.empty()) report::write_output(options.csv, report::to_csv(result));
+  if (!options.candump.empty()) report::write_output(options.candump, report::to_candump(result));
+  if (!options.report.empty()) report::write_output(options.report, html);
+  if (!options.quiet()) print_summary(options, scene, result);
+  return result.settled ? done : failed_check;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("simulate", "Simulate a scenario: does the axis settle, when and how well?");
+  command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();
+  command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output");
+  command->add_option("--csv", options->csv, "Write the samples of the run to this file; - is standard output");
+  command->add_option("--candump", options->candump, "Write the bus traffic in candump's log format to this file");
+  command->add_option("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)");
+  command->footer(
+      std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +
+      exit_codes);
+  command->callback([options, &exit_code] { exit_code = simulate(*options); });
+}
+
+}  // namespace breakaway::cli
