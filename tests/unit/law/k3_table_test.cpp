@@ -24,7 +24,7 @@ constexpr Scalar cubic(Scalar s) {
   return 2 + s * (1 + s * (1 + s));
 }
 
-template <class Scalar, std::size_t Nodes = 256>
+template <class Scalar, std::size_t Nodes = 267>
 K3Table<Scalar, Nodes> cubic_table(Scalar root_max) {
   K3Table<Scalar, Nodes> table{};
   table.root_max = root_max;

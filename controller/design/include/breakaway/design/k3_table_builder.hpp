@@ -12,7 +12,7 @@
 
 namespace breakaway::design {
 
-template <class Scalar, std::size_t Nodes = 256>
+template <class Scalar, std::size_t Nodes = 267>
 struct BuiltK3Table {
   law::K3Table<Scalar, Nodes> table;
   std::size_t size_bytes;
@@ -40,6 +40,10 @@ double rounding(double least, double most) {
 // Bounds of h^4/384 R'''' on every interval of length h = spacing [sqrt(m)].
 std::vector<Range> hermite_remainders(const K3<double>& law, double spacing, std::size_t intervals);
 
+// The largest |off0 (1 - H) + off1 H - remainder w| over t in [0, 1], with the Hermite weights H = t^2 (3 - 2 t) and
+// w = 16 t^2 (1 - t)^2: an upper bound.
+double largest_deviation(double off0, double off1, Range remainder);
+
 // The table's relative error on interval `i` is at most the sum of
 //   theory    the ideal cubic against the exact law: Hermite's remainder -h^4/24 R''''(.) (t (1 - t))^2, at most
 //   h^4/384
@@ -51,8 +55,8 @@ std::vector<Range> hermite_remainders(const K3<double>& law, double spacing, std
 //   results   the final sum, the final product, and sqrt once more as a factor of the impulse
 // Roundings are taken at their true size in the interval (half an ulp), not at the unit roundoff.
 template <class Scalar, std::size_t Nodes>
-double proved_error_of_interval(const law::K3Table<Scalar, Nodes>& table, const K3<double>& law,
-                                Range remainder, std::size_t i) {
+double proved_error_of_interval(const law::K3Table<Scalar, Nodes>& table, const K3<double>& law, Range remainder,
+                                std::size_t i) {
   const double unit = std::numeric_limits<Scalar>::epsilon() / 2;
   const double h = 1.0 / static_cast<double>(table.nodes_per_root);
   const double s_left = static_cast<double>(i) * h, s_right = s_left + h;
@@ -65,9 +69,7 @@ double proved_error_of_interval(const law::K3Table<Scalar, Nodes>& table, const 
   const double off0 = v0 - r_left, off1 = v1 - r_right;
   const double slopes =
       4.0 / 27 * (std::fabs(s0 - h * law.reduced_slope(s_left)) + std::fabs(s1 - h * law.reduced_slope(s_right)));
-  const double above = std::max(off0, off1) - std::min(0.0, remainder.least) + slopes;
-  const double below = std::max(-off0, -off1) + std::max(0.0, remainder.greatest) + slopes;
-  const double theory = std::max(above, below) + 1e-14 * r_right;
+  const double theory = largest_deviation(off0, off1, remainder) + slopes + 1e-14 * r_right;
   const double root = rounding<Scalar>(s_left, s_right);
   const double place = static_cast<double>(i + 1) * root + half_ulp<Scalar>(static_cast<double>(i) + 0.5);
   const double operations = unit * (4.0 / 27 * (std::fabs(s0 + s1) + 2 * std::fabs(rise) + cubic) + std::fabs(rise) +
@@ -98,7 +100,7 @@ double measured_error(const law::K3Table<Scalar, Nodes>& table, const K3<double>
 // c_upper = f_upper / k1. The proof holds where position error and impulse are normal numbers of Scalar.
 //
 // Refuses a plant that K3 refuses, a range that is not positive, and magnitudes that Scalar cannot hold.
-template <class Scalar, std::size_t Nodes = 256>
+template <class Scalar, std::size_t Nodes = 267>
 Expected<BuiltK3Table<Scalar, Nodes>> build_k3_table(const KickPlant<double>& plant, double range_m) {
   const auto law = K3<double>::make(plant);
   if (!law) return law.error();

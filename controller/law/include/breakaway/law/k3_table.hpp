@@ -15,8 +15,11 @@ namespace breakaway::law {
 
 // Made by design::build_k3_table; a default-constructed table answers zero to every question.
 //
+// 267 nodes of float are the most that fit in 2150 bytes; they keep the proved error below 4e-7 for zeta <= 10 and
+// f_lower / f_upper >= 0.1.
+//
 // Nothing here can fail, and no argument, not even a damaged table, leads to a read outside `nodes`.
-template <class Scalar, std::size_t Nodes = 256>
+template <class Scalar, std::size_t Nodes = 267>
 struct K3Table {
   static_assert(Nodes >= 2, "a table needs at least one interval");
 

@@ -1,0 +1,62 @@
+// Checks a whole axis: every assumption of [I] with its margin, and what sampling, encoder and drive add to them.
+//
+// [I] = van de Wouw & Leine, "Impulsive Control of Mechanical Motion Systems with Uncertain Friction".
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "breakaway/design/assumptions.hpp"
+
+namespace breakaway::design {
+
+struct AxisDesign {
+  double mass_kg{};                         // moving mass, > 0
+  double stiffness_N_per_m{};               // k1 > 0
+  double approach_damping_Ns_per_m{};       // k21 > 0, phase 1
+  double kick_damping_Ns_per_m{};           // k22, phases 2 and 3: zeta > 1
+  FrictionBounds friction{};                // of the dry friction force
+  double smooth_friction_slope_Ns_per_m{};  // dF_sm/dv at rest of a smooth friction beside the dry one (Proposition 3)
+  double max_force_N{};                     // of the drive, > 0
+  double period_s{};                        // control period; 0: ideal impulses, nothing sampled
+  double encoder_resolution_m{};            // one count; 0: exact
+  int latency_ticks{};                      // from a sample to the force that answers it, in periods
+  double position_tolerance_m{};            // the accuracy asked for, > 0
+};
+
+struct Check {
+  std::string name;
+  bool required;  // the certificate depends on it; the others are sufficient conditions, for information
+  bool holds;
+  double margin;       // positive when it holds; in the unit of the compared quantities
+  std::string source;  // where the condition comes from
+  std::string reason;  // the comparison in numbers, and the remedy when it fails
+};
+
+struct DesignReport {
+  double zeta_approach;           // k21 / (2 sqrt(k1 m))
+  double zeta_kick;               // k22 / (2 sqrt(k1 m))
+  double c_lower_m;               // (9): the axis stays at rest within this error for every admissible friction
+  double c_upper_m;               // (9): it may rest within this error
+  double largest_impulse_Ns;      // |k3(c_upper)|
+  double accuracy_floor_m;        // for pulses of one period; 0 for ideal impulses
+  double finite_time_bound_s;     // (19) for the largest |y2| = c_lower
+  double contraction_per_kick;    // |error| after a kick is at most this times that before it: 1 - f_lower / f_upper
+  double ratio;                   // f_lower / f_upper
+  double ratio_threshold_18;      // (18)
+  double exact_ratio_threshold;   // least ratio for which Assumption 3 holds
+  double least_damping_Ns_per_m;  // Remark 1; NaN when no number is large enough
+  std::size_t table_bytes;        // flashed k3 table in float
+  double table_proved_error;      // relative
+  double table_measured_error;    // relative
+  std::vector<Check> checks;
+  bool certified;                    // every required check holds
+  std::vector<std::string> reasons;  // why not, one line each; empty when certified
+};
+
+// Refuses inputs outside the ranges stated at AxisDesign and friction bounds that break Assumption 1, by name. What is
+// a possible axis but a bad one comes back as a report that is not certified.
+Expected<DesignReport> design_axis(const AxisDesign& axis);
+
+}  // namespace breakaway::design

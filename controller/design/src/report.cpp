@@ -1,0 +1,165 @@
+#include "breakaway/design/report.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "breakaway/design/k3_table_builder.hpp"
+
+namespace breakaway::design {
+namespace {
+
+std::optional<Error> unless_in_range(const AxisDesign& axis) {
+  if (auto error = unless_positive("mass_kg", axis.mass_kg)) return error;
+  if (auto error = unless_positive("stiffness k1", axis.stiffness_N_per_m)) return error;
+  if (auto error = unless_positive("approach damping k21", axis.approach_damping_Ns_per_m)) return error;
+  if (auto error = unless_positive("max_force_N", axis.max_force_N)) return error;
+  if (auto error = unless_positive("position_tolerance_m", axis.position_tolerance_m)) return error;
+  if (auto error = unless_not_negative("period_s", axis.period_s)) return error;
+  if (auto error = unless_not_negative("encoder_resolution_m", axis.encoder_resolution_m)) return error;
+  if (axis.latency_ticks < 0) {
+    return Error{"latency_ticks is " + std::to_string(axis.latency_ticks) + "; give 0 or a whole number of periods"};
+  }
+  if (!std::isfinite(axis.smooth_friction_slope_Ns_per_m)) {
+    return Error{"smooth_friction_slope_Ns_per_m is not a finite number; give 0 when there is no smooth friction"};
+  }
+  return unless_valid(axis.friction);
+}
+
+enum class Equality { fails, holds };
+
+// A required check of value < limit. `what` names both in words.
+Check below(std::string name, std::string source, double value, double limit, const std::string& what,
+            const std::string& remedy, Equality equality = Equality::fails) {
+  const bool holds = value < limit || (equality == Equality::holds && value == limit);
+  const std::string relation = equality == Equality::holds ? "at most " : "below ";
+  std::string reason = what + ": " + to_text(value) + (holds ? " is " : " is not ") + relation + to_text(limit);
+  if (!holds) reason += "; " + remedy;
+  return {std::move(name), true, holds, limit - value, std::move(source), std::move(reason)};
+}
+
+// A check of the friction ratio against a threshold, for information.
+Check above(std::string name, std::string source, double ratio, double threshold) {
+  const bool holds = ratio > threshold;
+  std::string reason = "friction_lower_N / friction_upper_N = " + to_text(ratio) + (holds ? " is" : " is not") +
+                       " above " + to_text(threshold);
+  if (!holds) reason += "; raise the damping k22 or narrow the friction bounds";
+  return {std::move(name), false, holds, ratio - threshold, std::move(source), std::move(reason)};
+}
+
+// Propositions 2 and 3 cover different friction: the one that fits the axis is required. (17) and (18) are sufficient
+// for Assumption 3, the exact threshold is necessary too.
+std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport& report) {
+  const FrictionBounds& friction = axis.friction;
+  Check assumption_1{
+      "assumption_1",
+      true,
+      true,
+      friction.upper_N - friction.lower_N,
+      "[I] Assumption 1",
+      "0 < friction_lower_N = " + to_text(friction.lower_N) + " <= friction_upper_N = " + to_text(friction.upper_N)};
+  const double critical = 2 * std::sqrt(axis.stiffness_N_per_m) * std::sqrt(axis.mass_kg);
+  const std::string remedy = "lower the approach damping k21";
+  Check proposition_2 =
+      below("assumption_2_proposition_2", "[I] Proposition 2 (friction constant between velocity reversals)",
+            report.zeta_approach, 1, "zeta = k21 / (2 sqrt(k1 m)) against 1", remedy);
+  Check proposition_3 =
+      below("assumption_2_proposition_3", "[I] Proposition 3 (constant dry friction and a smooth one)",
+            axis.approach_damping_Ns_per_m + axis.smooth_friction_slope_Ns_per_m, critical,
+            "k21 + smooth friction slope against 2 sqrt(k1 m)", remedy);
+  const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
+  proposition_2.required = purely_dry;
+  proposition_3.required = !purely_dry;
+  Check exact = above("assumption_3_exact", "a kick from c_upper under friction_upper_N ends in the inner stick set",
+                      report.ratio, report.exact_ratio_threshold);
+  exact.required = true;
+  return {std::move(assumption_1),
+          std::move(proposition_2),
+          std::move(proposition_3),
+          above("assumption_3_eq_17", "[I] (17)", report.ratio, ratio_threshold_17),
+          above("assumption_3_eq_18", "[I] (18)", report.ratio, report.ratio_threshold_18),
+          std::move(exact)};
+}
+
+Check encoder_check(const AxisDesign& axis) {
+  return below("tolerance_above_encoder_resolution", "one encoder count is the least error that can be seen",
+               axis.encoder_resolution_m, axis.position_tolerance_m,
+               "encoder_resolution_m against position_tolerance_m", "widen the tolerance or use a finer encoder",
+               Equality::holds);
+}
+
+Check table_check(const DesignReport& report) {
+  // A kick moves the axis by about its square: an impulse off by e is a displacement off by 2 e, which adds to the
+  // error 1 - f_lower / f_upper that a kick may leave. The sum must stay below 1.
+  return below("table_keeps_contraction", "a kick must leave less error than it found", 2 * report.table_proved_error,
+               report.ratio, "twice the k3 table's relative error against friction_lower_N / friction_upper_N",
+               "lower the damping k22 or narrow the friction bounds");
+}
+
+std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& report) {
+  const double delay_s = (axis.latency_ticks + 1) * axis.period_s;
+  return {
+      below("force_breaks_away", "a pulse below the upper friction bound may not move the axis", axis.friction.upper_N,
+            axis.max_force_N, "friction_upper_N against max_force_N", "use a stronger drive or reduce the friction"),
+      below("tolerance_above_floor",
+            "least sure step of a one-period pulse, f_upper (f_upper - f_lower) Ts^2 / (2 m f_lower)",
+            report.accuracy_floor_m, axis.position_tolerance_m, "accuracy floor against position_tolerance_m",
+            "widen the tolerance or shorten the period (the floor falls with its square)", Equality::holds),
+      below("damping_tolerates_delay", "damping that acts latency + 1 periods late must brake, not push",
+            axis.kick_damping_Ns_per_m * delay_s / axis.mass_kg, 0.5,
+            "k22 (latency_ticks + 1) period_s / mass_kg against 0.5",
+            "lower k22 (and k1 with it, to keep zeta), or shorten the period or the latency"),
+  };
+}
+
+std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report) {
+  std::vector<Check> checks = assumption_checks(axis, report);
+  checks.push_back(table_check(report));
+  checks.push_back(encoder_check(axis));
+  if (axis.period_s > 0) {
+    for (Check& check : sampling_checks(axis, report)) checks.push_back(std::move(check));
+  }
+  return checks;
+}
+
+}  // namespace
+
+Expected<DesignReport> design_axis(const AxisDesign& axis) {
+  if (auto error = unless_in_range(axis)) return *error;
+  const double m = axis.mass_kg, k1 = axis.stiffness_N_per_m;
+  const KickPlant<double> plant{m, k1, axis.kick_damping_Ns_per_m, axis.friction.lower_N};
+  const auto law = K3<double>::make(plant);
+  if (!law) return law.error();
+  const double c_lower = axis.friction.lower_N / k1, c_upper = axis.friction.upper_N / k1;
+  const auto built = build_k3_table<float>(plant, c_upper);
+  if (!built) return built.error();
+  const auto least_damping = least_damping_for_18(m, k1, axis.friction);
+
+  DesignReport report{
+      .zeta_approach = damping_ratio(m, k1, axis.approach_damping_Ns_per_m),
+      .zeta_kick = damping_ratio(m, k1, axis.kick_damping_Ns_per_m),
+      .c_lower_m = c_lower,
+      .c_upper_m = c_upper,
+      .largest_impulse_Ns = law->impulse_Ns(-c_upper),
+      .accuracy_floor_m = accuracy_floor_m(m, axis.friction, axis.period_s),
+      .finite_time_bound_s = finite_time_bound_s(m, axis.friction, c_lower),
+      .contraction_per_kick = axis.friction.gap(),
+      .ratio = axis.friction.ratio(),
+      .ratio_threshold_18 = ratio_threshold_18(law->unit()),
+      .exact_ratio_threshold = exact_ratio_threshold(law->unit()),
+      .least_damping_Ns_per_m = least_damping ? *least_damping : std::numeric_limits<double>::quiet_NaN(),
+      .table_bytes = built->size_bytes,
+      .table_proved_error = built->proved_error,
+      .table_measured_error = built->measured_error,
+      .checks = {},
+      .certified = false,
+      .reasons = {},
+  };
+  report.checks = all_checks(axis, report);
+  for (const Check& check : report.checks) {
+    if (check.required && !check.holds) report.reasons.push_back(check.name + ": " + check.reason);
+  }
+  report.certified = report.reasons.empty();
+  return report;
+}
+
+}  // namespace breakaway::design

@@ -1,0 +1,162 @@
+#include "breakaway/design/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace breakaway::design;
+
+// Section V of [I] behind a drive of 50 N at 1 kHz with an encoder of 1 um.
+AxisDesign example() {
+  return {.mass_kg = 1,
+          .stiffness_N_per_m = 1,
+          .approach_damping_Ns_per_m = 0.5,
+          .kick_damping_Ns_per_m = 3,
+          .friction = {2.5, 4.5},
+          .smooth_friction_slope_Ns_per_m = 0,
+          .max_force_N = 50,
+          .period_s = 1e-3,
+          .encoder_resolution_m = 1e-6,
+          .latency_ticks = 1,
+          .position_tolerance_m = 3e-6};
+}
+
+const Check* find(const DesignReport& report, const std::string& name) {
+  const auto found =
+      std::find_if(report.checks.begin(), report.checks.end(), [&](const Check& c) { return c.name == name; });
+  return found == report.checks.end() ? nullptr : &*found;
+}
+
+TEST(DesignReport, CertifiesTheExample) {
+  const auto report = design_axis(example());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->certified);
+  EXPECT_TRUE(report->reasons.empty());
+  EXPECT_DOUBLE_EQ(report->zeta_approach, 0.25);
+  EXPECT_DOUBLE_EQ(report->zeta_kick, 1.5);
+  EXPECT_DOUBLE_EQ(report->c_lower_m, 2.5);
+  EXPECT_DOUBLE_EQ(report->c_upper_m, 4.5);
+  EXPECT_DOUBLE_EQ(report->accuracy_floor_m, 1.8e-6);
+  EXPECT_DOUBLE_EQ(report->contraction_per_kick, 2.0 / 4.5);
+  EXPECT_NEAR(report->finite_time_bound_s, std::sqrt(2.0) * 3, 1e-14);  // sqrt(2 c_lower / 2.5) / (1 - sqrt(4/9))
+  EXPECT_LE(report->table_bytes, 2150U);
+  EXPECT_LE(report->table_proved_error, 4e-7);
+  EXPECT_NEAR(find(*report, "assumption_3_eq_17")->margin, 5.0 / 9 - 0.5, 1e-15);
+  EXPECT_NEAR(find(*report, "assumption_3_eq_18")->margin, 5.0 / 9 - 0.280215323972624, 1e-14);
+}
+
+TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
+  struct Case {
+    const char* check;
+    void (*spoil)(AxisDesign&);
+    const char* remedy;
+  };
+  const std::vector<Case> cases{
+      {"assumption_2_proposition_2", [](AxisDesign& a) { a.approach_damping_Ns_per_m = 2; },
+       "lower the approach damping"},
+      {"assumption_2_proposition_3", [](AxisDesign& a) { a.smooth_friction_slope_Ns_per_m = 1.6; },
+       "lower the approach damping"},
+      {"assumption_3_exact", [](AxisDesign& a) { a.friction.lower_N = 0.8, a.position_tolerance_m = 1e-3; },
+       "raise the damping k22"},
+      {"force_breaks_away", [](AxisDesign& a) { a.max_force_N = 4.5; }, "stronger drive"},
+      {"tolerance_above_floor", [](AxisDesign& a) { a.period_s = 2e-3; }, "shorten the period"},
+      {"tolerance_above_encoder_resolution", [](AxisDesign& a) { a.encoder_resolution_m = 4e-6; }, "finer encoder"},
+      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 200; }, "shorten the period or the latency"},
+  };
+  for (const Case& c : cases) {
+    AxisDesign axis = example();
+    c.spoil(axis);
+    const auto report = design_axis(axis);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(report->certified) << c.check;
+    EXPECT_FALSE(find(*report, c.check)->holds) << c.check;
+    EXPECT_LE(find(*report, c.check)->margin, 0) << c.check;
+    ASSERT_EQ(report->reasons.size(), 1U) << c.check;
+    EXPECT_EQ(report->reasons[0].find(c.check), 0U) << report->reasons[0];
+    EXPECT_NE(report->reasons[0].find(c.remedy), std::string::npos) << report->reasons[0];
+  }
+}
+
+// (17) and (18) are sufficient only: between (18) and the exact threshold the axis is still certified.
+TEST(DesignReport, CertifiesByTheExactThresholdWhereThePaperCannot) {
+  AxisDesign axis = example();
+  axis.friction.lower_N = 4.5 * 0.2;
+  axis.position_tolerance_m = 1e-5;
+  const auto report = design_axis(axis);
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(find(*report, "assumption_3_eq_17")->holds);
+  EXPECT_FALSE(find(*report, "assumption_3_eq_18")->holds);
+  EXPECT_TRUE(report->certified);
+}
+
+TEST(DesignReport, DoesNotCertifyATableTooCoarseForTheRange) {
+  AxisDesign axis = example();
+  axis.kick_damping_Ns_per_m = 2e4;
+  axis.friction.lower_N = 0.0045;
+  axis.period_s = 0;
+  const auto report = design_axis(axis);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(find(*report, "assumption_3_exact")->holds);
+  EXPECT_FALSE(find(*report, "table_keeps_contraction")->holds);
+  EXPECT_FALSE(report->certified);
+}
+
+TEST(DesignReport, LeavesSamplingOutForIdealImpulses) {
+  AxisDesign axis = example();
+  axis.period_s = 0;
+  axis.encoder_resolution_m = 0;
+  const auto report = design_axis(axis);
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->certified);
+  EXPECT_EQ(report->accuracy_floor_m, 0);
+  EXPECT_EQ(find(*report, "force_breaks_away"), nullptr);
+}
+
+TEST(DesignReport, RemarkOnesDampingIsAccepted) {
+  AxisDesign axis = example();
+  axis.friction = {0.2, 4.5};
+  axis.period_s = 0;
+  const auto first = design_axis(axis);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(find(*first, "assumption_3_eq_18")->holds);
+  axis.kick_damping_Ns_per_m = first->least_damping_Ns_per_m;
+  EXPECT_TRUE(find(*design_axis(axis), "assumption_3_eq_18")->holds);
+}
+
+TEST(DesignReport, RefusesImpossibleAxesByName) {
+  struct Case {
+    void (*spoil)(AxisDesign&);
+    const char* named;
+  };
+  const std::vector<Case> cases{
+      {[](AxisDesign& a) { a.mass_kg = 0; }, "mass_kg is 0"},
+      {[](AxisDesign& a) { a.stiffness_N_per_m = -1; }, "stiffness k1 is -1"},
+      {[](AxisDesign& a) { a.approach_damping_Ns_per_m = std::numeric_limits<double>::quiet_NaN(); }, "k21 is nan"},
+      {[](AxisDesign& a) { a.kick_damping_Ns_per_m = 2; }, "zeta > 1"},
+      {[](AxisDesign& a) {
+         a.friction = {5, 4};
+       },
+       "friction_lower_N is 5, above friction_upper_N = 4"},
+      {[](AxisDesign& a) { a.smooth_friction_slope_Ns_per_m = INFINITY; }, "smooth_friction_slope_Ns_per_m"},
+      {[](AxisDesign& a) { a.max_force_N = 0; }, "max_force_N is 0"},
+      {[](AxisDesign& a) { a.period_s = -1; }, "period_s is -1"},
+      {[](AxisDesign& a) { a.encoder_resolution_m = -1; }, "encoder_resolution_m is -1"},
+      {[](AxisDesign& a) { a.latency_ticks = -1; }, "latency_ticks is -1"},
+      {[](AxisDesign& a) { a.position_tolerance_m = 0; }, "position_tolerance_m is 0"},
+  };
+  for (const Case& c : cases) {
+    AxisDesign axis = example();
+    c.spoil(axis);
+    const auto report = design_axis(axis);
+    ASSERT_FALSE(report) << c.named;
+    EXPECT_NE(report.error().message.find(c.named), std::string::npos) << report.error().message;
+  }
+}
+
+}  // namespace
