@@ -16,16 +16,4 @@ class Mechanism {
   ~Mechanism() = default;
 };
 
-// A plant, plant::Slide or alike, as the mechanism of a drive. `plant` must outlive it.
-template <class Plant>
-class PlantMechanism final : public Mechanism {
- public:
-  explicit PlantMechanism(Plant& plant) : plant_(plant) {}
-  void advance_to(double time_s, const plant::AppliedForce& force) override { plant_.advance_to(time_s, force); }
-  double position_m() const override { return plant_.state().position_m; }
-
- private:
-  Plant& plant_;
-};
-
 }  // namespace breakaway::drive
