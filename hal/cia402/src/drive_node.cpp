@@ -39,7 +39,6 @@ DriveNode::DriveNode(const NodeConfig& config) noexcept
       plan_{config},
       sdo_{config.node_id, config.sdo_timeout},
       heartbeat_{config.node_id, config.heartbeat_timeout},
-      own_heartbeat_{config.master_node_id, config.heartbeat_period},
       emcy_{config.node_id} {
   const hal::Status status = check(config);
   config_valid_ = status.ok();
@@ -59,7 +58,7 @@ bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
     nmt_command_.reset();
     return true;
   }
-  return own_heartbeat_.next_frame(frame, NmtState::operational, now) || sdo_.next_frame(frame, now);
+  return sdo_.next_frame(frame, now);
 }
 
 void DriveNode::update(hal::Time now) noexcept {

@@ -335,20 +335,6 @@ TEST_F(DriveTest, NodeThatLeavesOperationalIsStartedAgainButNotEnabled) {
   EXPECT_EQ(drive.reboots(), 0U);
 }
 
-TEST_F(DriveTest, SendsItsOwnHeartbeats) {
-  set_up();
-  int heartbeats = 0;
-  for (int i = 0; i < 1000; ++i) {
-    step();
-    for (const CanFrame& frame : sent)
-      if (frame.id == 0x77F) {
-        ++heartbeats;
-        EXPECT_EQ(frame.data[0], 0x05);
-      }
-  }
-  EXPECT_EQ(heartbeats, 10);
-}
-
 TEST_F(DriveTest, FeedbackIsFreshOncePerSampleAndCarriesTheTimeOfItsSync) {
   set_up();
   node.counts = 1234;
@@ -425,8 +411,11 @@ TEST_F(InvertedDriveTest, ForceAndPositionChangeSignTogether) {
   node.torque = 20;
   step(10.0F);
   step();
-  EXPECT_EQ(drive.counts_at(-500e-6F), 500);
+  EXPECT_EQ(drive.counts_at(-500e-6F), -500);
+  EXPECT_EQ(drive.position_counts(), -500);
+  drive.set_datum_counts(-400);
   EXPECT_FLOAT_EQ(feedback.position_m, -500e-6F);
+  EXPECT_FLOAT_EQ(drive.feedback().position_offset_m, -100e-6F);
   EXPECT_FLOAT_EQ(feedback.force_N, -1.0F);
   step(10.0F);
   EXPECT_EQ(node.target, -200);

@@ -283,6 +283,26 @@ TEST(VirtualBus, PurgeForgetsWhatIsNotOnTheWire) {
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1}));
 }
 
+TEST(VirtualBus, TellsWhenItHasSomethingToDoNext) {
+  VirtualBus bus{{}};
+  auto& a = bus.add_port();
+  auto& b = bus.add_port();
+  bus.advance_to(5us);
+  EXPECT_EQ(bus.next_event(), kNever);
+  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(2), kNever).ok());
+  std::vector<ReceivedFrame> received;
+  for (int events = 0; bus.next_event() != kNever; ++events) {
+    ASSERT_LT(events, 10);
+    bus.advance_to(bus.next_event());
+    for (const auto& frame : drain(b)) {
+      EXPECT_EQ(frame.time, bus.now());
+      received.push_back(frame);
+    }
+  }
+  EXPECT_EQ(ids(received), (std::vector<unsigned>{1, 2}));
+}
+
 TEST(VirtualBus, TheSameFramesPassHoweverTimeIsCutUp) {
   const auto run = [](Time step) {
     VirtualBus bus{{.loss_probability = 0.2, .max_delay = 70us, .seed = 9}};

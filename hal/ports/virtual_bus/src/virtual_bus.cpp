@@ -40,13 +40,13 @@ void VirtualBus::advance_to(hal::Time time) noexcept {
 }
 
 hal::Time VirtualBus::next_event() const noexcept {
+  const bool frames_wait =
+      std::any_of(ports_.begin(), ports_.end(), [](const auto& port) { return !port->transmit_.empty(); });
   hal::Time event = hal::Time::max();
   if (on_wire_)
     event = frame_end_;
-  else if (idle_from_ > now_)
-    event = idle_from_;
-  else if (std::any_of(ports_.begin(), ports_.end(), [](const auto& port) { return !port->transmit_.empty(); }))
-    event = now_;
+  else if (frames_wait)
+    event = std::max(now_, idle_from_);
   return deliveries_.empty() ? event : std::min(event, deliveries_.front().received.time);
 }
 

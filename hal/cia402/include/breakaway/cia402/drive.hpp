@@ -3,8 +3,9 @@
 //   each period: on_frame for every received frame; update(now); feedback(); command(force);
 //                on_sync(time of the SYNC); send what next_command_frame and next_acyclic_frame hand out.
 //
-// Drive units exist only inside. Encoder counts are those of the drive: with invert_direction a positive position has
-// negative counts. A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable.
+// Drive units exist only inside. Encoder counts, too, are in the axis' direction: with invert_direction they are the
+// drive's with the sign changed. A drive that leaves Operation enabled by itself, or reboots, stays off until
+// request_enable.
 #pragma once
 
 #include <array>
@@ -38,7 +39,7 @@ struct DriveConfig {
   hal::Duration sdo_timeout = std::chrono::milliseconds{50};
   hal::Duration period = std::chrono::milliseconds{1};  // of control and SYNC
   bool invert_direction = false;                        // the drive's positive direction is the axis' negative one
-  std::uint8_t master_node_id = 127;
+  std::uint8_t master_node_id = 127;                    // who sends the heartbeats that the drive supervises
 
   NodeConfig node() const noexcept {
     return {node_id, master_node_id, heartbeat_period, heartbeat_timeout, sdo_timeout, period};
@@ -90,7 +91,7 @@ class Drive {
     follow_fault();
   }
 
-  // At most one NMT, SDO or heartbeat frame that is to be sent now; false when there is none.
+  // At most one NMT or SDO frame that is to be sent now; false when there is none.
   bool next_acyclic_frame(hal::CanFrame& frame, hal::Time now) noexcept {
     return config_status_.ok() && node_.next_frame(frame, now);
   }
@@ -152,7 +153,7 @@ class Drive {
   // The count nearest to a position, to set the datum by; saturates.
   std::int32_t counts_at(Scalar position_m) const noexcept {
     constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
-    const Scalar counts = std::round(sign_ * position_m / config_.encoder_resolution_m);
+    const Scalar counts = std::round(position_m / config_.encoder_resolution_m);
     if (!(counts > static_cast<Scalar>(lowest))) return lowest;
     if (counts >= -static_cast<Scalar>(lowest)) return std::numeric_limits<std::int32_t>::max();
     return static_cast<std::int32_t>(counts);
@@ -163,7 +164,8 @@ class Drive {
     std::array<std::uint64_t, 3> values{};
     if (!canopen::unpack_pdo(feedback_pdo_, received.frame, values)) return;
     statusword_ = static_cast<std::uint16_t>(values[0]);
-    counts_ = static_cast<std::int32_t>(static_cast<std::uint32_t>(values[1]));
+    const auto counts = static_cast<std::uint32_t>(values[1]);
+    counts_ = static_cast<std::int32_t>(config_.invert_direction ? 0U - counts : counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
     machine_.on_statusword(statusword_);
     const bool answers_sync =
@@ -215,7 +217,7 @@ class Drive {
   }
 
   Scalar to_metres(std::int32_t counts) const noexcept {
-    return sign_ * static_cast<Scalar>(counts) * config_.encoder_resolution_m;
+    return static_cast<Scalar>(counts) * config_.encoder_resolution_m;
   }
 
   DriveConfig<Scalar> config_;

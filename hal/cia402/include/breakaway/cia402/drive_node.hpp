@@ -46,7 +46,8 @@ class DriveNode {
 
   void on_frame(const hal::ReceivedFrame& received) noexcept;
   void update(hal::Time now) noexcept;
-  // At most one NMT command, heartbeat or SDO frame that is to be sent now.
+  // At most one NMT command or SDO frame that is to be sent now. The master's heartbeat is not among them: it is one
+  // for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
   // Reads 603Fh, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
@@ -88,7 +89,6 @@ class DriveNode {
   SetupPlan plan_;
   canopen::SdoClient sdo_;
   canopen::HeartbeatConsumer heartbeat_;
-  canopen::HeartbeatProducer own_heartbeat_;
   canopen::EmcyConsumer emcy_;
 
   SetupPhase phase_ = SetupPhase::waiting;

@@ -15,7 +15,7 @@ namespace breakaway::cia402 {
 struct NodeConfig {
   std::uint8_t node_id = 1;           // 1..127
   std::uint8_t master_node_id = 127;  // 1..127, not node_id: who sends the heartbeats that the drive supervises
-  hal::Duration heartbeat_period = std::chrono::milliseconds{100};   // of both sides; 1..65535 ms
+  hal::Duration heartbeat_period = std::chrono::milliseconds{100};   // of the drive; 1..65535 ms
   hal::Duration heartbeat_timeout = std::chrono::milliseconds{250};  // of both sides; above the period, to 65535 ms
   hal::Duration sdo_timeout = std::chrono::milliseconds{50};         // above 0
   hal::Duration period = std::chrono::milliseconds{1};               // of SYNC: 1..255 times 1 s, 0.1 s, ... or 1 us

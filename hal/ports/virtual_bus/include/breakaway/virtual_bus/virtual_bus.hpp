@@ -59,8 +59,8 @@ class VirtualBus {
   hal::Time now() const noexcept { return now_; }
   // Runs the bus up to and including `time`; a time in the past changes nothing.
   void advance_to(hal::Time time) noexcept;
-  // When advance_to has something to do next, as things stand: for a caller that brings several machines forward
-  // together.
+  // When advance_to has something to do next, as things stand; Time::max() when nothing is to come. For a caller that
+  // brings several machines forward together.
   hal::Time next_event() const noexcept;
 
   const VirtualBusCounters& counters() const noexcept { return counters_; }
