@@ -67,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
     Table, BadInputIsRefused,
     testing::Values(
         BadInput{"MisspeltKey", with(sound, "mass_kg", "mas_kg"), {":3:", "[plant]", "mas_kg", "mass_kg"}},
+        BadInput{"KeyBeyondAscii", with(sound, "mass_kg", "\u00b5_kg"), {":3:", "ASCII"}},
         BadInput{"MisspeltSection", with(sound, "[friction]", "[fricton]"), {":4:", "fricton", "friction"}},
         BadInput{"MissingKey", with(sound, "mass_kg = 1", ""), {"[plant]", "mass_kg", "missing", "kg"}},
         BadInput{"MissingSection", with(sound, "[plant]\nmass_kg = 1", ""), {"plant", "missing"}},
@@ -111,6 +112,12 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(ReadScenario, RefusesAFileThatIsNotThere) {
   EXPECT_THROW(read_scenario("/nowhere/axis.toml"), InputError);
   EXPECT_THROW(read_scenario(std::filesystem::temp_directory_path()), InputError);
+}
+
+TEST(ReadScenario, TakesCharactersBeyondAsciiInStringsAndComments) {
+  const std::string title = "title = \"Schlitten \\\" \u00b5 # gr\u00f6\u00dfer\" # \u00b5 'm\n";
+  EXPECT_EQ(parse_scenario("\xEF\xBB\xBF" + title + sound, "axis.toml").title,
+            "Schlitten \" \u00b5 # gr\u00f6\u00dfer");
 }
 
 TEST(ReadScenario, TakesCoefficientsOrNewtons) {
