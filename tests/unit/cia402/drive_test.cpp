@@ -190,6 +190,20 @@ TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
   EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(0x1A00, 2));
 }
 
+TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
+  for (const std::uint16_t index : {std::uint16_t{0x6076}, std::uint16_t{0x1000}, std::uint16_t{0x6502}}) {
+    ScriptedDrive lacking{kNode};
+    lacking.objects.erase(ScriptedDrive::key(index, 0));
+    std::swap(node, lacking);
+    node.boot();
+    deliver();
+    step();
+    run_until_state(DriveState::unusable);
+    EXPECT_EQ(drive.setup_status().detail, 0x06020000U);
+    EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(index, 0));
+  }
+}
+
 TEST_F(DriveTest, LacksWhatIsOptional) {
   node.objects.erase(ScriptedDrive::key(0x6075, 0));
   node.objects.erase(ScriptedDrive::key(0x6072, 0));
@@ -393,6 +407,19 @@ TEST_F(DriveTest, OtherNodesFramesChangeNothing) {
   EXPECT_EQ(drive.statusword(), before);
   EXPECT_EQ(feedback.state, DriveState::enabled);
   EXPECT_EQ(drive.last_emcy().code, 0);
+}
+
+TEST_F(DriveTest, DriveThatStayedEnergisedOutsideOfOperationalIsSwitchedOff) {
+  enable();
+  node.nmt = NmtState::pre_operational;  // but still in Operation enabled
+  run_until_state(DriveState::configuring);
+  while (feedback.state == DriveState::configuring) {
+    step(10.0F);
+    ASSERT_EQ(node.target, 0);
+    ASSERT_LT(now, 3s);
+  }
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+  EXPECT_EQ(node.state, State::switch_on_disabled);
 }
 
 class InvertedDriveTest : public DriveTest {

@@ -103,8 +103,7 @@ class Drive {
     if (!usable() || !node_.operational()) return false;
     const bool follows = node_.ready() && machine_.follows();
     const std::int16_t torque = follows ? scale_.per_mille(sign_ * force_N) : std::int16_t{0};
-    const std::uint16_t controlword = node_.ready() ? machine_.controlword() : control::disable_voltage;
-    const std::array<std::uint64_t, 2> values{controlword, static_cast<std::uint16_t>(torque)};
+    const std::array<std::uint64_t, 2> values{machine_.controlword(), static_cast<std::uint16_t>(torque)};
     frame = canopen::pack_pdo(command_pdo_, values);
     return true;
   }
