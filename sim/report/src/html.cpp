@@ -73,15 +73,15 @@ std::string outcome(const Result& r) {
     table.quantity("Target reached, t∞", r.ideal->t_inf_s, "s");
     table.quantity("Bound (19) on t∞", r.ideal->bound_s, "s");
   }
-  table.quantity("Largest actuator force", r.max_force_N, "N");
+  if (!r.ideal) table.quantity("Largest actuator force", r.max_force_N, "N");
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
   if (r.loop) {
     table.row("Control periods",
               fmt::format("{}, of which {} without fresh feedback", r.loop->ticks, r.loop->missed_ticks));
-    table.quantity("Mean bus load", 100 * r.loop->bus_load, "%");
+    table.row("Mean bus load", fmt::format("{:.1f} %", 100 * r.loop->bus_load));
   }
   for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));
-  table.quantity("Time taken to compute", r.wall_s, "s");
+  table.row("Time taken to compute", fmt::format("{:.1f} ms", 1e3 * r.wall_s));
   return table.text();
 }
 

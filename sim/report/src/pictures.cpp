@@ -24,17 +24,20 @@ constexpr const char* style = R"(
 set encoding utf8
 set border 3 linecolor '#888888'
 set tics nomirror out textcolor '#333333'
-set grid linecolor '#e4e4e4' linetype 1 linewidth 0.6
-set key top right samplen 2 spacing 1.2 textcolor '#333333'
+set grid linecolor '#dcdfe2' linetype 1 linewidth 0.6
+set key above left Left reverse horizontal samplen 2 width 1 textcolor '#333333'
 set style line 1 linecolor '#1c5d99' linewidth 1.8
 set style line 2 linecolor '#c8553d' linewidth 1.8
 set style line 3 linecolor '#2a7f62' linewidth 1.8
 set style line 4 linecolor '#777777' linewidth 1.2 dashtype 2
 set style line 5 linecolor '#8f6bb3' linewidth 1.8
 set style line 6 linecolor '#f2c14e' linewidth 7
-set style line 7 linecolor '#c8553d' linewidth 7
+set style line 7 linecolor '#e08e45' linewidth 7
+set style line 8 linecolor '#c8553d' pointtype 7 pointsize 0.5
 set lmargin 11
+unset mytics
 set rmargin 3
+set bmargin 3.5
 )";
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
@@ -67,11 +70,27 @@ std::string instants(const Result& result, bool labelled) {
     if (!std::isfinite(time_s)) continue;
     text += fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead linestyle 4\n", time_s);
     if (labelled)
-      text += fmt::format("set label '{}' at first {}, graph 1.06 center textcolor '#555555'\n", name, time_s);
+      text += fmt::format("set label '{}' at first {}, graph 1.05 center textcolor '#555555'\n", name, time_s);
   }
   return text;
 }
 
+std::string response_caption(const Scenario& s, const Result& result) {
+  if (result.ideal) {
+    return "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest is "
+           "answered "
+           "by an impulse, seen as a jump of the velocity; from t₂ on it is within the minimal stick set. It rests on "
+           "the "
+           "target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine.";
+  }
+  if (s.controller.pid) return "Position, velocity and actuator force under the PID controller.";
+  return fmt::format(
+      "Position, velocity and actuator force. The approach is limited in speed and force; once the axis is "
+      "at rest short of the target, force pulses of at most {:g} N bring it there.",
+      s.controller.max_force_N);
+}
+
+// One of the panels that share a time axis.
 std::string panel(const Result& result, bool first, bool last, std::string_view plot) {
   return fmt::format("unset label\nunset arrow\n{}set format x '{}'\nset xlabel '{}'\n{}\n", instants(result, first),
                      last ? "% h" : "", last ? "time [s]" : "", plot);
@@ -79,11 +98,14 @@ std::string panel(const Result& result, bool first, bool last, std::string_view 
 
 Picture response(const Scenario& s, const Result& result) {
   const bool loop = result.loop.has_value();
-  std::string commands = std::string{style} + trace_data(result) +
+  const int panels = loop ? 3 : 2;
+  const int height_px = 230 * panels + 107;
+  std::string commands = style + trace_data(result) +
                          fmt::format(
-                             "set multiplot layout {},1\nset tmargin 2\nset bmargin 3\nset key bottom right\n"
-                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\n",
-                             loop ? 3 : 2, number(result.trace.back().time_s));
+                             "set multiplot layout {},1 margins 0.1, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
+                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key bottom right "
+                             "inside vertical maxrows 3\n",
+                             panels, 72.0 / height_px, 1 - 35.0 / height_px, number(result.trace.back().time_s));
   commands +=
       panel(result, true, false,
             "set ylabel 'position [m]'\nplot $trace using 1:5 with steps linestyle 4 title 'target', '' using 1:2 "
@@ -92,71 +114,96 @@ Picture response(const Scenario& s, const Result& result) {
       panel(result, false, !loop, "set ylabel 'velocity [m/s]'\nplot $trace using 1:3 with lines linestyle 2 notitle");
   if (loop) {
     commands +=
-        panel(result, false, true, "set ylabel 'force [N]'\nplot $trace using 1:4 with lines linestyle 3 notitle");
+        panel(result, false, true, "set ylabel 'force [N]'\nplot $trace using 1:4 with steps linestyle 3 notitle");
   }
-  return {"Response",
-          result.ideal
-              ? "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest "
-                "is answered by an impulse, seen as a jump of the velocity; from t₂ on it is within the minimal "
-                "stick set. It rests on the target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine."
-              : fmt::format("Position, velocity and actuator force. The approach is limited in speed and force; once "
-                            "the axis is at rest, short force pulses of at most {:g} N bring it to the target.",
-                            s.controller.max_force_N),
-          draw_svg("response", width_px, loop ? 760 : 560, commands)};
+  return {"Response", response_caption(s, result), draw_svg("response", width_px, height_px, commands)};
 }
 
 // |error| on a logarithmic axis shows the last micrometres.
 Picture error_over_time(const Scenario& s, const Result& result) {
-  const double floor_m = s.drive ? s.drive->encoder_resolution_m / 10 : 1e-15;
+  const auto shown = [](double error_m) { return error_m == 0 ? std::nan("") : std::fabs(error_m); };
   std::string commands = style +
                          data("error", result.trace,
                               [&](const Sample& x) {
-                                return std::array{x.time_s, std::max(std::fabs(x.position_m - x.target_m), floor_m)};
+                                return std::array{x.time_s, shown(x.position_m - x.target_m)};
                               }) +
                          data("kicks", result.kicks,
                               [&](const KickRecord& k) {
-                                return std::array{k.time_s, std::max(std::fabs(k.error_m), floor_m)};
+                                return std::array{k.time_s, shown(k.error_m)};
                               }) +
                          instants(result, true) +
-                         "set tmargin 2\nset logscale y\nset format y '10^{%T}'\nset ylabel '|position error| "
-                         "[m]'\nset xlabel 'time [s]'\n";
-  std::string plots = "plot $error using 1:2 with lines linestyle 1 title '|error|'";
-  if (!result.kicks.empty()) {
-    plots += ", $kicks using 1:2 with points pointtype 7 pointsize 0.5 linecolor '#c8553d' title 'kicks'";
-  }
+                         "set tmargin 4\nset logscale y\nset format y '10^{%T}'\nset ylabel '|position error| "
+                         "[m]'\nset xlabel 'time [s]'\n" +
+                         fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s));
+  std::string plots = "plot $error using 1:2 with lines linestyle 1 title 'error'";
+  if (!result.kicks.empty()) plots += ", $kicks using 1:2 with points linestyle 8 title 'kicks'";
   if (s.run && s.run->settle_tolerance_m > 0) {
     plots += fmt::format(", {} with lines linestyle 4 title 'tolerance'", number(s.run->settle_tolerance_m));
   }
   if (s.drive) {
+    commands += fmt::format("set yrange [{}:*]\n", number(s.drive->encoder_resolution_m / 10));
     plots += fmt::format(", {} with lines linecolor '#bbbbbb' title 'one encoder count'",
                          number(s.drive->encoder_resolution_m));
   }
   return {"Position error",
-          "The distance from the target on a logarithmic axis. Each dot is a kick from rest; where the curve is level, "
-          "the axis stands.",
+          "The distance from the target on a logarithmic axis. Each dot is a kick; where the curve is level, the axis "
+          "stands.",
           draw_svg("error", width_px, 420, commands + plots + "\n")};
 }
 
-Picture phase_plane(const Scenario& s, const Result& result) {
+// c_hi and c_lo of (9): where the axis can stick.
+struct StickSets {
+  double upper_m, lower_m;
+};
+
+StickSets stick_sets(const Scenario& s) {
   const double stiffness =
       s.controller.impulsive ? s.controller.impulsive->stiffness_N_per_m : s.controller.pid->proportional_N_per_m;
-  const double upper_m = s.friction.upper_N / stiffness, lower_m = s.friction.lower_N / stiffness;
+  return {s.friction.upper_N / stiffness, s.friction.lower_N / stiffness};
+}
+
+std::string phase_plot(const Scenario& s, const Result& result, const std::string& settings) {
+  const auto [upper_m, lower_m] = stick_sets(s);
   const double target_m = result.trace.back().target_m;
-  const std::string commands =
-      style + trace_data(result) +
-      fmt::format("$sets << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
-                  number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
-      "set offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n"
-      "set xlabel 'position [m]'\nset ylabel 'velocity [m/s]'\n"
-      "plot $sets using 1:2:3:4 with vectors nohead linestyle 6 title 'maximal stick set', "
-      "$inner using 1:2:3:4 with vectors nohead linestyle 7 title 'minimal stick set', "
-      "$trace using 2:3 with lines linestyle 1 title 'solution', "
-      "$trace every ::0::0 using 2:3 with points pointtype 7 pointsize 0.6 linecolor '#1c5d99' title 'start'\n";
+  return style + trace_data(result) +
+         fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
+                     number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
+         "set tmargin 3\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n" + settings +
+         "set xlabel 'position [m]'\nset ylabel 'velocity [m/s]'\n"
+         "plot $outer using 1:2:3:4 with vectors nohead linestyle 6 title 'maximal stick set', "
+         "$inner using 1:2:3:4 with vectors nohead linestyle 7 title 'minimal stick set', "
+         "$trace using 2:3 with lines linestyle 1 title 'solution', "
+         "$trace every ::0::0 using 2:3 with points pointtype 7 pointsize 0.6 linecolor '#1c5d99' title 'start'\n";
+}
+
+Picture phase_plane(const Scenario& s, const Result& result) {
   return {
       "Phase plane",
       "The solution in the plane of position and velocity, with the sets in which the axis can stick: for the greatest "
       "friction (maximal) and for the least (minimal). Compare Figure 6 of van de Wouw & Leine.",
-      draw_svg("phase", width_px, 460, commands)};
+      draw_svg("phase", width_px, 460, phase_plot(s, result, ""))};
+}
+
+bool stick_sets_are_small(const Scenario& s, const Result& result) {
+  const auto [least, most] = std::ranges::minmax(result.trace, {}, &Sample::position_m);
+  return stick_sets(s).upper_m < 0.03 * (most.position_m - least.position_m);
+}
+
+Picture phase_plane_near_target(const Scenario& s, const Result& result) {
+  const double target_m = result.trace.back().target_m, reach_m = 1.25 * stick_sets(s).upper_m;
+  double least_m_s = 0, most_m_s = 0;
+  for (const Sample& x : result.trace) {
+    if (std::fabs(x.position_m - target_m) > stick_sets(s).upper_m / 3) continue;
+    least_m_s = std::min(least_m_s, x.velocity_m_s);
+    most_m_s = std::max(most_m_s, x.velocity_m_s);
+  }
+  const double margin_m_s = 0.15 * (most_m_s - least_m_s);
+  const std::string window =
+      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", number(target_m - reach_m), number(target_m + reach_m),
+                  number(least_m_s - margin_m_s), number(most_m_s + margin_m_s));
+  return {"Phase plane near the target",
+          "The same around the stick sets: each kick gives the axis speed, and it slides to rest closer to the target.",
+          draw_svg("phase_near", width_px, 420, phase_plot(s, result, window))};
 }
 
 Picture kick_law(const Scenario& s, const Result& result) {
@@ -179,11 +226,10 @@ Picture kick_law(const Scenario& s, const Result& result) {
                          "set xlabel 'position error [m]'\nset ylabel 'impulse k_3 [N s]'\n"
                          "plot $law using 1:2 with lines linestyle 1 title 'k_3'";
   if (!result.kicks.empty()) {
-    commands +=
-        ", $kicks using 1:2 with points pointtype 7 pointsize 0.6 linecolor '#c8553d' title 'kicks of this run'";
+    commands += ", $kicks using 1:2 with points linestyle 8 title 'kicks of this run'";
   }
   return {
-      "Impulse law",
+      "Impulse law k₃",
       "The impulse that sends the axis from rest at a position error to its target under the least friction, over the "
       "maximal stick set. Compare Figure 4 of van de Wouw & Leine.",
       draw_svg("law", width_px, 400, commands + "\n")};
@@ -194,12 +240,12 @@ Picture friction_along(const Scenario& s, const Result& result) {
   const double lower = s.friction.lower_N / unit, upper = s.friction.upper_N / unit;
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
   const std::string commands =
-      style +
+      style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
       data("friction", result.trace,
            [&](const Sample& x) {
              return std::array{x.time_s, x.friction_level_N / unit};
            }) +
-      instants(result, true) + fmt::format("set tmargin 2\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
+      instants(result, true) + fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
       fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
                   s.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
       fmt::format(
@@ -207,11 +253,10 @@ Picture friction_along(const Scenario& s, const Result& result) {
           "title 'bounds', {} with lines linestyle 4 notitle, {} with lines linecolor '#bbbbbb' dashtype 3 title "
           "'mean of the bounds'\n",
           lower, upper, (lower + upper) / 2);
-  return {
-      "Friction",
-      "The friction that the axis meets along the solution, within the bounds that the controller is designed for. The "
-      "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
-      draw_svg("friction", width_px, 380, commands)};
+  return {"Friction",
+          "The friction that the moving axis meets, within the bounds that the controller is designed for. The "
+          "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
+          draw_svg("friction", width_px, 380, commands)};
 }
 
 Picture kicks(const Result& result) {
@@ -253,6 +298,7 @@ Picture bus_load(const Result& result) {
 
 std::vector<Picture> draw_pictures(const Scenario& s, const Result& result) {
   std::vector<Picture> pictures{response(s, result), error_over_time(s, result), phase_plane(s, result)};
+  if (stick_sets_are_small(s, result)) pictures.push_back(phase_plane_near_target(s, result));
   if (s.controller.impulsive) pictures.push_back(kick_law(s, result));
   pictures.push_back(friction_along(s, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));

@@ -38,7 +38,7 @@ struct Sample {
   double position_m = 0;
   double velocity_m_s = 0;
   double force_N = 0;           // by the actuator, impulses excepted
-  double friction_level_N = 0;  // magnitude that the friction has or can have here
+  double friction_level_N = 0;  // of the moving axis; may be NaN at rest, where friction balances the force
   double target_m = 0;
   double bus_load = 0;  // share of the last period that the bus was busy
   law::Mode mode = law::Mode::approach;

@@ -1,0 +1,219 @@
+// The command as a user's script sees it: exit codes, one line on standard error, the contracts of its JSON.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string scenarios = BREAKAWAY_SOURCE_DIR "/sim/scenarios/";
+const std::string plant = "k3 --mass 1 --k1 1 --k22 3 --friction-lower 2.5 --position -1 ";
+
+struct Ended {
+  int exit_code;
+  std::string out, err;
+};
+
+class Command : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "breakaway-cli-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const char* name) const { return (folder_ / name).string(); }
+
+  static std::string content(const std::string& path) {
+    std::ifstream in{path};
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+
+  Ended run(const std::string& arguments, const std::string& environment = "") const {
+    const std::string command =
+        environment + " '" BREAKAWAY_COMMAND "' " + arguments + " > " + path("out") + " 2> " + path("err");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(path("out")), content(path("err"))};
+  }
+
+  void expect_refused(const std::string& arguments, const std::vector<std::string>& named,
+                      const std::string& environment = "") const {
+    const Ended ended = run(arguments, environment);
+    EXPECT_EQ(ended.exit_code, 2) << arguments;
+    EXPECT_EQ(std::ranges::count(ended.err, '\n'), 1) << ended.err;
+    for (const auto& part : named) EXPECT_NE(ended.err.find(part), std::string::npos) << part << " in " << ended.err;
+  }
+
+  std::string scenario(const std::string& text) const {
+    std::ofstream{path("axis.toml")} << text;
+    return path("axis.toml");
+  }
+
+  fs::path folder_;
+};
+
+// The number after the first "name": in JSON text; NaN if it is not there.
+double figure(const std::string& json, const std::string& name) {
+  const auto at = json.find('"' + name + "\": ");
+  return at == std::string::npos ? std::nan("") : std::strtod(json.c_str() + at + name.size() + 4, nullptr);
+}
+
+void expect_keys(const std::string& json, const std::vector<std::string>& names) {
+  for (const auto& name : names) EXPECT_NE(json.find('"' + name + "\":"), std::string::npos) << name;
+}
+
+TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
+  expect_refused("", {"subcommand"});
+  expect_refused("simulate", {"scenario"});
+  expect_refused("simulate /nowhere.toml", {"/nowhere.toml"});
+  expect_refused("simulate " + scenarios + "impulsive_example.toml --jason x", {"--jason"});
+  expect_refused(plant + "--position nan", {"--position", "nan"});
+  expect_refused(plant + "--position inf", {"--position", "inf"});
+  expect_refused("k3 --mass nan --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "nan"});
+  expect_refused("k3 --mass -1 --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "-1"});
+  expect_refused("k3 --mass 1 --k1 1 --k22 2 --friction-lower 2.5 --position 1", {"k22", "zeta"});
+  expect_refused("k3 --mass 1 --k1 1 --k22 3 --position 1", {"--friction-lower"});
+  expect_refused("k3 --mass one --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "one"});
+  expect_refused("simulate " + scenario("[plant]\nmas_kg = 1\n"), {"axis.toml:2", "mas_kg", "mass_kg"});
+}
+
+TEST_F(Command, NamesTheMissingPartOfAScene) {
+  const std::string axis =
+      "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n"
+      "[controller]\nk1_N_per_m = 1\nk21_Ns_per_m = 0.5\nk22_Ns_per_m = 3\n";
+  expect_refused("simulate " + scenario(axis), {"[run]"});
+  expect_refused("simulate " + scenario(axis + "[run]\nduration_s = 1\n[loop]\nperiod_s = 0.001\n"), {"[drive]"});
+  EXPECT_EQ(run("design " + scenario(axis)).exit_code, 0);
+}
+
+TEST_F(Command, LeavesNoFileWhenAnOutputCannotBeWritten) {
+  const std::string simulate = "simulate " + scenarios + "impulsive_example.toml ";
+  expect_refused(simulate + "--json " + path("none/a.json"), {"none/a.json", "No such file"});
+  expect_refused(simulate + "--json /dev/full", {"/dev/full", "No space left"});
+  expect_refused(plant + "--json /dev/full", {"/dev/full", "No space left"});
+  expect_refused(simulate + "--report " + path("a.html") + " --json " + path("a.json"), {"gnuplot-nox"},
+                 "PATH=/nowhere");
+  for (const auto& entry : fs::directory_iterator{folder_}) {
+    EXPECT_TRUE(entry.path().filename() == "out" || entry.path().filename() == "err") << entry.path();
+  }
+}
+
+TEST_F(Command, ReportsAFullDiskBehindStandardOutput) {
+  const int status =
+      std::system(("'" BREAKAWAY_COMMAND "' " + plant + "--json - > /dev/full 2> " + path("err")).c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_NE(content(path("err")).find("standard output"), std::string::npos);
+}
+
+TEST_F(Command, HelpsWithAnExampleAndTheExitCodes) {
+  for (const char* subcommand : {"", "simulate ", "k3 ", "design "}) {
+    const Ended help = run(std::string{subcommand} + "--help");
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("Example: breakaway "), std::string::npos) << subcommand;
+    EXPECT_NE(help.out.find("Exit codes: 0 "), std::string::npos) << subcommand;
+  }
+}
+
+// k3 and the time to go at -1 m from the closed form of (12): inverted here by bisection on its printed form, which has
+// enough digits at this distance.
+TEST_F(Command, PrintsK3Rows) {
+  const Ended ended = run(plant + "--position 1e-300 --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(ended.err.empty());
+  const double s = std::sqrt(1.25), slow = -1.5 + s, fast = -1.5 - s, c = 2.5;
+  const auto distance = [&](double t) {
+    return c * (1 - fast / (fast - slow) * std::exp(-slow * t) + slow / (fast - slow) * std::exp(-fast * t));
+  };
+  double low = 0, high = 5;
+  while (std::nextafter(low, high) < high) {
+    const double middle = (low + high) / 2;
+    (distance(middle) < 1 ? low : high) = middle;
+  }
+  const double speed = c * slow * fast / (fast - slow) * (std::exp(-slow * low) - std::exp(-fast * low));
+  expect_keys(ended.out, {"rows", "position_m", "k3_Ns", "time_to_go_s"});
+  EXPECT_EQ(figure(ended.out, "position_m"), -1);
+  EXPECT_NEAR(figure(ended.out, "time_to_go_s"), low, 1e-13);
+  EXPECT_NEAR(figure(ended.out, "k3_Ns"), std::fabs(speed), 1e-13);  // opposite in sign to the position
+  const std::string second = ended.out.substr(ended.out.find("1e-300"));
+  // Close to the target k3 = m sqrt(2 f / m |y|).
+  EXPECT_NEAR(figure(second, "k3_Ns") / -std::sqrt(5e-300), 1, 1e-14);
+}
+
+TEST_F(Command, KeepsTheContractOfTheExample) {
+  const Ended ended = run("simulate " + scenarios + "impulsive_example.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"t1_s", "t2_s", "y2_m", "t_inf_s", "bound_s", "final_error_m", "settled", "kicks", "time_s",
+                          "position_m", "velocity_after_m_s", "wall_s", "steps"});
+  std::ifstream reference{BREAKAWAY_SOURCE_DIR "/tests/reference/impulsive_example.csv"};
+  int compared = 0;
+  for (std::string line; std::getline(reference, line);) {
+    const auto comma = line.find(',');
+    if (line[0] == '#' || line.starts_with("kick")) continue;
+    const double expected = std::stod(line.substr(comma + 1));
+    EXPECT_NEAR(figure(ended.out, line.substr(0, comma)), expected, 1e-9 * std::fabs(expected)) << line;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 5);
+}
+
+TEST_F(Command, KeepsTheContractOfTheAxisOnCan) {
+  const Ended ended = run("simulate " + scenarios + "can_axis.toml --json - --candump " + path("can.log"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"settled", "settling_time_s", "final_error_m", "max_force_N", "kicks", "ticks",
+                          "missed_ticks", "bus_load", "faults"});
+  EXPECT_LE(std::fabs(figure(ended.out, "final_error_m")), 3e-6);
+  EXPECT_LE(figure(ended.out, "max_force_N"), 50);
+  EXPECT_TRUE(content(path("can.log")).starts_with("(0000000000."));
+}
+
+TEST_F(Command, KeepsTheContractOfDesign) {
+  const Ended ended = run("design " + scenarios + "can_axis.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err << ended.out;
+  expect_keys(ended.out, {"certified", "reasons", "checks", "margin", "zeta_approach", "zeta_kick", "accuracy_floor_m",
+                          "bound_s", "table", "bytes", "proved_error"});
+  EXPECT_NE(ended.out.find("\"certified\": true"), std::string::npos);
+}
+
+TEST_F(Command, ExitsWithOneWhenTheAxisDoesNotSettleOrIsNotCertified) {
+  std::string text = content(scenarios + "impulsive_example.toml");
+  text.replace(text.find("duration_s = 60"), 15, "duration_s = 4");
+  const Ended ended = run("simulate " + scenario(text));
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_NE(ended.out.find("NOT settled"), std::string::npos);
+
+  // 1 ms periods and friction between 0.1 N and 4.5 N: the accuracy floor is far above 3 um.
+  std::string weak = content(scenarios + "can_axis.toml");
+  weak.replace(weak.find("mu_lower = 0.25"), 15, "mu_lower = 0.01");
+  const Ended design = run("design " + scenario(weak) + " --json -");
+  EXPECT_EQ(design.exit_code, 1);
+  EXPECT_NE(design.out.find("\"certified\": false"), std::string::npos);
+  EXPECT_NE(design.out.find("tolerance_above_floor"), std::string::npos);
+}
+
+TEST_F(Command, WritesASelfContainedReport) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_EQ(run("simulate " + scenarios + "impulsive_example.toml --report " + path("a.html")).exit_code, 0);
+  const std::string html = content(path("a.html"));
+  EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
+  EXPECT_TRUE(html.ends_with("</html>\n"));
+  EXPECT_EQ(html.find("src="), std::string::npos);  // nothing is fetched
+  EXPECT_EQ(html.find("<link"), std::string::npos);
+  for (const char* title : {"Response", "Phase plane", "Impulse law", "Friction", "Kicks"}) {
+    EXPECT_NE(html.find("<h2>" + std::string{title}), std::string::npos) << title;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,30 @@
+#include "breakaway/report/formats.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using breakaway::report::to_candump;
+using breakaway::report::to_csv;
+using breakaway::scenario::Result;
+
+TEST(Candump, WritesTheLogFormatOfCanUtils) {
+  Result result;
+  result.frames = {{0.001048, {.id = 0x080}},
+                   {12.5, {.id = 0x201, .size = 4, .data = {0x0F, 0x00, 0xD0, 0x07}}},
+                   {13.0, {.id = 0x7FF, .size = 2, .remote = true}}};
+  EXPECT_EQ(to_candump(result),
+            "(0000000000.001048) can0 080#\n"
+            "(0000000012.500000) can0 201#0F00D007\n"
+            "(0000000013.000000) can0 7FF#R2\n");
+}
+
+TEST(Csv, HasAHeaderAndOneLineASample) {
+  Result result;
+  result.trace = {{.time_s = 0.5, .position_m = -0.25, .force_N = 3}};
+  EXPECT_EQ(to_csv(result),
+            "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n"
+            "0.5,-0.25,0,0,3,0,0,approach\n");
+}
+
+}  // namespace
