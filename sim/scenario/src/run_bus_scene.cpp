@@ -232,7 +232,7 @@ class BusScene {
     sample.position_m = slide.state().position_m;
     sample.velocity_m_s = slide.state().velocity_m_s;
     sample.force_N = network_.drive().force().at_N(seconds(now_ - period_), 0, 0);
-    sample.friction_level_N = slide.friction_force_N();
+    sample.friction_level_N = slide.sticking() ? std::nan("") : std::fabs(slide.friction_force_N());
     sample.target_m = target_m_;
     sample.bus_load = seconds(busy - busy_before_) / seconds(period_);
     sample.mode = mode;
