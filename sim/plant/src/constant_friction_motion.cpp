@@ -1,5 +1,6 @@
 #include "breakaway/plant/constant_friction_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -48,6 +49,7 @@ Fundamental fundamental_by_series(double p, double q, double tau) {
     const double next = sum * h - product * previous;
     previous = h;
     h = next;
+    if (std::abs(h) + std::abs(previous) < 1e-18 * factorial) break;
   }
   return {f.slope, f.value * tau, f.integral * tau * tau};
 }
@@ -126,7 +128,9 @@ double ConstantFrictionMotion::first_rest_s(double horizon_s) const {
     if (acceleration_m_s2 < 0) rest_s = -speed_m_s / acceleration_m_s2;
     return rest_s <= horizon_s ? rest_s : never;
   }
-  // The acceleration is monotone, so the speed has at most one extremum: look at each side of it.
+  // The acceleration is monotone: its extremes are at the ends, and the speed has at most one extremum.
+  const double least = std::min({0.0, acceleration_at(0), acceleration_at(horizon_s)});
+  if (speed_m_s + least * horizon_s > 0) return never;
   const auto speed = [this](double tau) { return integrators::ValueAndSlope{speed_at(tau), acceleration_at(tau)}; };
   const double turn_s = time_constant_s * std::log(-transient_m_s2 / acceleration_m_s2);  // NaN without a turn
   const bool turns = turn_s > 0 && turn_s < horizon_s;

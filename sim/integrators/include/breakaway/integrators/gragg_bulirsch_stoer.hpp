@@ -75,11 +75,12 @@ Vector<N> extrapolate(std::array<Vector<N>, max_rows>& tableau, const Vector<N>&
 
 }  // namespace detail
 
-// One step of y' = slope(t, y), as slope(t, y, derivative), from (t, y). tolerance: componentwise, relative to the
-// greater of a component's magnitudes at the two ends; 1e-14 is attainable.
+// One step of y' = slope(t, y), as slope(t, y, derivative), from (t, y). A component's error may reach tolerance times
+// the greater of its magnitudes at the two ends, plus its `floor`: what rounding inside the right-hand side makes of
+// the step. A tolerance of 1e-14 is attainable.
 template <std::size_t N, class RightHandSide>
 ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vector<N>& y, double step,
-                                      double tolerance) {
+                                      double tolerance, const Vector<N>& floor = {}) {
   Vector<N> slope0;
   slope(t, y, slope0);
   std::array<Vector<N>, detail::max_rows> tableau;
@@ -92,7 +93,7 @@ ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vec
     result.state = detail::sum(y, tableau[row]);
     double error = 0;
     for (std::size_t i = 0; i < N; ++i) {
-      const double scale = tolerance * std::max(std::abs(y[i]), std::abs(result.state[i]));
+      const double scale = floor[i] + tolerance * std::max(std::abs(y[i]), std::abs(result.state[i]));
       if (change[i] != 0) error = std::max(error, std::abs(change[i]) / scale);
       if (!std::isfinite(result.state[i])) error = std::numeric_limits<double>::infinity();
     }

@@ -30,12 +30,4 @@ class Exchanged {
   RightHandSide& slope_;
 };
 
-// Exchanges t and y[E]: from (t, y) to (s, z), and back again.
-template <std::size_t E, std::size_t N>
-constexpr void exchange(double& t, Vector<N>& y) {
-  const double s = y[E];
-  y[E] = t;
-  t = s;
-}
-
 }  // namespace breakaway::integrators

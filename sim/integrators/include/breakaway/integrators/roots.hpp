@@ -15,7 +15,7 @@ struct ValueAndSlope {
 // few bits of the root. `rising`: the function is negative at low.
 template <class Function>
 double bracketed_newton(Function&& function, double low, double high, bool rising) {
-  double root = 0.5 * (low + high);
+  double root = 0.5 * (low + high), before = high - low;
   for (int iteration = 0; iteration < 200; ++iteration) {
     const auto [value, slope] = function(root);
     if (value == 0) return root;
@@ -24,7 +24,9 @@ double bracketed_newton(Function&& function, double low, double high, bool risin
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     const double change = std::abs(next - root);
     root = next;
-    if (change <= 4e-16 * std::abs(root) || root == low || root == high) break;
+    // Once small, a change that no longer shrinks is rounding.
+    if (change <= 4e-16 * std::abs(root) || (change <= 1e-13 * std::abs(root) && change >= before)) break;
+    before = change;
   }
   return root;
 }
