@@ -103,7 +103,7 @@ Picture response(const Scenario& s, const Result& result) {
   std::string commands = style + trace_data(result) +
                          fmt::format(
                              "set multiplot layout {},1 margins 0.1, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
-                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key bottom right "
+                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key bottom center "
                              "inside vertical maxrows 3\n",
                              panels, 72.0 / height_px, 1 - 35.0 / height_px, number(result.trace.back().time_s));
   commands +=
