@@ -51,8 +51,7 @@ double exact_ratio_threshold(const UnitKick<double>& kick) noexcept {
     const double root = std::sqrt(2 / kick.rho) * std::exp(log_Y / 2);
     return std::expm1(log_Y) > share * root * kick.at_root(root).psi;
   };
-  double low = 0, high = 1;
-  while (!falls_short(high)) high *= 2;
+  double low = 0, high = 36;  // e^-36 is where doubles near 1 end: Y and Y - 1 are the same beyond
   while (true) {
     const double middle = low + (high - low) / 2;
     if (middle <= low || middle >= high) return std::exp(-low);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <limits>
@@ -198,16 +197,15 @@ TEST(K3, RefusesWhatIsNotAnOverdampedAxisByName) {
   EXPECT_TRUE(K3<double>::make({1, 1, std::nextafter(2.0, 3.0), 1}));
 }
 
-// Neighbouring numbers around critical damping, judged in extended precision.
+// (1 + e)(1 - e) = 1 - e^2 rounds to 1, so only exact products tell that 2^2 > 4 k1 m.
 TEST(K3, TellsTheSidesOfCriticalDampingApart) {
-  const double k1 = 1.0 / 3, m = 0.7;
-  double k22 = 2 * std::sqrt(k1 * m);
-  for (int i = -3; i <= 3; ++i) {
-    double damping = k22;
-    for (int j = 0; j < std::abs(i); ++j) damping = std::nextafter(damping, i > 0 ? 10 : 0);
-    const long double difference = static_cast<long double>(damping) * damping - 4 * (static_cast<long double>(k1) * m);
-    EXPECT_EQ(K3<double>::make({m, k1, damping, 1.0}).has_value(), difference > 0) << i;
-  }
+  const double e = std::numeric_limits<double>::epsilon();
+  EXPECT_TRUE(K3<double>::make({1 + e, 1 - e, 2.0, 1.0}));
+  EXPECT_FALSE(K3<double>::make({1.0, 1.0, 2.0, 1.0}));
+  EXPECT_FALSE(K3<double>::make({1 + e, 1 - e / 2, 2.0, 1.0}));
+  const auto barely = K3<double>::make({1 + e, 1 - e, 2.0, 2.5});
+  const auto clearly = K3<double>::make({1.0, 1.0, 2 + 4 * e, 2.5});
+  EXPECT_NEAR(barely->impulse_Ns(-3) / clearly->impulse_Ns(-3), 1, 1e-14);
 }
 
 }  // namespace

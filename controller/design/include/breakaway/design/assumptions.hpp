@@ -29,7 +29,7 @@ double ratio_threshold_18(const UnitKick<double>& kick) noexcept;  // (18): 1 - 
 // The least f_lower / f_upper for which Assumption 3 really holds, (17) and (18) being sufficient only: at the outer
 // edge -c_upper spring and f_upper cancel, so a kick is followed by the free overdamped response
 //   z(t) = V0 (e^(-a t) - e^(-b t)) / (b - a), largest z = (V0 / b) (a / b)^(a / (b - a)),
-// and it must reach the inner stick set: c_upper - z <= c_lower. Absolute error below 1e-14.
+// and it must reach the inner stick set: c_upper - z <= c_lower. Absolute error below 1e-14; at least e^-36.
 double exact_ratio_threshold(const UnitKick<double>& kick) noexcept;
 
 // Remark 1: the smallest damping k22 [N s/m] for which (18) holds. (18) is a strict inequality, so the infimum itself
