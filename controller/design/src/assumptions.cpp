@@ -1,7 +1,6 @@
 #include "breakaway/design/assumptions.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace breakaway::design {
 namespace {
@@ -63,15 +62,13 @@ Expected<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m, 
   if (auto error = unless_positive("mass_kg", mass_kg)) return *error;
   if (auto error = unless_positive("stiffness k1", stiffness_N_per_m)) return *error;
   if (auto error = unless_valid(friction)) return *error;
-  const double infinity = std::numeric_limits<double>::infinity();
-  // (18) reads settling_exponent(u) < ... -ln(1 - ratio), and zeta = cosh(u / 2).
-  const double exponent = friction.gap() > 0 ? -std::log(friction.gap()) : infinity;
-  const double small_ratio_exponent = friction.ratio() < 0.5 ? -std::log1p(-friction.ratio()) : exponent;
-  const double u = exponent >= 1 ? 0 : log_pole_ratio_for(small_ratio_exponent);
+  // (18) reads settling_exponent(u) < -ln(1 - ratio), with zeta = cosh(u / 2).
+  const double exponent = friction.ratio() < 0.5 ? -std::log1p(-friction.ratio()) : -std::log(friction.gap());
+  const double u = exponent >= 1 ? 0 : log_pole_ratio_for(exponent);
   double damping = 2 * std::sqrt(mass_kg) * std::sqrt(stiffness_N_per_m) * std::cosh(u / 2);
-  // A few roundings away from the first number that passes.
+  // That is a few roundings from the first number that passes.
   for (int i = 0; i < 4; ++i) damping = std::nextafter(damping, 0);
-  for (int i = 0; i < 1000 && std::isfinite(damping); ++i, damping = std::nextafter(damping, infinity)) {
+  for (int i = 0; i < 1000 && std::isfinite(damping); ++i, damping = std::nextafter(damping, HUGE_VAL)) {
     if (satisfies_18(mass_kg, stiffness_N_per_m, damping, friction)) return damping;
   }
   return Error{"friction_lower_N / friction_upper_N = " + to_text(friction.ratio()) +

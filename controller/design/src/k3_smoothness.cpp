@@ -16,17 +16,31 @@ struct Series {
   const double& operator[](int k) const { return coefficients[static_cast<std::size_t>(k)]; }
 };
 
-// sum_{j=1}^{k} f_j (k - j + 1) g_{k-j+1}: the terms of (f g')_k that do not hold the newest coefficient of g.
-double product_with_derivative(const Series& f, const Series& g, int k) {
+// The terms of (f g')_k without the newest coefficient of g: sum_{j=1}^{k} f_j (k - j + 1) g_{k-j+1}.
+double older_terms(const Series& f, const Series& g, int k) {
   double sum = 0;
   for (int j = 1; j <= k; ++j) sum += f[j] * (k - j + 1) * g[k - j + 1];
   return sum;
 }
 
+// sum_{j=first}^{k-first} f_j f_{k-j}
 double square(const Series& f, int first, int k) {
   double sum = 0;
   for (int j = first; j <= k - first; ++j) sum += f[j] * f[k - j];
   return sum;
+}
+
+// psi_k about r = 0, a regular singular point, from the terms in r^k of r psi psi' = r psi + E - psi^2.
+double next_at_rest(const Series& psi, const Series& growth, int k) {
+  return (psi[k - 1] + growth[k] - square(psi, 1, k) - older_terms(psi, psi, k - 1)) / (k + 2);
+}
+
+// psi_k about r0 > 0, from the terms in (r - r0)^(k-1) of the same equation.
+double next_at(double r0, const Series& psi, const Series& growth, int k) {
+  const int n = k - 1;
+  double terms = growth[n] - square(psi, 0, n);
+  if (n > 0) terms += psi[n - 1] - older_terms(psi, psi, n - 1) - psi[0] * n * psi[n];
+  return (psi[n] + terms / r0 - older_terms(psi, psi, n)) / (k * psi[0]);
 }
 
 // Taylor coefficients of psi about r0.
@@ -35,21 +49,9 @@ Series taylor(const UnitKick<double>& kick, double r0) {
   Series psi{}, growth{};
   psi[0] = point.psi;
   growth[0] = point.growth;
-  for (int k = 0; k < order; ++k) {
-    if (r0 == 0 && k > 0) {  // r = 0 is a regular singular point: psi_k follows from the terms in r^k
-      psi[k] = (psi[k - 1] + growth[k] - square(psi, 1, k) - product_with_derivative(psi, psi, k - 1)) / (k + 2);
-    }
-    if (r0 > 0) {
-      const double before = k == 0 ? 0 : psi[k - 1] - (product_with_derivative(psi, psi, k - 1) + psi[0] * k * psi[k]);
-      const double sum = psi[k] + (before + growth[k] - square(psi, 0, k)) / r0;
-      psi[k + 1] = (sum - product_with_derivative(psi, psi, k)) / ((k + 1) * psi[0]);
-    }
-    growth[k + 1] = (kick.rho * growth[k] - product_with_derivative(psi, growth, k)) / ((k + 1) * psi[0]);
-  }
-  if (r0 == 0) {
-    psi[order] =
-        (psi[order - 1] + growth[order] - square(psi, 1, order) - product_with_derivative(psi, psi, order - 1)) /
-        (order + 2);
+  for (int k = 1; k <= order; ++k) {
+    growth[k] = (kick.rho * growth[k - 1] - older_terms(psi, growth, k - 1)) / (k * psi[0]);
+    psi[k] = r0 == 0 ? next_at_rest(psi, growth, k) : next_at(r0, psi, growth, k);
   }
   return psi;
 }

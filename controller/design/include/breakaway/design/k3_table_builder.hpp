@@ -45,10 +45,8 @@ std::vector<Range> hermite_remainders(const K3<double>& law, double spacing, std
 double largest_deviation(double off0, double off1, Range remainder);
 
 // The table's relative error on interval `i` is at most the sum of
-//   theory    the ideal cubic against the exact law: Hermite's remainder -h^4/24 R''''(.) (t (1 - t))^2, at most
-//   h^4/384
-//             R'''', plus the nodes' deviation from the law (weights: values 0..1, slopes at most 4/27 each), plus
-//             1e-14 for the computed exact law itself
+//   theory    the ideal cubic against the exact law: Hermite's remainder -h^4/24 R''''(.) (t (1 - t))^2; the nodes'
+//             deviation from the law (weights: values 0..1, slopes at most 4/27 each); 1e-14 for the computed law
 //   place     sqrt and the product with nodes_per_root: the rounded place differs by at most their sum, which moves R
 //             by the largest slope of the cubic, D = |rise| + |s0 - rise| + |s1 - rise|
 //   cubic     one rounding per operation of K3Table::reduced, each with the weight in t that follows it
