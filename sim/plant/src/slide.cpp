@@ -22,6 +22,14 @@ void require_finite(const char* name, double value) {
   if (!std::isfinite(value)) throw std::invalid_argument(std::string(name) + " must be finite");
 }
 
+void require_valid(const AppliedForce& force) {
+  require_finite("force", force.constant_N + force.transient_N + force.start_s + force.stiffness_N_per_m +
+                              force.damping_Ns_per_m + force.reference_m);
+  if (force.transient_N != 0 && !(force.time_constant_s > 0)) {
+    throw std::invalid_argument("time_constant_s must be positive");
+  }
+}
+
 int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
 struct Sample {
@@ -66,6 +74,7 @@ Slide::Slide(double mass_kg, friction::FrictionLaw friction, SlideState initial)
 StopReason Slide::advance_to(double time_s, const AppliedForce& force, bool stop_at_rest) {
   require_finite("time_s", time_s);
   if (time_s < state_.time_s) throw std::invalid_argument("time_s must not lie before the state's time");
+  require_valid(force);
   force_ = force;
   if (state_.velocity_m_s == 0) release_if_pushed();
   while (until(time_s) > 0) {
@@ -89,6 +98,7 @@ StopReason Slide::advance_to(double time_s, const AppliedForce& force, bool stop
 }
 
 void Slide::apply_impulse(double impulse_Ns) {
+  require_finite("impulse_Ns", impulse_Ns);
   if (impulse_Ns == 0) return;
   state_.velocity_m_s += impulse_Ns / mass_kg_;
   since_event_s_ = 0;
@@ -157,6 +167,7 @@ void Slide::stick(double duration_s, double end_s) {
   } else {
     since_event_s_ += duration_s;
     set_time(end_s);
+    if (friction_.varies_with_time()) face_law();
   }
   observe_now();
 }

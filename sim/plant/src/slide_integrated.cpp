@@ -12,7 +12,8 @@ namespace {
 
 using integrators::Vector;
 
-constexpr double tolerance = 1e-14;
+constexpr double tolerance = 1e-13;  // of the row before the one that is taken
+constexpr double rounding = 1e-14;   // of a sum of forces
 // Refused steps in a row after which a motion that neither stops nor clearly goes on is at rest to rounding.
 constexpr int max_refusals = 60;
 
@@ -36,7 +37,7 @@ class TravelEquation {
     const double force_N = std::abs(force.constant_N) + std::abs(force.stiffness_N_per_m * offset_m_) +
                            std::abs(force.damping_Ns_per_m * start.velocity_m_s) + std::abs(transient_N_);
     const double time_rounding_s = std::numeric_limits<double>::epsilon() * std::abs(start.time_s);
-    resolution_m_s2_ = (tolerance * (force_N + bounds.upper_N) +
+    resolution_m_s2_ = (rounding * (force_N + bounds.upper_N) +
                         (bounds.upper_N - bounds.lower_N) * time_rounding_s / friction.time_scale_s()) /
                        mass_kg;
   }

@@ -80,13 +80,20 @@ TEST(Slide, ClosedFormsAgreeWithIntegration) {
     }
     Slide exact(mass_kg, coulomb(level_N), start);
     Slide integrated(mass_kg, {{level_N, level_N}, std::make_unique<Disguised>(friction::constant(0))}, start);
+    double length_m = 1, speed_m_s = 1;
     for (int leg = 1; leg <= 3; ++leg) {
       const double end_s = start.time_s + 2 * leg;
-      EXPECT_EQ(exact.advance_to(end_s, force, true), integrated.advance_to(end_s, force, true));
-      const double speed_m_s = 1 + std::abs(start.velocity_m_s), length_m = 1 + std::abs(start.position_m);
+      const StopReason reason = exact.advance_to(end_s, force, true);
+      const StopReason other_reason = integrated.advance_to(end_s, force, true);
+      // An overdamped axis creeps towards its equilibrium for ever: at rest is a matter of the last bit.
+      if (reason != other_reason && std::abs(exact.state().velocity_m_s) < 1e-11 * speed_m_s) break;
+      EXPECT_EQ(reason, other_reason);
+      speed_m_s = std::max(speed_m_s, std::abs(exact.state().velocity_m_s));
+      length_m = std::max(length_m, std::abs(exact.state().position_m));
       expect_close(exact.state().time_s, integrated.state().time_s, 1 + end_s, 1e-11);
       expect_close(exact.state().position_m, integrated.state().position_m, length_m, 1e-12);
-      expect_close(exact.state().velocity_m_s, integrated.state().velocity_m_s, speed_m_s, 1e-11);
+      // A step of several of the damper's time constants leaves amplified rounding of the forces in the velocity.
+      expect_close(exact.state().velocity_m_s, integrated.state().velocity_m_s, speed_m_s, 5e-11);
       EXPECT_EQ(exact.sticking(), integrated.sticking());
     }
   }
@@ -118,7 +125,7 @@ TEST(Slide, BreaksAwayWhenTheTransientCrossesTheStaticLevel) {
   EXPECT_FALSE(slide.sticking());
   EXPECT_EQ(slide.friction_force_N(), -2);
   // From rest with 4 - 2 N, then 5 - 2 N less a transient of 1 N.
-  expect_close(slide.state().velocity_m_s, 3 * 0.1 + 0.5 * std::expm1(-0.2), 0.2, 1e-11);
+  expect_close(slide.state().velocity_m_s, 3 * 0.1 + 0.5 * std::expm1(-0.2), 0.2, 5e-11);  // the tie delays it
 }
 
 TEST(Slide, SticksOnATieAndSlipsAboveIt) {
@@ -155,6 +162,14 @@ TEST(Slide, BreaksAwayWhenASineOfTimeFallsBelowThePush) {
   EXPECT_EQ(slide.counters().slips, 1u);
   ASSERT_GE(observed.size(), 2u);
   EXPECT_NEAR(observed[1], 7 * std::acos(-1) / 24, 1e-11);  // the tie's 1e-12 over the level's slope
+}
+
+TEST(Slide, JudgesANewForceByTheLevelOfThatTime) {
+  Slide slide(1, {{3, 5}, friction::sine_in_time(4)}, {});
+  slide.advance_to(1.1, {});  // the level was 4 N at the start, and is 3.05 N now
+  slide.advance_to(1.1 + 1e-6, {.constant_N = 3.5});
+  EXPECT_FALSE(slide.sticking());
+  expect_close(slide.state().velocity_m_s, 0.45e-6, 1e-6, 0.01);
 }
 
 TEST(Slide, FindsTheShortWindowInWhichASineLawLetsItGo) {
@@ -314,6 +329,9 @@ TEST(Slide, RefusesBadArguments) {
   EXPECT_THROW(Slide(nan, coulomb(1), {}), std::invalid_argument);
   EXPECT_THROW(Slide(1, coulomb(1), {0, nan, 0}), std::invalid_argument);
   Slide slide(1, coulomb(1), {5, 0, 0});
+  EXPECT_THROW(slide.apply_impulse(nan), std::invalid_argument);
+  EXPECT_THROW(slide.advance_to(6, {.constant_N = nan}), std::invalid_argument);
+  EXPECT_THROW(slide.advance_to(6, {.transient_N = 1}), std::invalid_argument);
   EXPECT_THROW(slide.advance_to(4, {}), std::invalid_argument);
   EXPECT_THROW(slide.advance_to(std::numeric_limits<double>::infinity(), {}), std::invalid_argument);
 }

@@ -57,19 +57,22 @@ Vector<N> midpoint_increment(RightHandSide& slope, double t, const Vector<N>& y,
   return now;
 }
 
-// Adds a row to the tableau in place (Neville) and returns the change that its last column made.
+// Adds a row to the tableau in place (Neville) and returns how far its best value lies from that of the row before.
+// Beyond the stability of the midpoint rule the last column alone would change too little: it is divided by up to 80.
 template <std::size_t N>
 Vector<N> extrapolate(std::array<Vector<N>, max_rows>& tableau, const Vector<N>& increment, std::size_t row) {
-  Vector<N> change{}, value = increment;
+  const Vector<N> before = row > 0 ? tableau[row - 1] : Vector<N>{};
+  Vector<N> value = increment, change;
   for (std::size_t column = 0; column < row; ++column) {
     const double ratio = substeps(row) / substeps(row - column - 1);
     for (std::size_t i = 0; i < N; ++i) {
-      change[i] = (value[i] - tableau[column][i]) / (ratio * ratio - 1);
+      const double correction = (value[i] - tableau[column][i]) / (ratio * ratio - 1);
       tableau[column][i] = value[i];
-      value[i] += change[i];
+      value[i] += correction;
     }
   }
   tableau[row] = value;
+  for (std::size_t i = 0; i < N; ++i) change[i] = value[i] - before[i];
   return change;
 }
 
@@ -102,7 +105,7 @@ ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vec
       return result;
     }
     // The step at which this row would just converge, and the row whose work per unit of step is least.
-    const double exponent = 1 / static_cast<double>(2 * row + 1);
+    const double exponent = 1 / static_cast<double>(2 * row + 1);  // the row before is of order 2 row
     const double factor = std::clamp(0.94 * std::pow(0.65 / std::max(error, 1e-30), exponent), 0.05, 8.0);
     const double work = detail::evaluations(row) / factor;
     if (row == 2 || work < best_work) {
@@ -110,6 +113,9 @@ ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vec
       result.suggested_step = step * factor;
     }
     if (error <= 1) {
+      // Where the last row is the cheapest so far, the next one may be cheaper still: the longer step lets it show.
+      const bool try_higher = work == best_work && row + 1 < detail::max_rows;
+      if (try_higher) result.suggested_step *= detail::evaluations(row + 1) / detail::evaluations(row);
       result.converged = true;
       return result;
     }

@@ -49,7 +49,7 @@ class Slide {
   // or in the past.
   StopReason advance_to(double time_s, const AppliedForce& force, bool stop_at_rest = false);
 
-  // The velocity jump (8): impulse / mass.
+  // The velocity jump (8): impulse / mass. Throws std::invalid_argument unless finite.
   void apply_impulse(double impulse_Ns);
 
   const SlideState& state() const { return state_; }
