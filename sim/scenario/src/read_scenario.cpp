@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "breakaway/scenario/input_error.hpp"
+#include "parse_toml.hpp"
 #include "read_friction.hpp"
 #include "toml_section.hpp"
-#include "toml_text.hpp"
 
 namespace breakaway::scenario {
 namespace {
@@ -205,12 +205,8 @@ std::string contents(const std::filesystem::path& file) {
 }  // namespace
 
 Scenario parse_scenario(std::string_view text, const std::string& name) {
-  if (const auto line = line_beyond_ascii(text)) {
-    throw InputError{fmt::format(
-        "{}:{}: a character beyond ASCII; keys and values have none, write it in a comment or in quotes", name, *line)};
-  }
   try {
-    return read(toml::parse(text), name);
+    return read(parse_toml(text, name), name);
   } catch (const toml::parse_error& error) {
     std::string what{error.description()};
     std::ranges::replace(what, '\n', ' ');
