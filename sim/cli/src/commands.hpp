@@ -21,6 +21,7 @@ constexpr const char* exit_codes =
 void add_simulate(CLI::App& app, int& exit_code);
 void add_k3(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
+void add_study(CLI::App& app, int& exit_code);
 
 // For options: CLI11 reads "nan" and "inf" as numbers.
 inline CLI::Validator number_validator(bool positive, const char* expects) {

@@ -1,0 +1,172 @@
+#include "breakaway/scenario/study.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <memory>
+
+#include "breakaway/report/json_writer.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+using namespace scenario;
+
+struct Options {
+  std::string scenario, against, json;
+  std::vector<std::pair<double, double>> starts{{-4, -4}, {-0.1, 0}, {-0.01, 0}};
+  StudyOptions study;
+};
+
+struct Study {
+  std::string file;
+  Scenario scenario;
+  std::vector<StudyRow> rows;
+};
+
+const char* controller_name(const Scenario& s) { return s.controller.pid ? "PID" : "impulsive"; }
+
+Scenario read_bus_scenario(const std::string& file) {
+  Scenario s = read_scenario(file);
+  if (!s.loop || !s.drive || !s.bus || !s.run) {
+    throw InputError{file + ": a study needs [loop], [drive], [bus] and [run]"};
+  }
+  return s;
+}
+
+void report_progress(const std::string& file, int done, int all) {
+  fmt::print(stderr, "\r{}: {} of {} runs{}", file, done, all, done == all ? "\n" : "");
+}
+
+Study run(const std::string& file, StudyOptions options) {
+  Study study{file, read_bus_scenario(file), {}};
+  if (isatty(STDERR_FILENO) != 0) {
+    options.progress = [&](int done, int all) { report_progress(file, done, all); };
+  }
+  study.rows = run_study(study.scenario, options);
+  return study;
+}
+
+// Whether a run under each law ended at rest within the tolerance, without a fault.
+bool all_settled(const Study& study) {
+  return std::all_of(study.rows.begin(), study.rows.end(),
+                     [](const StudyRow& row) { return settled_runs(row) == row.runs.size(); });
+}
+
+std::string time_text(double time_s) { return std::isfinite(time_s) ? fmt::format("{:.3f} s", time_s) : "never"; }
+
+// The first time from which every run stayed within the level; "never" if one did not.
+std::string worst_time_within(const StudyRow& row, std::size_t level) {
+  double worst = 0;
+  for (const StudyRun& run : row.runs) {
+    if (level >= run.reached.size() || std::isnan(run.reached[level].time_s)) return "never";
+    worst = std::max(worst, run.reached[level].time_s);
+  }
+  return time_text(worst);
+}
+
+void print_rows(const Study& study) {
+  for (const StudyRow& row : study.rows) {
+    fmt::print("{:<10} {:>7g} m {:>4g} m/s {:>4}/{:<4} {:>9} {:>9} {:>11} {:>9.2e} m {:>7} {:>7} {:>8.2f} N\n",
+               controller_name(study.scenario), row.start.position_m, row.start.velocity_m_s, settled_runs(row),
+               row.runs.size(), time_text(median_settling_time_s(row)), time_text(worst_settling_time_s(row)),
+               worst_time_within(row, 0), worst_error_m(row), limit_cycles(row), faulted_runs(row),
+               largest_force_N(row));
+  }
+}
+
+void print_table(const std::vector<Study>& studies, const StudyOptions& options) {
+  const Scenario& s = studies.front().scenario;
+  fmt::print(
+      "Friction between {:g} N and {:g} N: both bounds, the scene's law, static/kinetic, {} random laws (seeds from "
+      "{})\n",
+      s.friction.lower_N, s.friction.upper_N, options.random_laws, options.seed);
+  fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", s.run->settle_tolerance_m,
+             s.run->settle_time_s, s.controller.max_force_N);
+  fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled", "median",
+             "worst", "worst 1 mm", "worst error", "cycles", "faults", "peak");
+  for (const Study& study : studies) print_rows(study);
+}
+
+void write_run(report::JsonWriter& json, const StudyRun& run) {
+  json.member("law", run.law);
+  json.member("settled", run.settled);
+  json.member("settling_time_s", run.settling_time_s);
+  json.member("final_error_m", run.final_error_m);
+  json.member("max_force_N", run.max_force_N);
+  json.member("kicks", run.kicks);
+  json.member("limit_cycle", run.limit_cycle);
+  json.array("faults", [&] {
+    for (const FaultRecord& fault : run.faults) json.value(fault.name);
+  });
+}
+
+void write_row(report::JsonWriter& json, const Study& study, const StudyRow& row) {
+  json.member("controller", controller_name(study.scenario));
+  json.member("scenario", study.file);
+  json.member("position_m", row.start.position_m);
+  json.member("velocity_m_s", row.start.velocity_m_s);
+  json.member("settled", settled_runs(row));
+  json.member("limit_cycles", limit_cycles(row));
+  json.member("faulted", faulted_runs(row));
+  json.member("median_settling_time_s", median_settling_time_s(row));
+  json.member("worst_settling_time_s", worst_settling_time_s(row));
+  json.member("worst_error_m", worst_error_m(row));
+  json.member("max_force_N", largest_force_N(row));
+  json.array("runs", [&] {
+    for (const StudyRun& run : row.runs) json.object([&] { write_run(json, run); });
+  });
+}
+
+std::string to_json(const std::vector<Study>& studies, const StudyOptions& options) {
+  report::JsonWriter json;
+  json.object([&] {
+    json.member("random_laws", options.random_laws);
+    json.member("seed", options.seed);
+    json.array("rows", [&] {
+      for (const Study& study : studies) {
+        for (const StudyRow& row : study.rows) json.object([&] { write_row(json, study, row); });
+      }
+    });
+  });
+  return json.text();
+}
+
+int study(const Options& options) {
+  StudyOptions what = options.study;
+  for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
+  std::vector<Study> studies{run(options.scenario, what)};
+  if (!options.against.empty()) studies.push_back(run(options.against, what));
+  if (!options.json.empty()) report::write_output(options.json, to_json(studies, what));
+  if (options.json != "-") print_table(studies, what);
+  return all_settled(studies.front()) ? done : failed_check;
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("study", "Run a scene under every friction law of its class, from several starts");
+  command->add_option("scenario", options->scenario, "The scene; its own start is not used")->required();
+  command->add_option("--against", options->against, "Another scene to run under the same laws, to compare with");
+  command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
+      ->check(CLI::Range(0, 100000));
+  command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1");
+  command
+      ->add_option("--start", options->starts,
+                   "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0")
+      ->check(finite_number);
+  command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output");
+  command->footer(
+      std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"} +
+      exit_codes);
+  command->callback([options, &exit_code] { exit_code = study(*options); });
+}
+
+}  // namespace breakaway::cli
