@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "breakaway/friction/shapes.hpp"
@@ -170,6 +171,41 @@ TEST(Slide, JudgesANewForceByTheLevelOfThatTime) {
   slide.advance_to(1.1 + 1e-6, {.constant_N = 3.5});
   EXPECT_FALSE(slide.sticking());
   expect_close(slide.state().velocity_m_s, 0.45e-6, 1e-6, 0.01);
+}
+
+TEST(Slide, StaysUnderAForceBelowTheLevelOfThatTime) {
+  Slide slide(1, {{3, 5}, friction::sine_in_time(4)}, {});
+  slide.advance_to(0.39, {});  // the level was 4 N at the start, and is 5 N now
+  slide.advance_to(0.4, {.constant_N = 4.5});
+  EXPECT_EQ(slide.counters().slips, 0u);
+  EXPECT_EQ(slide.friction_force_N(), -4.5);
+}
+
+TEST(Slide, MissesNoRestBetweenItsSteps) {
+  // A push of 4 N against 4 + sin(W t + phase) N: from where the cosine is 1, v = v0 + sin(W t) / W, least at v0 - 1 /
+  // W. The speed dips below zero only for a moment in which a step with both ends above zero may hide it.
+  constexpr double omega = 4, quarter_s = std::numbers::pi / 2 / omega;
+  for (const double depth : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8}) {
+    for (int start = 0; start < 40; ++start) {
+      SCOPED_TRACE("depth " + std::to_string(depth) + ", start " + std::to_string(start));
+      const double start_s = 0.02 * start * quarter_s;
+      for (const bool stops : {true, false}) {
+        const double speed_m_s = (std::sin(omega * start_s) + (stops ? 1 - depth : 1 + depth)) / omega;
+        Slide slide(1, {{3, 5}, friction::sine_in_time(omega, -std::numbers::pi / 2)}, {start_s, 0, speed_m_s});
+        EXPECT_EQ(slide.advance_to(4.9 * quarter_s, {.constant_N = 4}, true) == StopReason::came_to_rest, stops);
+      }
+    }
+  }
+}
+
+TEST(Slide, CountsTimesBelowTheResolutionOfItsClock) {
+  Slide slide(1, coulomb(1), {1, 0, 0});
+  for (int i = 0; i < 1000; ++i) {
+    slide.apply_impulse(1e-17);
+    EXPECT_EQ(slide.advance_to(2, {}, true), StopReason::came_to_rest);
+    EXPECT_DOUBLE_EQ(slide.time_since_event_s(), 1e-17);
+  }
+  EXPECT_NEAR(slide.state().time_s, 1 + 1e-14, 3e-16);
 }
 
 TEST(Slide, FindsTheShortWindowInWhichASineLawLetsItGo) {
