@@ -208,9 +208,7 @@ Scenario parse_scenario(std::string_view text, const std::string& name) {
   try {
     return read(parse_toml(text, name), name);
   } catch (const toml::parse_error& error) {
-    std::string what{error.description()};
-    std::ranges::replace(what, '\n', ' ');
-    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, what)};
+    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
   }
 }
 

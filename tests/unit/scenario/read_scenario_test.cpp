@@ -68,6 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadInput{"MisspeltKey", with(sound, "mass_kg", "mas_kg"), {":3:", "[plant]", "mas_kg", "mass_kg"}},
         BadInput{"KeyBeyondAscii", with(sound, "mass_kg", "\u00b5_kg"), {":3:", "not valid TOML"}},
+        BadInput{"KeyWithLineBreak", "\"a\\nb\" = 1\n" + sound, {":1:", "a b"}},
         BadInput{"BeyondAsciiInLongString", "title = \"\"\"\\\n\u00a7\"\"\"\n" + sound, {":2:", "ASCII"}},
         BadInput{"MisspeltSection", with(sound, "[friction]", "[fricton]"), {":4:", "fricton", "friction"}},
         BadInput{"MissingKey", with(sound, "mass_kg = 1", ""), {"[plant]", "mass_kg", "missing", "kg"}},
