@@ -12,8 +12,9 @@
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/pid_controller.hpp"
+#include "breakaway/scenario/braked_slide.hpp"
 #include "breakaway/scenario/input_error.hpp"
-#include "simulated_network.hpp"
+#include "breakaway/scenario/simulated_network.hpp"
 
 namespace breakaway::scenario {
 namespace {
@@ -111,9 +112,12 @@ class BusScene {
       : s_{s},
         recording_{recording},
         period_{nanoseconds(s.loop->period_s)},
-        network_{s, recording.frames ? &result_.frames : nullptr},
+        mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
+        network_{*s.bus},
+        drive_{network_.add_drive(*s.drive, mechanism_)},
         loop_{network_.controller_port(), {period_, s.bus->bit_rate}},
-        judge_{*s.run, network_.mechanism().slide()} {
+        judge_{*s.run, mechanism_.slide()} {
+    if (recording.frames) network_.log_to(result_.frames);
     const auto config = drive_config<Real>(s);
     const hal::Status added =
         loop_.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m);
@@ -155,7 +159,7 @@ class BusScene {
       if (loop_.status(0).fault != firmware::AxisFault::none) break;
     }
     release_ = now_ - period_;
-    network_.release_brake();
+    mechanism_.release(seconds(network_.bus().now()));
     busy_before_ = busy_at_release_ = network_.bus().counters().busy_time;
     if (!loop_.status(0).running) note_fault(0);
     if (!loop_.status(0).running && result_.faults.empty())
@@ -174,7 +178,7 @@ class BusScene {
       judge_.look(time_s, target_m_);
       const bool more_to_come = next_target_ < s_.controller.targets.size();
       if (judge_.settled() && s_.run->stop_when_settled && !more_to_come) break;
-      if (faulted_ && network_.mechanism().slide().sticking()) break;
+      if (faulted_ && mechanism_.slide().sticking()) break;
     }
   }
 
@@ -201,10 +205,10 @@ class BusScene {
 
   void note_kick(double time_s, const law::ControlOutput<Real>& output) {
     if (velocity_pending_ && --velocity_pending_ == 0) {
-      result_.kicks.back().velocity_after_m_s = network_.mechanism().velocity_at_segment_start_m_s();
+      result_.kicks.back().velocity_after_m_s = mechanism_.velocity_at_segment_start_m_s();
     }
     if (output.kicked) {
-      const double position_m = network_.mechanism().position_m();
+      const double position_m = mechanism_.position_m();
       result_.kicks.push_back({time_s, position_m, position_m - target_m_, 0, 0, output.force_N, 0});
     }
     if (output.mode != law::Mode::kick) return;
@@ -225,13 +229,13 @@ class BusScene {
   }
 
   void note_sample(double time_s, law::Mode mode) {
-    const plant::Slide& slide = network_.mechanism().slide();
+    const plant::Slide& slide = mechanism_.slide();
     const hal::Duration busy = network_.bus().counters().busy_time;
     Sample sample;
     sample.time_s = time_s;
     sample.position_m = slide.state().position_m;
     sample.velocity_m_s = slide.state().velocity_m_s;
-    sample.force_N = network_.drive().force().at_N(seconds(now_ - period_), 0, 0);
+    sample.force_N = drive_.force().at_N(seconds(now_ - period_), 0, 0);
     sample.friction_level_N = slide.sticking() ? std::nan("") : std::fabs(slide.friction_force_N());
     sample.target_m = target_m_;
     sample.bus_load = seconds(busy - busy_before_) / seconds(period_);
@@ -245,10 +249,10 @@ class BusScene {
     result_.duration_s = simulated_s;
     result_.settled = judge_.settled() && !faulted_;
     result_.settling_time_s = judge_.settling_time_s();
-    result_.final_error_m = network_.mechanism().position_m() - target_m_;
+    result_.final_error_m = mechanism_.position_m() - target_m_;
     result_.reached = judge_.reached();
     result_.limit_cycle = judge_.limit_cycle();
-    result_.max_force_N = network_.drive().largest_force_N(now_ - period_);
+    result_.max_force_N = drive_.largest_force_N(now_ - period_);
     LoopFigures figures;
     figures.ticks = loop_.statistics().ticks();
     figures.missed_ticks = loop_.statistics().missed_ticks() + periods_without_feedback_;
@@ -261,7 +265,9 @@ class BusScene {
   RecordingOptions recording_;
   hal::Duration period_;
   Result result_;
+  BrakedSlide mechanism_;
   SimulatedNetwork network_;
+  drive::DriveEmulator& drive_;
   Loop loop_;
   Judge judge_;
   hal::Time now_{0};

@@ -2,16 +2,16 @@
 // does not count as motion. Scene time starts at the release.
 #pragma once
 
+#include <utility>
+
 #include "breakaway/drive/mechanism.hpp"
 #include "breakaway/plant/slide.hpp"
-#include "breakaway/scenario/scenario.hpp"
 
 namespace breakaway::scenario {
 
 class BrakedSlide final : public drive::Mechanism {
  public:
-  explicit BrakedSlide(const Scenario& s)
-      : slide_{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}} {}
+  explicit BrakedSlide(plant::Slide slide) : slide_{std::move(slide)} {}
 
   void release(double time_s) {
     released_ = true;
