@@ -1,0 +1,183 @@
+// A closed-loop run of the flashed loop against the drive emulator and the plant, recorded so that every part of it can
+// be run again alone on the very input that it had.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "axis_under_test.hpp"
+#include "breakaway/drive/drive_emulator.hpp"
+#include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/plant/slide.hpp"
+#include "tape_port.hpp"
+
+namespace breakaway::bench {
+
+template <class Real, class Controller>
+using Loop = firmware::ControlLoop<TapePort, cia402::Drive<Real>, Controller, Real, 8>;
+
+template <class Real, class Controller>
+Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, const Controller& controller,
+                                 std::size_t axes) {
+  Loop<Real, Controller> loop{port, {period_of(s), s.bus->bit_rate}};
+  for (std::size_t i = 0; i < axes; ++i) {
+    const auto config = drive_config<Real>(s, static_cast<std::uint8_t>(i + 1));
+    if (!loop.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m).ok())
+      throw std::runtime_error("the loop takes no more axes");
+    loop.request_enable(i);
+  }
+  return loop;
+}
+
+// Moves to targets at growing distance from zero: a long approach, and kicks over ever shorter distances.
+struct TargetMove {
+  double time_s;
+  double position_m;
+};
+inline constexpr std::array<TargetMove, 5> tour{{{0, 0}, {2.6, 0.1}, {3.0, 0.11}, {3.4, 0.1105}, {3.8, 0.11052}}};
+inline constexpr double tour_s = 4.2;
+
+// The samples of every 97th step are lost: a prime, so that the losses fall into all modes.
+inline constexpr std::size_t loss_interval = 97;
+
+struct ForceSegment {
+  double until_s;
+  plant::AppliedForce force;
+};
+
+struct RecordedStep {
+  std::vector<hal::ReceivedFrame> received;  // that wait when the step starts
+  std::vector<hal::CanFrame> sent;
+  std::vector<ForceSegment> forces;  // on the first axis' plant since the step before
+  std::int32_t target_counts = 0;
+  bool running = false;  // all axes
+};
+
+template <class Real>
+struct Recording {
+  hal::Duration period{};
+  std::vector<RecordedStep> steps;
+  std::size_t first_running = 0;
+  std::vector<law::Measurement<Real>> measurements;  // of the first axis, from first_running on
+
+  hal::Time time(std::size_t step) const { return period * static_cast<std::int64_t>(step); }
+};
+
+// The plant as a drive's mechanism; notes the forces on it while a list for them is set.
+class Axis final : public drive::Mechanism {
+ public:
+  explicit Axis(const scenario::Scenario& s)
+      : slide_{s.plant.mass_kg, s.friction.law, {0, s.plant.position_m, s.plant.velocity_m_s}} {}
+  void advance_to(double time_s, const plant::AppliedForce& force) override {
+    slide_.advance_to(time_s, force);
+    if (notes_ != nullptr) notes_->push_back({time_s, force});
+  }
+  double position_m() const override { return slide_.state().position_m; }
+  void note_forces(std::vector<ForceSegment>* notes) { notes_ = notes; }
+
+ private:
+  plant::Slide slide_;
+  std::vector<ForceSegment>* notes_ = nullptr;
+};
+
+// One axis' drive emulator and plant. Frames reach it and leave it at once: there is no bus in between.
+class EmulatedAxis {
+ public:
+  EmulatedAxis(const scenario::Scenario& s, std::uint8_t node_id)
+      : axis_{s}, drive_{config(s, node_id), axis_, [this](const hal::CanFrame& frame, hal::Time at) {
+                           outbox_.push_back({frame, at});
+                         }} {
+    drive_.power_on(hal::Time{0});
+  }
+
+  // Brings the axis to `now`, hands it the frames that were sent at the time of the step before, and takes its answers.
+  void pass_period(const std::vector<hal::CanFrame>& frames, hal::Time before, hal::Time now) {
+    for (const hal::CanFrame& frame : frames) drive_.on_frame(frame, before);
+    while (const auto next = drive_.next_event()) {
+      if (*next > now) break;
+      drive_.advance_to(*next);
+    }
+    drive_.advance_to(now);
+  }
+  std::vector<hal::ReceivedFrame>& outbox() { return outbox_; }
+  Axis& axis() { return axis_; }
+
+ private:
+  static drive::DriveConfig config(const scenario::Scenario& s, std::uint8_t node_id) {
+    drive::DriveConfig c = *s.drive;
+    c.node_id = node_id;
+    return c;
+  }
+
+  Axis axis_;
+  std::vector<hal::ReceivedFrame> outbox_;
+  drive::DriveEmulator drive_;
+};
+
+inline std::int32_t target_counts(double time_s, double resolution_m) {
+  double target_m = 0;
+  for (const TargetMove& move : tour) {
+    if (move.time_s <= time_s) target_m = move.position_m;
+  }
+  return static_cast<std::int32_t>(std::llround(target_m / resolution_m));
+}
+
+// Until the tour ends; its time starts when all axes run. Throws std::runtime_error when they do not.
+template <class Real, class Controller>
+Recording<Real> record(const scenario::Scenario& s, const Controller& controller, std::size_t axes,
+                       double duration_s = tour_s) {
+  TapePort port;
+  auto loop = make_loop<Real>(port, s, controller, axes);
+  std::vector<std::unique_ptr<EmulatedAxis>> plants;
+  for (std::size_t i = 0; i < axes; ++i)
+    plants.push_back(std::make_unique<EmulatedAxis>(s, static_cast<std::uint8_t>(i + 1)));
+
+  Recording<Real> r{period_of(s), {}, 0, {}};
+  const auto ticks = static_cast<std::size_t>(duration_s / s.loop->period_s);
+  for (std::size_t k = 0; r.first_running == 0 || k < r.first_running + ticks; ++k) {
+    RecordedStep& step = r.steps.emplace_back();
+    plants[0]->axis().note_forces(&step.forces);
+    for (auto& plant : plants) {
+      plant->pass_period(k > 0 ? r.steps[k - 1].sent : std::vector<hal::CanFrame>{}, r.time(k > 0 ? k - 1 : 0),
+                         r.time(k));
+      for (const hal::ReceivedFrame& frame : plant->outbox()) step.received.push_back(frame);
+      plant->outbox().clear();
+    }
+    const bool lost = r.first_running > 0 && k % loss_interval == 0;
+    if (lost) step.received.clear();
+    const double time_s = r.first_running > 0 ? static_cast<double>(k - r.first_running) * s.loop->period_s : 0;
+    step.target_counts = target_counts(time_s, s.drive->encoder_resolution_m);
+    run_step(loop, port, r, k);
+    step.sent.assign(port.sent().begin(), port.sent().end());
+    step.running = true;
+    for (std::size_t i = 0; i < axes; ++i) step.running = step.running && loop.status(i).running;
+    if (step.running && r.first_running == 0) r.first_running = k;
+    if (r.first_running > 0) {
+      if (!step.running) throw std::runtime_error("an axis stopped during the recording");
+      const auto& feedback = loop.status(0).feedback;
+      r.measurements.push_back({feedback.position_offset_m, Real{0}, feedback.fresh});
+    }
+    if (k > 10'000 && r.first_running == 0) throw std::runtime_error("the axes do not run");
+  }
+  return r;
+}
+
+// Everything of step k that is not the step itself, then the step.
+template <class Real, class AnyLoop>
+void prepare_step(AnyLoop& loop, TapePort& port, const Recording<Real>& r, std::size_t k) {
+  const std::int32_t target = r.steps[k].target_counts;
+  if (k > 0 && target != r.steps[k - 1].target_counts) {
+    for (std::size_t i = 0; i < loop.axes(); ++i) loop.set_target_counts(i, target);
+  }
+  port.lay_in(r.steps[k].received);
+}
+template <class Real, class AnyLoop>
+void run_step(AnyLoop& loop, TapePort& port, const Recording<Real>& r, std::size_t k) {
+  prepare_step(loop, port, r, k);
+  loop.step(r.time(k));
+}
+
+}  // namespace breakaway::bench

@@ -1,0 +1,241 @@
+// Counts the instructions of the control step and of what stands around it, on a recorded run, for callgrind.
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "breakaway/design/k3.hpp"
+#include "breakaway/friction/shapes.hpp"
+#include "breakaway/scenario/run_bus_scene.hpp"
+#include "callgrind_count.hpp"
+#include "recording.hpp"
+
+namespace breakaway::bench {
+namespace {
+
+template <class Real>
+constexpr const char* name_of = std::is_same_v<Real, float> ? "float" : "double";
+
+template <class Real>
+std::string controller_label(const law::AxisController<Real>& after, law::Mode before, bool fresh,
+                             const law::ControlOutput<Real>& output) {
+  if (!fresh) return "lost sample";
+  if (output.kicked) return after.mode() == law::Mode::kick ? "kick of many periods starts" : "kick of one period";
+  return before == law::Mode::kick ? "kick goes on" : std::string{to_string(output.mode)};
+}
+
+template <class Real>
+std::string controller_label(const law::PidController<Real>&, law::Mode, bool fresh, const law::ControlOutput<Real>&) {
+  return fresh ? "step" : "lost sample";
+}
+
+// Every update of a recorded run. The mode is known after the call only, so a first replay finds the labels.
+template <class Real, class Controller>
+void count_controller(const std::string& name, const scenario::Scenario& s, const Controller& fresh_controller) {
+  const Recording<Real> r = record<Real>(s, fresh_controller, 1);
+  const auto resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
+  const auto replay = [&](const auto& update) {
+    Controller controller = fresh_controller;
+    controller.reset();
+    for (std::size_t i = 0; i < r.measurements.size(); ++i) {
+      const std::size_t k = r.first_running + i;
+      const std::int32_t shift = r.steps[k].target_counts - r.steps[k - 1].target_counts;
+      if (shift != 0) controller.shift_target(static_cast<Real>(shift) * resolution_m);
+      update(controller, i);
+    }
+  };
+  std::vector<std::string> labels;
+  replay([&](Controller& controller, std::size_t i) {
+    const law::Mode before = controller.mode();
+    const auto output = controller.update(r.measurements[i]);
+    labels.push_back(name + "/" + controller_label(controller, before, r.measurements[i].fresh, output));
+  });
+  start_counting();
+  replay([&](Controller& controller, std::size_t i) {
+    law::ControlOutput<Real> output;
+    count(labels[i], [&] { output = controller.update(r.measurements[i]); });
+  });
+  stop_counting();
+}
+
+template <class Real>
+void count_law() {
+  const std::string real = name_of<Real>;
+  const scenario::Scenario s = axis_scenario();
+  const auto table = build_table<Real>(s).table;
+  count_controller<Real>("AxisController " + real, s,
+                         law::AxisController<Real>{scenario::axis_parameters<Real>(s), table});
+  count_controller<Real>("PidController " + real, s, pid_controller<Real>(s));
+}
+
+// Over the whole stick set, from a millionth of it on.
+template <class Real, class Law>
+void count_evaluator(const std::string& label, const Law& law, double range_m) {
+  constexpr int points = 200;
+  start_counting();
+  for (int i = 0; i < points; ++i) {
+    const auto y = static_cast<Real>(range_m * std::pow(10.0, -6.0 * i / points));
+    volatile Real impulse_Ns = 0;
+    count(label, [&] { impulse_Ns = law.impulse_Ns(y); });
+  }
+  stop_counting();
+}
+
+void count_k3() {
+  const scenario::Scenario s = axis_scenario();
+  const auto small = build_table<float>(s);
+  const auto large = build_table<double>(s);
+  const auto exact = design::K3<double>::make(kick_plant(s));
+  const double range_m = scenario::axis_parameters<double>(s).stick_radius_upper_m();
+  count_evaluator<float>("K3Table float", small.table, range_m);
+  count_evaluator<double>("K3Table double", large.table, range_m);
+  count_evaluator<double>("K3 double", *exact, range_m);
+  std::printf("fact K3Table float/bytes %zu\nfact K3Table float/proved error %.3g\n", small.size_bytes,
+              small.proved_error);
+  std::printf("fact K3Table double/bytes %zu\nfact K3Table double/proved error %.3g\n", large.size_bytes,
+              large.proved_error);
+  std::printf("fact K3 double/bytes %zu\n", sizeof(*exact));
+}
+
+void count_loop(std::size_t axes) {
+  const scenario::Scenario s = axis_scenario(axes);
+  const auto table = build_table<float>(s).table;
+  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
+  const auto r = record<float>(s, controller, axes, 1500 * s.loop->period_s);
+  const std::string name = "ControlLoop " + std::to_string(axes);
+  TapePort port;
+  auto loop = make_loop<float>(port, s, controller, axes);
+  start_counting();
+  for (std::size_t k = 0; k < r.steps.size(); ++k) {
+    prepare_step(loop, port, r, k);
+    count(name + (r.steps[k].running ? "/running" : "/set-up"), [&] { loop.step(r.time(k)); });
+  }
+  stop_counting();
+  std::printf("fact %s/period_us %g\n", name.c_str(), s.loop->period_s * 1e6);
+}
+
+// A drive that runs, taken from the loop, in the order in which the loop calls it.
+void count_drive() {
+  const scenario::Scenario s = axis_scenario();
+  const auto table = build_table<float>(s).table;
+  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
+  const auto r = record<float>(s, controller, 1, 1);
+  TapePort port;
+  auto loop = make_loop<float>(port, s, controller, 1);
+  for (std::size_t k = 0; k <= r.first_running; ++k) run_step(loop, port, r, k);
+  cia402::Drive<float> drive = loop.drive(0);
+  hal::CanFrame frame;
+  start_counting();
+  for (std::size_t k = r.first_running + 1; k < r.steps.size(); ++k) {
+    for (hal::ReceivedFrame received : r.steps[k].received) {
+      const bool feedback = received.frame.size == 8;
+      count(feedback ? "Drive/on_frame, its feedback" : "Drive/on_frame, other", [&] { drive.on_frame(received); });
+      received.frame.id = static_cast<std::uint16_t>(received.frame.id + 1);
+      if (feedback) count("Drive/on_frame, another drive's feedback", [&] { drive.on_frame(received); });
+    }
+    count("Drive/update", [&] { drive.update(r.time(k)); });
+    hal::DriveFeedback<float> feedback;
+    count("Drive/feedback", [&] { feedback = drive.feedback(); });
+    count("Drive/command and next_command_frame", [&] {
+      drive.command(2.5F);
+      drive.next_command_frame(frame);
+    });
+    drive.on_sync(r.time(k));
+    count("Drive/next_acyclic_frame", [&] { drive.next_acyclic_frame(frame, r.time(k)); });
+  }
+  stop_counting();
+}
+
+// The forces of a recorded run on a plant alone. Under another friction law than the recorded one the motion differs,
+// and so does nothing but the count.
+void count_plant(const std::string& name, const scenario::Scenario& s, const Recording<float>& r) {
+  Axis axis{s};
+  start_counting();
+  for (std::size_t k = 1; k < r.steps.size(); ++k) {
+    const double before_m = axis.position_m();
+    const auto advance = [&](Axis& a) {
+      for (const ForceSegment& segment : r.steps[k].forces) a.advance_to(segment.until_s, segment.force);
+    };
+    Axis ahead = axis;
+    advance(ahead);
+    const bool moves = ahead.position_m() != before_m;
+    count(name + (moves ? "/moving" : "/resting"), [&] { advance(axis); });
+  }
+  stop_counting();
+}
+
+void count_emulator(const scenario::Scenario& s, const Recording<float>& r) {
+  EmulatedAxis axis{s, s.drive->node_id};
+  start_counting();
+  for (std::size_t k = 1; k < r.steps.size(); ++k) {
+    const std::string label = k > r.first_running ? "scene/plant and drive emulator" : "scene/set-up";
+    count(label, [&] { axis.pass_period(r.steps[k - 1].sent, r.time(k - 1), r.time(k)); });
+    axis.outbox().clear();
+  }
+  stop_counting();
+}
+
+// The whole scene as the breakaway command runs it, less one that ends at once: set-up cancels.
+void count_scene(scenario::Scenario s) {
+  s.run->stop_when_settled = false;
+  const auto run = [&](double duration_s) {
+    s.run->duration_s = duration_s;
+    scenario::Result result;
+    start_counting();
+    count(duration_s > s.loop->period_s ? "scene/whole run" : "scene/shortest run",
+          [&] { result = scenario::run_bus_scene(s, {}); });
+    stop_counting();
+    return result.loop->ticks;
+  };
+  const auto shortest = run(s.loop->period_s);
+  const auto whole = run(tour[1].time_s);
+  std::printf("fact scene/ticks %llu\n", static_cast<unsigned long long>(whole - shortest));
+}
+
+void count_simulation() {
+  scenario::Scenario s = axis_scenario();
+  const auto table = build_table<float>(s).table;
+  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
+  const auto r = record<float>(s, controller, 1, tour[1].time_s);
+  count_plant("plant, friction of can_axis", s, r);
+  count_emulator(s, r);
+  count_scene(s);
+  s.friction.law = {s.friction.law.bounds(), friction::constant(0.5)};
+  count_plant("plant, constant friction", s, r);
+}
+
+int run(std::string_view part) {
+  const std::map<std::string_view, std::function<void()>> parts{
+      {"law", [] { count_law<float>(), count_law<double>(); }},
+      {"k3", count_k3},
+      {"drive", count_drive},
+      {"loop",
+       [] {
+         for (const std::size_t axes : {1U, 2U, 4U, 8U}) count_loop(axes);
+       }},
+      {"simulation", count_simulation}};
+  if (!can_count() || !parts.contains(part)) {
+    std::fputs(
+        "usage: valgrind --tool=callgrind --instr-atstart=no --combine-dumps=yes \\\n"
+        "         step_count law|k3|drive|loop|simulation\n",
+        stderr);
+    return 2;
+  }
+  parts.at(part)();
+  return 0;
+}
+
+}  // namespace
+}  // namespace breakaway::bench
+
+int main(int argc, char** argv) {
+  try {
+    return breakaway::bench::run(argc == 2 ? argv[1] : "");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "step_count: %s\n", error.what());
+    return 1;
+  }
+}
