@@ -46,6 +46,10 @@ SetupPlan::SetupPlan(const NodeConfig& config) noexcept {
       write(step.index, step.subindex, step.size, step.value, kRequired);
     }
   }
+  // A drive that hears no command any more, because the cable is cut, say, must not hold its last torque until the
+  // heartbeat is missed. Two commands lost in a row are not yet a cut cable.
+  write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * config.period + std::chrono::microseconds{999}),
+        kOptional);
   write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), kRequired);
 }
 

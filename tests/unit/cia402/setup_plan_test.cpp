@@ -43,7 +43,7 @@ TEST(InterpolationPeriod, IsExactOrNothing) {
 TEST(SetupPlan, ReadsBeforeItWritesAndEndsWithTheMode) {
   const SetupPlan plan{{.node_id = 3}};
   const auto steps = plan.steps();
-  ASSERT_EQ(steps.size(), 26U);
+  ASSERT_EQ(steps.size(), 27U);
   EXPECT_EQ(steps.front().index, object::device_type);
   EXPECT_EQ(steps.back().index, object::mode);
   EXPECT_EQ(steps.back().value, 10U);
@@ -53,6 +53,10 @@ TEST(SetupPlan, ReadsBeforeItWritesAndEndsWithTheMode) {
     EXPECT_EQ(step.kind == SetupStep::Kind::write, written);
     if (step.index == object::consumer_heartbeat) {
       EXPECT_EQ(step.value, 0x007F00FAU);
+    }
+    if (step.index == object::rpdo1_parameter && step.subindex == 5) {
+      EXPECT_EQ(step.value, 3U) << "two lost commands in a row are tolerated";
+      EXPECT_TRUE(step.optional);
     }
     if (step.index == object::sync_period_us) {
       EXPECT_EQ(step.value, 1000U);

@@ -18,6 +18,8 @@ class BrakedSlide final : public drive::Mechanism {
     release_s_ = time_s;
   }
 
+  bool released() const { return released_; }
+
   void advance_to(double time_s, const plant::AppliedForce& force) override {
     if (!released_ || time_s < release_s_) return;
     if (force.start_s != segment_start_s_) {

@@ -6,7 +6,11 @@
 
 namespace breakaway::scenario {
 
-// Throws InputError when parts of the scene are missing or do not fit together.
+// Throws InputError when parts of the scene are missing or do not fit together: what a simulation needs beyond what
+// read_scenario asks of every file.
+void require_complete(const Scenario& scenario);
+
+// Throws InputError as require_complete does, and when the scene cannot run on its bus.
 Result run_scene(const Scenario& scenario, const RecordingOptions& recording);
 
 }  // namespace breakaway::scenario

@@ -1,0 +1,152 @@
+// Whatever goes wrong, the force is zero within two periods, the fault has a name and stays, and an explicit reset
+// recovers.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "rig.hpp"
+
+namespace breakaway::closed_loop {
+namespace {
+
+using firmware::AxisFault;
+
+struct Failure {
+  const char* label;
+  AxisFault expected;
+  std::function<void(Rig&)> inject;
+  std::function<void(Rig&)> mend;
+};
+
+class AfterFailure : public ::testing::TestWithParam<Failure> {};
+
+RigConfig far_from_target() {
+  RigConfig config;
+  config.start_m = -1.0;  // full force for a while
+  config.limits.speed_m_s = 20;
+  config.limits.position_min_m = -2;
+  config.limits.position_max_m = 2;
+  return config;
+}
+
+// Steps until the loop has seen the fault; the number of steps that took.
+int steps_until_fault(Rig& rig, int most) {
+  int steps = 0;
+  while (rig.status(0).fault == AxisFault::none && steps < most) {
+    rig.step();
+    ++steps;
+  }
+  return steps;
+}
+
+TEST_P(AfterFailure, ForceIsZeroWithinTwoPeriodsAndResetRecovers) {
+  const Failure& failure = GetParam();
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  ASSERT_GT(rig.force_N(0), 10);
+  failure.inject(rig);
+  steps_until_fault(rig, 400);
+  ASSERT_EQ(rig.status(0).fault, failure.expected) << to_string(rig.status(0).fault);
+  rig.run(2ms);
+  // The current loop needs a few of its time constants of 0.1 ms to come down from 50 N.
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "two periods after the step that saw it";
+  EXPECT_LT(rig.largest_force_N(0, 300ms), 0.1) << "latched";
+  EXPECT_EQ(rig.status(0).fault, failure.expected) << "and named as before";
+
+  failure.mend(rig);
+  rig.run(2500ms);  // a drive that was set back has to be set up again
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "no motion without a reset";
+  rig.loop().reset_fault(0);
+  rig.run(5s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
+const auto nothing = [](Rig&) {};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, AfterFailure,
+                         ::testing::Values(Failure{"DriveTrips", AxisFault::emergency,
+                                                   [](Rig& rig) { rig.drive(0).trip_fault(0x2310, rig.now()); },
+                                                   nothing},
+                                           Failure{"DriveFallsSilent", AxisFault::feedback_stale,
+                                                   [](Rig& rig) { rig.drive(0).set_silent(true); },
+                                                   [](Rig& rig) { rig.drive(0).set_silent(false); }},
+                                           Failure{"HeartbeatStops", AxisFault::heartbeat_lost,
+                                                   [](Rig& rig) { rig.drive(0).suppress_heartbeat(true); },
+                                                   [](Rig& rig) { rig.drive(0).suppress_heartbeat(false); }},
+                                           Failure{"DriveReboots", AxisFault::feedback_stale,
+                                                   [](Rig& rig) {
+                                                     rig.drive(0).power_off(rig.now());
+                                                     rig.drive(0).power_on(rig.now());
+                                                   },
+                                                   nothing}),
+                         [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+TEST(Fault, BusOffStopsTheAxisInTheNextStep) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  rig.network().controller_port().set_bus_state(hal::BusState::bus_off);
+  rig.step();
+  EXPECT_EQ(rig.status(0).fault, AxisFault::bus_off);
+  rig.run(1s);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "cut off from its master, the drive stops by itself";
+}
+
+TEST(Fault, SpeedLimitStopsTheAxis) {
+  auto config = far_from_target();
+  config.limits.speed_m_s = 1;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  steps_until_fault(rig, 1000);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::speed_limit);
+  rig.run(2ms);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+}
+
+TEST(Fault, PositionLimitStopsTheAxis) {
+  auto config = far_from_target();
+  config.limits.position_max_m = -0.5F;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  steps_until_fault(rig, 2000);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::position_limit);
+}
+
+TEST(Fault, DriveWithoutCyclicTorqueIsRefusedByName) {
+  Rig rig{{.supported_modes = 1}};  // profile position only
+  EXPECT_FALSE(rig.start());
+  EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  EXPECT_EQ(rig.loop().drive(0).setup_status().code, hal::StatusCode::not_supported);
+  EXPECT_EQ(rig.loop().drive(0).setup_status().detail, 0x650200U) << "object 6502h";
+}
+
+TEST(Fault, OfOneAxisLeavesTheOthersRunning) {
+  Rig rig{{.axes = 2}};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  rig.drive(0).trip_fault(0x4210, rig.now());
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::emergency);
+  EXPECT_EQ(rig.status(1).fault, AxisFault::none);
+  EXPECT_LE(std::abs(rig.position_m(1)), 3e-6);
+}
+
+TEST(Fault, SingleLostFramesDoNotStopTheAxisOrSpoilItsAccuracy) {
+  RigConfig config;
+  config.bus.loss_probability = 1e-3;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    config.bus.seed = seed;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start()) << seed;
+    rig.run(3s);
+    if (rig.status(0).fault == AxisFault::feedback_stale) continue;  // two in a row: a stop is right
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << seed << ' ' << to_string(rig.status(0).fault);
+    EXPECT_LE(std::abs(rig.position_m(0)), 3e-6) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::closed_loop

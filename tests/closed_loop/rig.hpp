@@ -1,0 +1,147 @@
+// Several axes behind emulated drives on one virtual bus under the flashed loop, in simulated time: for tests that look
+// at more than the end of a run.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "breakaway/cia402/drive.hpp"
+#include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/friction/shapes.hpp"
+#include "breakaway/law/axis_controller.hpp"
+#include "breakaway/scenario/braked_slide.hpp"
+#include "breakaway/scenario/simulated_network.hpp"
+
+namespace breakaway::closed_loop {
+
+using namespace std::chrono_literals;
+using Real = float;
+using Controller = law::AxisController<Real>;
+using Loop = firmware::ControlLoop<scenario::SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real>;
+
+struct RigConfig {
+  std::size_t axes = 1;
+  hal::Duration period = 1ms;
+  virtual_bus::VirtualBusConfig bus{};
+  double start_m = -0.1;
+  friction::FrictionLaw friction{{2.5, 4.5}, friction::constant(1)};
+  firmware::AxisLimits<Real> limits{};
+  std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;
+};
+
+class Rig {
+ public:
+  explicit Rig(const RigConfig& config)
+      : config_{config}, network_{config.bus}, loop_{network_.controller_port(), {config.period, config.bus.bit_rate}} {
+    const law::AxisParameters<Real> p = parameters();
+    table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction_lower_N},
+                                          p.stick_radius_upper_m())
+                 ->table;
+    for (std::size_t i = 0; i < config.axes; ++i) add_axis(static_cast<std::uint8_t>(i + 1), p);
+  }
+
+  static law::AxisParameters<Real> parameters_for(hal::Duration period) {
+    law::AxisParameters<Real> p;
+    p.mass_kg = 1;
+    p.stiffness_N_per_m = 400;
+    p.approach_damping_Ns_per_m = 32;
+    p.kick_damping_Ns_per_m = 60;
+    p.friction_lower_N = 2.5F;
+    p.friction_upper_N = 4.5F;
+    p.max_force_N = 50;
+    p.max_approach_speed_m_s = 5;
+    p.encoder_resolution_m = 1e-6F;
+    p.period_s = std::chrono::duration<Real>(period).count();
+    p.position_tolerance_m = p.accuracy_floor_m();
+    return p;
+  }
+  law::AxisParameters<Real> parameters() const { return parameters_for(config_.period); }
+
+  // The simulated world up to the next step; then the flashed step itself; then the brakes of axes that start with it
+  // open.
+  void advance_world() {
+    now_ += config_.period;
+    network_.advance_to(now_);
+  }
+  void loop_step() { loop_.step(now_); }
+  void release_brakes() {
+    for (std::size_t i = 0; i < loop_.axes(); ++i) {
+      if (loop_.status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(seconds(now_));
+    }
+  }
+  void step() {
+    advance_world();
+    loop_step();
+    release_brakes();
+  }
+  void run(hal::Duration duration) {
+    for (const hal::Time end = now_ + duration; now_ < end;) step();
+  }
+  // Sets the drives up and enables them. False: not all run within 10 s.
+  bool start() {
+    for (std::size_t i = 0; i < loop_.axes(); ++i) loop_.request_enable(i);
+    const auto released = [](const auto& mechanism) { return mechanism->released(); };
+    while (now_ < 10s && !std::all_of(mechanisms_.begin(), mechanisms_.end(), released)) step();
+    return std::all_of(mechanisms_.begin(), mechanisms_.end(), released);
+  }
+  // Largest |force| that the drive makes from now on within the duration.
+  double largest_force_N(std::size_t axis, hal::Duration duration) {
+    double largest = 0;
+    for (const hal::Time end = now_ + duration; now_ < end;) {
+      step();
+      largest = std::max(largest, std::abs(force_N(axis)));
+    }
+    return largest;
+  }
+
+  Loop& loop() { return loop_; }
+  drive::DriveEmulator& drive(std::size_t axis) { return *drives_[axis]; }
+  scenario::SimulatedNetwork& network() { return network_; }
+  const plant::Slide& slide(std::size_t axis) const { return mechanisms_[axis]->slide(); }
+  double position_m(std::size_t axis) const { return mechanisms_[axis]->position_m(); }
+  double force_N(std::size_t axis) const { return drives_[axis]->force().at_N(seconds(now_), 0, 0); }
+  hal::Time now() const { return now_; }
+  const firmware::AxisStatus<Real>& status(std::size_t axis) const { return loop_.status(axis); }
+
+ private:
+  static double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
+
+  void add_axis(std::uint8_t node_id, const law::AxisParameters<Real>& p) {
+    mechanisms_.push_back(
+        std::make_unique<scenario::BrakedSlide>(plant::Slide{p.mass_kg, config_.friction, {0, config_.start_m, 0}}));
+    drive::DriveConfig emulated;
+    emulated.node_id = node_id;
+    emulated.rated_torque_mNm = 500;
+    emulated.max_torque_per_mille = 2000;
+    emulated.force_per_torque_N_per_Nm = 50;
+    emulated.current_loop_time_constant_s = 1e-4;
+    emulated.supported_modes = config_.supported_modes;
+    drives_.push_back(&network_.add_drive(emulated, *mechanisms_.back()));
+
+    cia402::DriveConfig<Real> master;
+    master.node_id = node_id;
+    master.encoder_resolution_m = p.encoder_resolution_m;
+    master.force_per_torque_N_per_Nm = 50;
+    master.max_force_N = p.max_force_N;
+    master.period = config_.period;
+    firmware::AxisLimits<Real> limits = config_.limits;
+    if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
+    const auto added = loop_.add_axis(cia402::Drive<Real>{master}, {p, table_}, limits, p.encoder_resolution_m);
+    if (!added.ok()) std::abort();
+  }
+
+  RigConfig config_;
+  law::K3Table<Real> table_;
+  std::vector<std::unique_ptr<scenario::BrakedSlide>> mechanisms_;
+  scenario::SimulatedNetwork network_;
+  std::vector<drive::DriveEmulator*> drives_;
+  Loop loop_;
+  hal::Time now_{0};
+};
+
+}  // namespace breakaway::closed_loop

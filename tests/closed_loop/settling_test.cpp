@@ -1,0 +1,105 @@
+// The main job: a stuck axis reaches its target, for every friction inside the stated bounds.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/scenario/run_bus_scene.hpp"
+#include "breakaway/scenario/study.hpp"
+#include "rig.hpp"
+
+namespace breakaway::closed_loop {
+namespace {
+
+const std::string scenarios = std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/";
+
+scenario::StudyOptions three_starts(int random_laws) {
+  scenario::StudyOptions options;
+  options.starts = {{-4, -4}, {-0.1, 0}, {-0.01, 0}};
+  options.random_laws = random_laws;
+  return options;
+}
+
+TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
+  const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
+  for (const auto& row : scenario::run_study(scene, three_starts(100))) {
+    SCOPED_TRACE(row.start.position_m);
+    ASSERT_EQ(row.runs.size(), 104U);
+    for (const auto& run : row.runs) {
+      EXPECT_TRUE(run.settled) << run.law;
+      EXPECT_LE(std::abs(run.final_error_m), 3e-6) << run.law;
+      EXPECT_LE(run.max_force_N, 50) << run.law;
+      EXPECT_FALSE(run.limit_cycle) << run.law;
+      EXPECT_TRUE(run.faults.empty()) << run.law;
+    }
+  }
+}
+
+TEST(ImpulsiveAxis, ReachesTheTargetInDoubleAndWithNaivePulsesToo) {
+  auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
+  scene.controller.scalar = scenario::ScalarType::float64;
+  for (const auto& row : scenario::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+  scene.controller.impulsive->kick = scenario::Kick::naive;
+  scene.run->settle_tolerance_m = 10e-6;  // the naive pulse overshoots: its floor is 4 Ts^2 times 1 m/s^2 and more
+  for (const auto& row : scenario::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+}
+
+TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
+  const auto scene = scenario::read_scenario(scenarios + "can_axis_pid.toml");
+  std::size_t settled = 0, runs = 0;
+  for (const auto& row : scenario::run_study(scene, three_starts(10))) {
+    settled += settled_runs(row);
+    runs += row.runs.size();
+    EXPECT_LE(largest_force_N(row), 50);
+  }
+  EXPECT_LT(settled, runs) << "then the class of friction laws is too easy to show anything";
+}
+
+TEST(BusScene, GivesTheSameResultTwice) {
+  const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
+  const auto first = scenario::run_bus_scene(scene, {}), second = scenario::run_bus_scene(scene, {.trace = true});
+  EXPECT_EQ(first.final_error_m, second.final_error_m);
+  EXPECT_EQ(first.settling_time_s, second.settling_time_s);
+  ASSERT_EQ(first.kicks.size(), second.kicks.size());
+}
+
+TEST(BusScene, FollowsTargetChangesAtAnyTime) {
+  auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
+  scene.controller.targets = {{0.05, 0.3}, {0.4, -0.2}, {2.0, 0.1234565}};
+  const auto result = scenario::run_bus_scene(scene, {});
+  EXPECT_TRUE(result.settled);
+  EXPECT_GT(result.settling_time_s, 2.0);
+  // A target is a whole encoder count: half a count more than the tolerance.
+  EXPECT_LE(std::abs(result.final_error_m), 3e-6);
+}
+
+TEST(Axes, SettleTogetherAtTheRateThatTheBusAllows) {
+  for (const auto& [axes, period] : {std::pair<std::size_t, hal::Duration>{2, 1ms}, {8, 3ms}}) {
+    Rig rig{{.axes = axes, .period = period, .friction = {{2.5, 4.5}, friction::static_kinetic(1, 0)}}};
+    ASSERT_TRUE(rig.loop().check_configuration().ok());
+    ASSERT_TRUE(rig.start()) << axes;
+    rig.run(4s);
+    for (std::size_t i = 0; i < axes; ++i) {
+      SCOPED_TRACE(i);
+      EXPECT_EQ(rig.status(i).fault, firmware::AxisFault::none) << to_string(rig.status(i).fault);
+      EXPECT_EQ(rig.status(i).output.mode, law::Mode::hold);
+      EXPECT_LE(std::abs(rig.position_m(i)), rig.parameters().position_tolerance_m + 1e-6);
+      EXPECT_TRUE(rig.slide(i).sticking());
+    }
+  }
+}
+
+TEST(Axis, StaysWhereItIsOnceItHolds) {
+  Rig rig{{.friction = {{2.5, 4.5}, friction::random_dwell({.seed = 4})}}};
+  ASSERT_TRUE(rig.start());
+  rig.run(2s);
+  const double held_m = rig.position_m(0);
+  const auto kicks = rig.loop().controller(0).kicks();
+  rig.run(20s);
+  EXPECT_EQ(rig.position_m(0), held_m);
+  EXPECT_EQ(rig.loop().controller(0).kicks(), kicks);
+}
+
+}  // namespace
+}  // namespace breakaway::closed_loop
