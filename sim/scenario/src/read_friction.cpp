@@ -129,8 +129,8 @@ ShapePtr read_shape(const Section& section) {
       }
     names += (names.empty() ? "" : ", ") + std::string{known.name};
   }
-  section.fail("kind",
-               fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : "is missing,", names));
+  const char* given = section.has("kind") ? "is not text," : "is missing,";
+  section.fail("kind", fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : given, names));
 }
 
 }  // namespace

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
-#include <sstream>
 
 #include "breakaway/scenario/input_error.hpp"
 #include "parse_toml.hpp"
@@ -97,7 +98,7 @@ drive::DriveConfig read_drive(const Section& section) {
       optional("rated_current_A", number(in_thousandths(d.rated_current_mA), "A", {1e-3, 4e6})),
       required("max_torque_per_mille",
                integer([&](std::int64_t n) { d.max_torque_per_mille = static_cast<std::uint16_t>(n); }, 1, 32767)),
-      required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", anywhere)),
+      required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
       optional("peak_force_N", number(d.peak_force_N, "N", positive)),
       required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
       optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", delay)),
@@ -105,7 +106,6 @@ drive::DriveConfig read_drive(const Section& section) {
       optional("tpdo_delay_max_s", duration_s(d.max_tpdo_delay, delay)),
       optional("seed", integer([&](std::int64_t n) { d.seed = static_cast<std::uint64_t>(n); }, 0, INT64_MAX)),
   });
-  if (d.force_per_torque_N_per_Nm == 0) section.fail("force_per_torque_N_per_Nm", "is 0: the motor would move nothing");
   if (d.min_tpdo_delay > d.max_tpdo_delay)
     section.fail("tpdo_delay_min_s", "exceeds tpdo_delay_max_s; swap or raise it");
   return d;
@@ -161,19 +161,10 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, const Scen
   }
 }
 
-void check(const Section& controller, const Scenario& s) {
-  if (s.controller.impulsive) check_gains(controller, *s.controller.impulsive, s);
-  if (s.controller.max_force_N <= s.friction.upper_N) {
-    controller.fail("max_force_N",
-                    fmt::format("is {}, must exceed the upper friction bound {} N, or no kick is sure to move "
-                                "the axis",
-                                s.controller.max_force_N, s.friction.upper_N));
-  }
-}
-
 Scenario read(const toml::table& document, const std::string& name) {
   const Section root{document, name, ""};
   Scenario s;
+  s.file = name;
   std::optional<Section> friction_part, controller_part;
   root.read({
       optional("title", text(s.title)),
@@ -189,17 +180,24 @@ Scenario read(const toml::table& document, const std::string& name) {
   s.friction = read_friction(*friction_part, s.plant.mass_kg);
   s.controller = read_controller(*controller_part, s.ideal());
   if (s.drive && !s.bus) s.bus.emplace();
-  check(*controller_part, s);
+  if (s.controller.impulsive) check_gains(*controller_part, *s.controller.impulsive, s);
   return s;
 }
 
 std::string contents(const std::filesystem::path& file) {
+  constexpr std::size_t most = std::size_t{1} << 20;  // far above any scenario, far below the machine's memory
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(file, ignored);
+  errno = 0;
   std::ifstream in{file, std::ios::binary};
-  std::ostringstream text;
-  if (!in || std::filesystem::is_directory(file) || !(text << in.rdbuf())) {
-    throw InputError{fmt::format("{}: cannot be read; check that it is a file that you may read", file.string())};
+  std::string text(most + 1, '\0');
+  if (folder || !in || (!in.read(text.data(), static_cast<std::streamsize>(text.size())) && in.bad())) {
+    throw InputError{fmt::format("{}: cannot be read: {}; check the path", file.string(),
+                                 folder ? "it is a folder" : std::strerror(errno))};
   }
-  return std::move(text).str();
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > most) throw InputError{fmt::format("{}: is larger than 1 MiB; give a scenario", file.string())};
+  return text;
 }
 
 }  // namespace

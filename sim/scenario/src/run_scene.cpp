@@ -1,5 +1,7 @@
 #include "breakaway/scenario/run_scene.hpp"
 
+#include <fmt/format.h>
+
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/run_bus_scene.hpp"
 #include "breakaway/scenario/run_ideal_scene.hpp"
@@ -7,31 +9,46 @@
 namespace breakaway::scenario {
 namespace {
 
-void require(bool holds, const char* otherwise) {
-  if (!holds) throw InputError{otherwise};
+void require(const Scenario& s, bool holds, const std::string& otherwise) {
+  if (!holds) throw InputError{s.file.empty() ? otherwise : s.file + ": " + otherwise};
 }
 
 void check_ideal(const Scenario& s) {
-  require(!s.drive && !s.bus, "[loop] is missing: a scene with a [drive] needs it");
-  require(s.controller.impulsive.has_value(),
+  require(s, !s.drive && !s.bus, "[loop] is missing: a scene with a [drive] needs it");
+  require(s, s.controller.impulsive.has_value(),
           "[loop] is missing: a pid controller runs in a loop only, with a [drive]");
-  require(s.controller.impulsive->kick == Kick::ideal, "[controller] kick must be \"ideal\" in a scene without [loop]");
-  require(s.controller.max_force_N == unlimited && s.controller.max_approach_speed_m_s == unlimited &&
+  require(s, s.controller.impulsive->kick == Kick::ideal,
+          "[controller] kick must be \"ideal\" in a scene without [loop]");
+  require(s,
+          s.controller.max_force_N == unlimited && s.controller.max_approach_speed_m_s == unlimited &&
               s.controller.position_tolerance_m == 0,
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
 }
 
+void check_loop(const Scenario& s) {
+  require(s, s.drive.has_value(), "[drive] is missing: a scene with a [loop] needs it");
+  require(s, s.controller.max_force_N < unlimited,
+          "[controller] max_force_N is missing: a scene with a [drive] needs a limit that the drive can give");
+  require(
+      s, s.controller.max_force_N > s.friction.upper_N,
+      fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
+                  "move the axis",
+                  s.controller.max_force_N, s.friction.upper_N));
+  require(s, s.run->settle_tolerance_m > 0,
+          "[run] settle_tolerance_m is missing: say within which error a scene with a [loop] counts as settled");
+}
+
 }  // namespace
 
+void require_complete(const Scenario& s) {
+  require(s, s.run.has_value(), "[run] is missing: say how long to simulate with duration_s");
+  s.ideal() ? check_ideal(s) : check_loop(s);
+}
+
 Result run_scene(const Scenario& s, const RecordingOptions& recording) {
-  require(s.run.has_value(), "[run] is missing: say how long to simulate with duration_s");
-  if (s.ideal()) {
-    check_ideal(s);
-    return run_ideal_scene(s, recording);
-  }
-  require(s.drive.has_value(), "[drive] is missing: a scene with a [loop] needs it");
-  return run_bus_scene(s, recording);
+  require_complete(s);
+  return s.ideal() ? run_ideal_scene(s, recording) : run_bus_scene(s, recording);
 }
 
 }  // namespace breakaway::scenario

@@ -21,8 +21,8 @@ std::string describe(Range range, std::string_view unit) {
   const bool open_above = range.most >= largest;
   if (range.least <= -largest && open_above) return with_unit("a finite number", unit);
   if (open_above)
-    return with_unit(fmt::format("a finite number {} {}", range.excludes_least ? ">" : ">=", range.least), unit);
-  return with_unit(fmt::format("a number in {}{}, {}]", range.excludes_least ? '(' : '[', range.least, range.most),
+    return with_unit(fmt::format("a finite number {} {:g}", range.excludes_least ? ">" : ">=", range.least), unit);
+  return with_unit(fmt::format("a number in {}{:g}, {:g}]", range.excludes_least ? '(' : '[', range.least, range.most),
                    unit);
 }
 

@@ -88,6 +88,7 @@ struct Run {
 };
 
 struct Scenario {
+  std::string file;  // where it was read from, for errors
   std::string title;
   Plant plant;
   Friction friction;
