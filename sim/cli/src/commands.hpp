@@ -32,6 +32,12 @@ inline CLI::Validator number_validator(bool positive, const char* expects) {
           },
           ""};
 }
+// For files to write: an empty name is most often a script's unset variable.
+inline const CLI::Validator file_name{[](std::string& text) -> std::string {
+                                        return text.empty() ? "the name is empty; give a file, or - for standard output"
+                                                            : "";
+                                      },
+                                      ""};
 inline const CLI::Validator positive_number = number_validator(true, "a finite number above 0");
 inline const CLI::Validator finite_number = number_validator(false, "a finite number");
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -27,6 +28,14 @@ double tolerance_m(const Scenario& s) {
   throw scenario::InputError{"[run] settle_tolerance_m is missing: say which accuracy the axis shall reach"};
 }
 
+// What the controller may ask for and the drive can give.
+double max_force_N(const Scenario& s) {
+  const double asked_N = std::min(s.controller.max_force_N, std::numeric_limits<double>::max());
+  if (!s.drive) return asked_N;
+  const double torque_Nm = 1e-6 * s.drive->max_torque_per_mille * s.drive->rated_torque_mNm;
+  return std::min({asked_N, s.drive->peak_force_N.value_or(asked_N), torque_Nm * s.drive->force_per_torque_N_per_Nm});
+}
+
 design::AxisDesign axis_design(const Scenario& s) {
   if (!s.controller.impulsive) {
     throw scenario::InputError{"[controller] kind is \"pid\"; design checks the impulsive law only"};
@@ -38,7 +47,7 @@ design::AxisDesign axis_design(const Scenario& s) {
           .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
           .friction = {p.friction_lower_N, p.friction_upper_N},
           .smooth_friction_slope_Ns_per_m = s.friction.smooth_slope_Ns_per_m,
-          .max_force_N = std::min(p.max_force_N, std::numeric_limits<double>::max()),
+          .max_force_N = max_force_N(s),
           .period_s = p.period_s,
           .encoder_resolution_m = p.encoder_resolution_m,
           .latency_ticks = p.latency_periods,
@@ -120,7 +129,8 @@ void add_design(CLI::App& app, int& exit_code) {
       ->add_option("axis", options->axis,
                    "The axis: a scenario file, or its [plant], [friction], [controller], [loop] and [drive]")
       ->required();
-  command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output");
+  command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output")
+      ->check(file_name);
   command->footer(std::string{"Example: breakaway design sim/scenarios/can_axis.toml\n"} + exit_codes);
   command->callback([options, &exit_code] { exit_code = design_file(*options); });
 }

@@ -42,9 +42,17 @@ void print_table(const design::K3<double>& law, const std::vector<double>& posit
   }
 }
 
+// Extreme inputs leave the range of double.
+void require_finite(const design::K3<double>& law, double position_m) {
+  if (std::isfinite(law.impulse_Ns(position_m)) && std::isfinite(law.time_to_go_s(position_m))) return;
+  throw scenario::InputError{fmt::format(
+      "--position: k3 at {} m is beyond the range of floating point for this axis; check the units", position_m)};
+}
+
 void k3(const Options& options) {
   const auto law = design::K3<double>::make(options.plant);
   if (!law) throw scenario::InputError{law.error().message};
+  for (const double y : options.positions_m) require_finite(*law, y);
   if (!options.json.empty()) report::write_output(options.json, to_json(*law, options.positions_m));
   if (options.json != "-") print_table(*law, options.positions_m);
 }
@@ -71,7 +79,8 @@ void add_k3(CLI::App& app, int& exit_code) {
       ->required()
       ->allow_extra_args(false)
       ->check(finite_number);
-  command->add_option("--json", options->json, "Write the rows as JSON to this file; - is standard output");
+  command->add_option("--json", options->json, "Write the rows as JSON to this file; - is standard output")
+      ->check(file_name);
   command->footer(
       std::string{"Example: breakaway k3 --mass 1 --k1 1 --k22 3 --friction-lower 2.5 --position -0.1 --position 1e-6 "
                   "--json -\n"} +

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <iostream>
 
 #include "breakaway/scenario/input_error.hpp"
 #include "commands.hpp"
@@ -14,6 +15,15 @@ int refuse(std::string what) {
   }
   fmt::print(stderr, "breakaway: {}\n", what);
   return breakaway::cli::bad_input;
+}
+
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const auto unknown = app.remaining();
+  if (chosen.empty() && !unknown.empty())
+    return fmt::format("{} is neither a subcommand nor an option (breakaway --help lists them)", unknown.front());
+  const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
+  return fmt::format("{} (breakaway {}--help tells more)", error.what(), command);
 }
 
 }  // namespace
@@ -34,9 +44,10 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0) return refuse("standard output: cannot be written");
     return exit_code;
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    const int code = app.exit(help);
+    return std::cout.flush() ? code : refuse("standard output: cannot be written");
   } catch (const CLI::ParseError& error) {
-    return refuse(fmt::format("{} (breakaway --help tells more)", error.what()));
+    return refuse(explain(app, error));
   } catch (const scenario::InputError& error) {
     return refuse(error.what());
   } catch (const std::exception& error) {

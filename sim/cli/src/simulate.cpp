@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 
 #include "breakaway/report/formats.hpp"
 #include "breakaway/report/html.hpp"
 #include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/scenario/run_scene.hpp"
 #include "commands.hpp"
@@ -18,7 +21,8 @@ using scenario::Scenario;
 
 struct Options {
   std::string scenario, json, csv, candump, report;
-  bool quiet() const { return json == "-" || csv == "-" || candump == "-" || report == "-"; }
+  std::array<std::string, 4> outputs() const { return {json, csv, candump, report}; }
+  bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
 };
 
 void print_summary(const Options& options, const Scenario& s, const Result& r) {
@@ -38,7 +42,7 @@ void print_summary(const Options& options, const Scenario& s, const Result& r) {
                100 * r.loop->bus_load, r.loop->ticks, r.loop->missed_ticks);
   }
   for (const auto& fault : r.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
-  for (const std::string& path : {options.json, options.csv, options.candump, options.report}) {
+  for (const std::string& path : options.outputs()) {
     if (!path.empty()) fmt::print("  written        {}\n", path);
   }
 }
@@ -47,8 +51,20 @@ void report_progress(const char* what) {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
 }
 
+void check_outputs(const Options& options, const Scenario& scene) {
+  for (const std::string& path : options.outputs()) {
+    if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
+      throw scenario::InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
+    }
+  }
+  if (!options.candump.empty() && scene.ideal()) {
+    throw scenario::InputError{"--candump: the scene has no bus; give it a [loop] and a [drive], or leave this out"};
+  }
+}
+
 int simulate(const Options& options) {
   const Scenario scene = scenario::read_scenario(options.scenario);
+  check_outputs(options, scene);
   report_progress("simulating");
   const bool trace = !options.csv.empty() || !options.report.empty();
   const Result result = scenario::run_scene(scene, {.trace = trace, .frames = !options.candump.empty()});
@@ -69,10 +85,14 @@ void add_simulate(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("simulate", "Simulate a scenario: does the axis settle, when and how well?");
   command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();
-  command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output");
-  command->add_option("--csv", options->csv, "Write the samples of the run to this file; - is standard output");
-  command->add_option("--candump", options->candump, "Write the bus traffic in candump's log format to this file");
-  command->add_option("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)");
+  command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--csv", options->csv, "Write the samples of the run to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--candump", options->candump, "Write the bus traffic in candump's log format to this file")
+      ->check(file_name);
+  command->add_option("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)")
+      ->check(file_name);
   command->footer(
       std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +
       exit_codes);

@@ -10,6 +10,7 @@
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/scenario/run_scene.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -33,9 +34,8 @@ const char* controller_name(const Scenario& s) { return s.controller.pid ? "PID"
 
 Scenario read_bus_scenario(const std::string& file) {
   Scenario s = read_scenario(file);
-  if (!s.loop || !s.drive || !s.bus || !s.run) {
-    throw InputError{file + ": a study needs [loop], [drive], [bus] and [run]"};
-  }
+  if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenes with a [loop] and a [drive]"};
+  require_complete(s);
   return s;
 }
 
@@ -157,12 +157,14 @@ void add_study(CLI::App& app, int& exit_code) {
   command->add_option("--against", options->against, "Another scene to run under the same laws, to compare with");
   command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
       ->check(CLI::Range(0, 100000));
-  command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1");
+  command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--start", options->starts,
                    "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0")
       ->check(finite_number);
-  command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output");
+  command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output")
+      ->check(file_name);
   command->footer(
       std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"} +
       exit_codes);

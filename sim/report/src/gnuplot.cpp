@@ -20,10 +20,12 @@ namespace {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "breakaway-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw scenario::InputError{fmt::format("{}: cannot make a temporary folder; set TMPDIR to one that you may write",
-                                             std::filesystem::temp_directory_path().string())};
+    std::error_code none;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(none);
+    std::string name = (parent / "breakaway-XXXXXX").string();
+    if (none || mkdtemp(name.data()) == nullptr) {
+      throw scenario::InputError{
+          "cannot make a temporary folder for gnuplot; set TMPDIR to a folder that you may write"};
     }
     path_ = name;
   }
@@ -55,6 +57,12 @@ Ended run(const std::string& command) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 127, output};
 }
 
+std::string shell_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string{"'\\''"} : std::string{c};
+  return quoted + "'";
+}
+
 }  // namespace
 
 std::string draw_svg(const std::string& name, int width_px, int height_px, const std::string& commands) {
@@ -64,7 +72,7 @@ std::string draw_svg(const std::string& name, int width_px, int height_px, const
   write_output(script, fmt::format("set terminal svg size {},{} dynamic name '{}' font 'Helvetica,Arial,sans-serif,14' "
                                    "linewidth 1.2 background 'white'\n{}",
                                    width_px, height_px, name, commands));
-  const auto [exit_code, output] = run(fmt::format("gnuplot '{}' 2>&1", script));
+  const auto [exit_code, output] = run(fmt::format("gnuplot {} 2>&1", shell_quoted(script)));
   if (exit_code == 127) {
     throw scenario::InputError{"gnuplot cannot be run, and the report needs it; install the package gnuplot-nox"};
   }

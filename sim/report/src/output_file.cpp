@@ -14,7 +14,8 @@ namespace breakaway::report {
 namespace {
 
 [[noreturn]] void fail(const std::string& path) {
-  throw scenario::InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+  throw scenario::InputError{
+      fmt::format("{}: cannot be written: {}; choose another place", path, std::strerror(errno))};
 }
 
 // False, with errno, unless every byte reached the operating system.

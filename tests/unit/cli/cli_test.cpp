@@ -77,17 +77,59 @@ void expect_keys(const std::string& json, const std::vector<std::string>& names)
 
 TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("", {"subcommand"});
+  expect_refused("simulat", {"simulat ", "--help"});
+  expect_refused("k3 --mass 1", {"--k1", "k3 --help"});
   expect_refused("simulate", {"scenario"});
-  expect_refused("simulate /nowhere.toml", {"/nowhere.toml"});
+  expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
+  expect_refused("simulate " + folder_.string(), {folder_.string(), "folder"});
+  expect_refused("simulate /dev/zero", {"/dev/zero", "1 MiB"});
+  expect_refused("simulate " + scenario(""), {"axis.toml:1", "plant", "missing"});
   expect_refused("simulate " + scenarios + "impulsive_example.toml --jason x", {"--jason"});
   expect_refused(plant + "--position nan", {"--position", "nan"});
   expect_refused(plant + "--position inf", {"--position", "inf"});
+  expect_refused(plant + "--position 1e308", {"--position", "1e+308", "beyond"});
   expect_refused("k3 --mass nan --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "nan"});
   expect_refused("k3 --mass -1 --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "-1"});
   expect_refused("k3 --mass 1 --k1 1 --k22 2 --friction-lower 2.5 --position 1", {"k22", "zeta"});
   expect_refused("k3 --mass 1 --k1 1 --k22 3 --position 1", {"--friction-lower"});
   expect_refused("k3 --mass one --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "one"});
   expect_refused("simulate " + scenario("[plant]\nmas_kg = 1\n"), {"axis.toml:2", "mas_kg", "mass_kg"});
+}
+
+TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
+  const std::string example = "simulate " + scenarios + "impulsive_example.toml ";
+  expect_refused(example + "--json ''", {"--json", "empty"});
+  expect_refused(example + "--json - --csv -", {"two outputs"});
+  expect_refused(example + "--json " + path("a") + " --csv " + path("a"), {path("a"), "two outputs"});
+  expect_refused(example + "--candump " + path("a"), {"--candump", "[loop]"});
+  EXPECT_FALSE(fs::exists(path("a")));
+}
+
+TEST_F(Command, NamesWhatASceneOnTheBusLacks) {
+  const std::string can_axis = content(scenarios + "can_axis.toml");
+  const auto without = [&](const std::string& line) {
+    std::string text = can_axis;
+    return scenario(text.erase(text.find(line), line.size()));
+  };
+  for (const char* command : {"simulate ", "study --laws 0 "}) {
+    expect_refused(command + without("max_force_N = 50\n"), {"axis.toml", "[controller] max_force_N", "missing"});
+    expect_refused(command + without("settle_tolerance_m = 3e-6\n"), {"axis.toml", "[run] settle_tolerance_m"});
+    expect_refused(command + without("[loop]\nperiod_s = 0.001\n"), {"axis.toml", "[loop]", "missing"});
+  }
+}
+
+TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  for (const auto& file : {with("max_force_N = 50", "max_force_N = 4"),
+                           with("max_torque_per_mille = 2000", "max_torque_per_mille = 100")}) {
+    const Ended ended = run("design " + file);
+    EXPECT_EQ(ended.exit_code, 1) << ended.err;
+    EXPECT_NE(ended.out.find("force_breaks_away"), std::string::npos);
+  }
+  expect_refused("simulate " + with("max_force_N = 50", "max_force_N = 4"), {"axis.toml", "max_force_N", "4", "4.5"});
 }
 
 TEST_F(Command, NamesTheMissingPartOfAScene) {
@@ -119,7 +161,7 @@ TEST_F(Command, ReportsAFullDiskBehindStandardOutput) {
 }
 
 TEST_F(Command, HelpsWithAnExampleAndTheExitCodes) {
-  for (const char* subcommand : {"", "simulate ", "k3 ", "design "}) {
+  for (const char* subcommand : {"", "simulate ", "k3 ", "design ", "study "}) {
     const Ended help = run(std::string{subcommand} + "--help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example: breakaway "), std::string::npos) << subcommand;
