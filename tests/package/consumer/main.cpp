@@ -1,17 +1,64 @@
+// The README's snippet, around a mass on dry friction that is just good enough to show that it works.
 #include <breakaway/canopen/sdo_client.hpp>
-#include <breakaway/law/k3_table.hpp>
+#include <breakaway/design/k3_table_builder.hpp>
+#include <breakaway/law/axis_controller.hpp>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 
+namespace {
+
+struct SlidingMass {
+  float x = -0.01F, v = 0;
+
+  void advance(float force_N, float duration_s) {
+    constexpr float friction_N = 3.3F;
+    constexpr int steps = 1000;
+    for (int i = 0; i < steps; ++i) {
+      if (v == 0 && std::abs(force_N) <= friction_N) return;
+      const float direction = v != 0 ? std::copysign(1.0F, v) : std::copysign(1.0F, force_N);
+      const float next = v + (force_N - direction * friction_N) * duration_s / steps;
+      v = next * direction < 0 ? 0 : next;
+      x += v * duration_s / steps;
+    }
+  }
+};
+
+}  // namespace
+
 int main() {
-  // R = 2 N s / sqrt(m) everywhere: 0.25 m from the target, the impulse is 2 sqrt(0.25) = 1 N s towards it.
-  const breakaway::law::K3Table<float, 2> table{.root_max = 1, .nodes_per_root = 1, .nodes = {{{2, 0}, {2, 0}}}};
-  const float impulse_Ns = table.impulse_Ns(0.25F);
+  SlidingMass axis;
+  const auto position_error_m = [&] { return std::round(axis.x * 1e6F) * 1e-6F; };
+  const auto hold_force_for_one_period = [&](float force_N) { axis.advance(force_N, 1e-3F); };
+  int periods_left = 1000;
+
+  // [README]
+  breakaway::law::AxisParameters<float> parameters;
+  parameters.mass_kg = 1;
+  parameters.stiffness_N_per_m = 400;         // k1
+  parameters.approach_damping_Ns_per_m = 32;  // k21, zeta < 1
+  parameters.kick_damping_Ns_per_m = 60;      // k22, zeta > 1
+  parameters.friction_lower_N = 2.5F;         // all that is known of the friction:
+  parameters.friction_upper_N = 4.5F;         // it lies between these
+  parameters.max_force_N = 50;
+  parameters.encoder_resolution_m = 1e-6F;
+  parameters.period_s = 1e-3F;
+  parameters.position_tolerance_m = parameters.accuracy_floor_m();
+
+  const auto k3 = breakaway::design::build_k3_table<float>({1, 400, 60, 2.5}, parameters.stick_radius_upper_m());  // PC
+  breakaway::law::AxisController<float> controller{parameters, k3->table};  // flashed: no heap, no exceptions
+
+  while (periods_left-- > 0) {
+    const auto output = controller.update({position_error_m()});
+    hold_force_for_one_period(output.force_N);
+  }
+  // [README]
 
   breakaway::canopen::SdoClient client(5, std::chrono::milliseconds{10});
   breakaway::hal::CanFrame request;
   const bool sent = client.start_read(0x1000, 0).ok() && client.next_frame(request, {});
 
-  std::cout << "impulse " << impulse_Ns << " N s, request to " << std::hex << request.id << "h\n";
-  return impulse_Ns == -1 && sent && request.id == 0x605 ? 0 : 1;
+  std::cout << "error " << axis.x << " m after " << controller.kicks() << " kicks\n";
+  const bool settled = controller.mode() == breakaway::law::Mode::hold && std::abs(axis.x) < 3e-6F;
+  return settled && sent && request.id == 0x605 ? 0 : 1;
 }
