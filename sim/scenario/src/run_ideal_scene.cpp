@@ -85,7 +85,8 @@ class IdealScene {
   // What the law makes of the present state: at rest within the maximal stick set, a kick.
   void answer() {
     const auto output = controller_.update({error_m(), slide_.state().velocity_m_s});
-    if (!output.kicked) return;
+    const bool rests_on_target = error_m() == 0 && slide_.state().velocity_m_s == 0;
+    if (!output.kicked && !rests_on_target) return;
     const plant::SlideState before = slide_.state();
     note_rest(before.time_s);
     if (result_.settled) return;

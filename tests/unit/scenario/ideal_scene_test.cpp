@@ -96,6 +96,15 @@ TEST(IdealScene, RecordsATraceOnlyOnRequestAndWithoutChangingTheResult) {
   }
 }
 
+TEST(IdealScene, HasSettledWhenItStartsAtRestOnTheTarget) {
+  Scenario scene = example();
+  scene.plant.position_m = scene.plant.velocity_m_s = 0;
+  const Result result = run_ideal_scene(scene, {});
+  EXPECT_TRUE(result.settled);
+  EXPECT_EQ(result.ideal->t_inf_s, 0);
+  EXPECT_TRUE(result.kicks.empty());
+}
+
 TEST(IdealScene, DoesNotClaimToHaveSettledWhenTimeRunsOut) {
   Scenario scene = example();
   scene.run->duration_s = 4;
