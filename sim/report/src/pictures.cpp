@@ -6,9 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 
 #include "breakaway/design/k3.hpp"
 #include "gnuplot.hpp"
+#include "thin.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -54,10 +56,16 @@ std::string data(std::string_view name, const Range& entries, Row row) {
   return text + "END\n";
 }
 
-std::string trace_data(const Result& result) {
-  return data("trace", result.trace, [](const Sample& s) {
-    return std::array{s.time_s, s.position_m, s.velocity_m_s, s.force_N, s.target_m, s.bus_load};
-  });
+std::string data(std::string_view name, const std::vector<Point>& points) {
+  return data(name, points, [](const Point& p) { return std::array{p.x, p.y}; });
+}
+
+// value(sample) over time.
+template <class Value>
+std::string series(std::string_view name, const Result& result, Value value) {
+  std::vector<Point> points;
+  for (const Sample& s : result.trace) points.push_back({s.time_s, std::invoke(value, s)});
+  return data(name, thin_series(points, width_px));
 }
 
 // Dashed verticals at the instants that the theory names.
@@ -86,7 +94,7 @@ std::string response_caption(const Scenario& s, const Result& result) {
   if (s.controller.pid) return "Position, velocity and actuator force under the PID controller.";
   return fmt::format(
       "Position, velocity and actuator force. The approach is limited in speed and force; once the axis is "
-      "at rest short of the target, force pulses of at most {:g} N bring it there.",
+      "at rest short of the target, force pulses of at most {:g} N kick it on.",
       s.controller.max_force_N);
 }
 
@@ -99,34 +107,38 @@ std::string panel(const Result& result, bool first, bool last, std::string_view 
 Picture response(const Scenario& s, const Result& result) {
   const bool loop = result.loop.has_value();
   const int panels = loop ? 3 : 2;
-  const int height_px = 230 * panels + 107;
-  std::string commands = style + trace_data(result) +
+  const int height_px = 230 * panels + 132;
+  std::string commands = style + series("target", result, &Sample::target_m) +
+                         series("position", result, &Sample::position_m) +
+                         series("velocity", result, &Sample::velocity_m_s) + series("force", result, &Sample::force_N) +
                          fmt::format(
                              "set multiplot layout {},1 margins 0.1, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
-                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key bottom center "
-                             "inside vertical maxrows 3\n",
-                             panels, 72.0 / height_px, 1 - 35.0 / height_px, number(result.trace.back().time_s));
-  commands +=
-      panel(result, true, false,
-            "set ylabel 'position [m]'\nplot $trace using 1:5 with steps linestyle 4 title 'target', '' using 1:2 "
-            "with lines linestyle 1 title 'position'");
-  commands +=
-      panel(result, false, !loop, "set ylabel 'velocity [m/s]'\nplot $trace using 1:3 with lines linestyle 2 notitle");
+                             "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key at "
+                             "screen 0.1, screen 1 left top horizontal\n",
+                             panels, 72.0 / height_px, 1 - 60.0 / height_px, number(result.trace.back().time_s));
+  commands += panel(
+      result, true, false,
+      "set ylabel 'position [m]'\nplot $target using 1:2 with steps linestyle 4 title 'target', $position using 1:2 "
+      "with lines linestyle 1 title 'position'");
+  commands += panel(result, false, !loop,
+                    "set ylabel 'velocity [m/s]'\nplot $velocity using 1:2 with lines linestyle 2 notitle");
   if (loop) {
-    commands +=
-        panel(result, false, true, "set ylabel 'force [N]'\nplot $trace using 1:4 with steps linestyle 3 notitle");
+    commands += panel(result, false, true,
+                      fmt::format("set ylabel 'force [N]'\nplot $force using 1:2 with {} linestyle 3 notitle",
+                                  result.trace.size() > most_of_series(width_px) ? "lines" : "steps"));
   }
   return {"Response", response_caption(s, result), draw_svg("response", width_px, height_px, commands)};
+}
+
+bool ever_off_target(const Result& result) {
+  return std::ranges::any_of(result.trace, [](const Sample& x) { return x.position_m != x.target_m; });
 }
 
 // |error| on a logarithmic axis shows the last micrometres.
 Picture error_over_time(const Scenario& s, const Result& result) {
   const auto shown = [](double error_m) { return error_m == 0 ? std::nan("") : std::fabs(error_m); };
   std::string commands = style +
-                         data("error", result.trace,
-                              [&](const Sample& x) {
-                                return std::array{x.time_s, shown(x.position_m - x.target_m)};
-                              }) +
+                         series("error", result, [&](const Sample& x) { return shown(x.position_m - x.target_m); }) +
                          data("kicks", result.kicks,
                               [&](const KickRecord& k) {
                                 return std::array{k.time_s, shown(k.error_m)};
@@ -146,8 +158,8 @@ Picture error_over_time(const Scenario& s, const Result& result) {
                          number(s.drive->encoder_resolution_m));
   }
   return {"Position error",
-          "The distance from the target on a logarithmic axis. Each dot is a kick; where the curve is level, the axis "
-          "stands.",
+          fmt::format("The distance from the target on a logarithmic axis. {}here the curve is level, the axis stands.",
+                      result.kicks.empty() ? "W" : "Each dot is a kick; w"),
           draw_svg("error", width_px, 420, commands + plots + "\n")};
 }
 
@@ -162,48 +174,78 @@ StickSets stick_sets(const Scenario& s) {
   return {s.friction.upper_N / stiffness, s.friction.lower_N / stiffness};
 }
 
-std::string phase_plot(const Scenario& s, const Result& result, const std::string& settings) {
+struct Window {
+  double least, most;
+  double width() const { return most - least; }
+};
+
+template <class Value>
+Window window_of(const Result& result, Value value) {
+  const auto [least, most] = std::ranges::minmax(result.trace, {}, value);
+  return {std::invoke(value, least), std::invoke(value, most)};
+}
+
+// Position and velocity to a fifth of a pixel of what is shown.
+std::string solution(const Result& result, Window position_m, Window velocity_m_s) {
+  std::vector<Point> points;
+  for (const Sample& s : result.trace) points.push_back({s.position_m, s.velocity_m_s});
+  const double share = 0.2 / width_px;
+  return data("solution", thin_curve(points, std::max(share * position_m.width(), 1e-30),
+                                     std::max(share * velocity_m_s.width(), 1e-30)));
+}
+
+std::string phase_plot(const Scenario& s, const Result& result, Window position_m, Window velocity_m_s,
+                       const std::string& settings) {
   const auto [upper_m, lower_m] = stick_sets(s);
   const double target_m = result.trace.back().target_m;
-  return style + trace_data(result) +
+  return style + solution(result, position_m, velocity_m_s) +
          fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
                      number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
          "set tmargin 3\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n" + settings +
          "set xlabel 'position [m]'\nset ylabel 'velocity [m/s]'\n"
          "plot $outer using 1:2:3:4 with vectors nohead linestyle 6 title 'maximal stick set', "
          "$inner using 1:2:3:4 with vectors nohead linestyle 7 title 'minimal stick set', "
-         "$trace using 2:3 with lines linestyle 1 title 'solution', "
-         "$trace every ::0::0 using 2:3 with points pointtype 7 pointsize 0.6 linecolor '#1c5d99' title 'start'\n";
+         "$solution using 1:2 with lines linestyle 1 title 'solution'";
 }
 
 Picture phase_plane(const Scenario& s, const Result& result) {
-  return {
-      "Phase plane",
-      "The solution in the plane of position and velocity, with the sets in which the axis can stick: for the greatest "
-      "friction (maximal) and for the least (minimal). Compare Figure 6 of van de Wouw & Leine.",
-      draw_svg("phase", width_px, 460, phase_plot(s, result, ""))};
+  const std::string plot =
+      phase_plot(s, result, window_of(result, &Sample::position_m), window_of(result, &Sample::velocity_m_s), "") +
+      ", $solution every ::0::0 using 1:2 with points pointtype 7 pointsize 0.6 linecolor "
+      "'#1c5d99' title 'start'";
+  return {"Phase plane",
+          s.controller.pid
+              ? "The solution in the plane of position and velocity, with the sets in which friction can hold "
+                "the proportional part: the greatest friction (maximal) and the least (minimal)."
+              : "The solution in the plane of position and velocity, with the sets in which the axis can "
+                "stick: for the greatest friction (maximal) and for the least (minimal). Compare Figure 6 of "
+                "van de Wouw & Leine.",
+          draw_svg("phase", width_px, 460, plot)};
 }
 
-bool stick_sets_are_small(const Scenario& s, const Result& result) {
-  const auto [least, most] = std::ranges::minmax(result.trace, {}, &Sample::position_m);
-  return stick_sets(s).upper_m < 0.03 * (most.position_m - least.position_m);
-}
-
-Picture phase_plane_near_target(const Scenario& s, const Result& result) {
-  const double target_m = result.trace.back().target_m, reach_m = 1.25 * stick_sets(s).upper_m;
-  double least_m_s = 0, most_m_s = 0;
+// Around the final target, as fast as the axis moves on its last way there.
+std::optional<std::array<Window, 2>> window_near_target(const Scenario& s, const Result& result) {
+  const double target_m = result.trace.back().target_m, upper_m = stick_sets(s).upper_m;
+  if (upper_m > 0.03 * window_of(result, &Sample::position_m).width()) return std::nullopt;  // seen in the whole
+  Window v{0, 0};
   for (const Sample& x : result.trace) {
-    if (std::fabs(x.position_m - target_m) > stick_sets(s).upper_m / 3) continue;
-    least_m_s = std::min(least_m_s, x.velocity_m_s);
-    most_m_s = std::max(most_m_s, x.velocity_m_s);
+    if (x.target_m != target_m || std::fabs(x.position_m - target_m) > upper_m / 3) continue;
+    v = {std::min(v.least, x.velocity_m_s), std::max(v.most, x.velocity_m_s)};
   }
-  const double margin_m_s = 0.15 * (most_m_s - least_m_s);
-  const std::string window =
-      fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", number(target_m - reach_m), number(target_m + reach_m),
-                  number(least_m_s - margin_m_s), number(most_m_s + margin_m_s));
+  if (v.width() == 0) return std::nullopt;  // it never moved there
+  const double margin_m_s = 0.15 * v.width();
+  return std::array{Window{target_m - 1.25 * upper_m, target_m + 1.25 * upper_m},
+                    Window{v.least - margin_m_s, v.most + margin_m_s}};
+}
+
+Picture phase_plane_near_target(const Scenario& s, const Result& result, Window x, Window v) {
+  const std::string window = fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", number(x.least), number(x.most),
+                                         number(v.least), number(v.most));
   return {"Phase plane near the target",
-          "The same around the stick sets: each kick gives the axis speed, and it slides to rest closer to the target.",
-          draw_svg("phase_near", width_px, 420, phase_plot(s, result, window))};
+          s.controller.pid ? "The same around the stick sets."
+                           : "The same around the stick sets: each kick gives the axis speed, and it slides to rest "
+                             "closer to the target.",
+          draw_svg("phase_near", width_px, 420, phase_plot(s, result, x, v, window))};
 }
 
 Picture kick_law(const Scenario& s, const Result& result) {
@@ -220,13 +262,14 @@ Picture kick_law(const Scenario& s, const Result& result) {
                               }) +
                          data("kicks", result.kicks,
                               [&](const KickRecord& k) {
-                                return std::array{k.error_m, law->impulse_Ns(k.error_m)};
+                                return std::array{k.error_m, result.ideal ? k.impulse_Ns : law->impulse_Ns(k.error_m)};
                               }) +
                          fmt::format("set xrange [{}:{}]\n", number(-1.05 * upper_m), number(1.05 * upper_m)) +
                          "set xlabel 'position error [m]'\nset ylabel 'impulse k_3 [N s]'\n"
                          "plot $law using 1:2 with lines linestyle 1 title 'k_3'";
   if (!result.kicks.empty()) {
-    commands += ", $kicks using 1:2 with points linestyle 8 title 'kicks of this run'";
+    commands += fmt::format(", $kicks using 1:2 with points linestyle 8 title '{}'",
+                            result.ideal ? "kicks of this run" : "errors that this run kicked at");
   }
   return {
       "Impulse law k₃",
@@ -241,11 +284,8 @@ Picture friction_along(const Scenario& s, const Result& result) {
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
   const std::string commands =
       style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
-      data("friction", result.trace,
-           [&](const Sample& x) {
-             return std::array{x.time_s, x.friction_level_N / unit};
-           }) +
-      instants(result, true) + fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
+      series("friction", result, [&](const Sample& x) { return x.friction_level_N / unit; }) + instants(result, true) +
+      fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
       fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
                   s.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
       fmt::format(
@@ -285,9 +325,11 @@ Picture kicks(const Result& result) {
 }
 
 Picture bus_load(const Result& result) {
-  const std::string commands = style + trace_data(result) +
+  // The first sample has no period before it.
+  const auto share = [](const Sample& x) { return x.time_s > 0 ? 100 * x.bus_load : std::nan(""); };
+  const std::string commands = style + series("load", result, share) +
                                "set xlabel 'time [s]'\nset ylabel 'bus load [%]'\nset yrange [0:100]\n"
-                               "plot $trace using 1:(100*$6) with lines linestyle 5 notitle\n";
+                               "plot $load using 1:2 with lines linestyle 5 notitle\n";
   return {"Bus load",
           fmt::format("The share of each control period in which a frame is on the wire; {:.1f} % on average.",
                       100 * result.loop->bus_load),
@@ -297,8 +339,12 @@ Picture bus_load(const Result& result) {
 }  // namespace
 
 std::vector<Picture> draw_pictures(const Scenario& s, const Result& result) {
-  std::vector<Picture> pictures{response(s, result), error_over_time(s, result), phase_plane(s, result)};
-  if (stick_sets_are_small(s, result)) pictures.push_back(phase_plane_near_target(s, result));
+  std::vector<Picture> pictures{response(s, result)};
+  if (ever_off_target(result)) pictures.push_back(error_over_time(s, result));
+  pictures.push_back(phase_plane(s, result));
+  if (const auto near = window_near_target(s, result)) {
+    pictures.push_back(phase_plane_near_target(s, result, (*near)[0], (*near)[1]));
+  }
   if (s.controller.impulsive) pictures.push_back(kick_law(s, result));
   pictures.push_back(friction_along(s, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));

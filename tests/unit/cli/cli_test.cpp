@@ -245,6 +245,28 @@ TEST_F(Command, ExitsWithOneWhenTheAxisDoesNotSettleOrIsNotCertified) {
   EXPECT_NE(design.out.find("tolerance_above_floor"), std::string::npos);
 }
 
+// A drive too weak for the friction, an axis that never gets near its target; and one that stands on it from the start.
+TEST_F(Command, ReportsRunsInWhichLittleHappens) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto exit_code_with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    const Ended ended =
+        run("simulate " + scenario(text.replace(text.find(from), from.size(), to)) + " --report " + path("a.html"));
+    EXPECT_TRUE(content(path("a.html")).ends_with("</html>\n")) << ended.err;
+    fs::remove(path("a.html"));
+    return ended.exit_code;
+  };
+  EXPECT_EQ(exit_code_with("max_torque_per_mille = 2000", "max_torque_per_mille = 100"), 1);
+  EXPECT_EQ(exit_code_with("position_m = -4\nvelocity_m_s = -4", "position_m = 0"), 0);
+}
+
+TEST_F(Command, KeepsTheReportOfALongRunModest) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const std::string text = content(scenarios + "can_axis.toml") + "stop_when_settled = false\n";  // 30 s
+  ASSERT_EQ(run("simulate " + scenario(text) + " --report " + path("a.html")).exit_code, 0);
+  EXPECT_LT(fs::file_size(path("a.html")), 1'000'000u);
+}
+
 TEST_F(Command, WritesASelfContainedReport) {
   if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
   ASSERT_EQ(run("simulate " + scenarios + "impulsive_example.toml --report " + path("a.html")).exit_code, 0);
