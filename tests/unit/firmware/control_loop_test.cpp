@@ -79,7 +79,7 @@ struct FakeDrive {
 };
 
 struct ProportionalLaw {
-  float shifted = 0;
+  float shifted = 0, limit_N = 0;
   int resets = 0;
   law::ControlFault fault_ = law::ControlFault::none;
   law::ControlOutput<float> update(const law::Measurement<float>& z) noexcept {
@@ -87,6 +87,7 @@ struct ProportionalLaw {
   }
   void shift_target(float shift_m) noexcept { shifted += shift_m; }
   void reset() noexcept { ++resets; }
+  void limit_force(float force_N) noexcept { limit_N = force_N; }
   law::ControlFault fault() const noexcept { return fault_; }
   law::Mode mode() const noexcept { return law::Mode::approach; }
 };
@@ -138,6 +139,7 @@ TEST_F(ControlLoopTest, GivesForceOnlyToAnEnabledAxis) {
     step();
   }
   EXPECT_TRUE(probe.commands.empty());
+  loop.reset_fault(0);
   enable();
   probe.feedback.position_offset_m = 2e-4F;
   step();
@@ -181,6 +183,24 @@ TEST_F(ControlLoopTest, PassesEmergenciesOnOnce) {
   loop.reset_fault(0);
   step();
   EXPECT_EQ(loop.status(0).fault, AxisFault::none) << "an old message is no new emergency";
+}
+
+TEST_F(ControlLoopTest, NamesADriveThatIsInFaultBeforeItEverRan) {
+  probe.feedback.state = hal::DriveState::fault;
+  probe.feedback.fault_code = 0x3210;
+  step();
+  EXPECT_EQ(loop.status(0).fault, AxisFault::drive_fault);
+  EXPECT_EQ(loop.supervisor(0).fault_code(), 0x3210);
+  loop.reset_fault(0);
+  for (int i = 0; i < 900; ++i) step();
+  EXPECT_EQ(loop.status(0).fault, AxisFault::none) << "a reset takes the drive some time";
+  for (int i = 0; i < 200; ++i) step();
+  EXPECT_EQ(loop.status(0).fault, AxisFault::drive_fault) << "this one did not help";
+}
+
+TEST_F(ControlLoopTest, TellsTheLawWhatForceTheDriveHas) {
+  enable();
+  EXPECT_EQ(loop.controller(0).limit_N, 50);
 }
 
 TEST_F(ControlLoopTest, StopsOnBusOff) {

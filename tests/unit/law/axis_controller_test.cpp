@@ -153,6 +153,19 @@ TEST_F(AxisControllerTest, NeverExceedsTheForceLimitForAnyInputBits) {
   }
 }
 
+TEST_F(AxisControllerTest, KeepsToAForceLimitThatTheDriveTellsLater) {
+  const auto free = first_kick(-5e-3F);
+  controller.reset();
+  controller.limit_force(20);
+  const auto limited_kick = first_kick(-5e-3F);
+  EXPECT_GT(free.force_N, 20);
+  EXPECT_LE(limited_kick.force_N, 20);
+  EXPECT_GT(limited_kick.force_N, 10) << "spread over more periods, not given up";
+  controller.limit_force(100);
+  controller.reset();
+  EXPECT_LE(first_kick(-5e-3F).force_N, 20) << "a limit is never raised";
+}
+
 TEST_F(AxisControllerTest, GivesFiniteForceEvenWithADamagedTable) {
   table.nodes.fill({std::nanf(""), std::nanf("")});
   for (int i = 0; i < 200; ++i) ASSERT_LE(std::abs(controller.update({-1e-3F}).force_N), p.max_force_N);

@@ -34,6 +34,7 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
   { controller.update(z) } noexcept -> std::same_as<law::ControlOutput<Scalar>>;
   { controller.shift_target(shift_m) } noexcept;
   { controller.reset() } noexcept;
+  { controller.limit_force(shift_m) } noexcept;  // the actuator gives no more than this
   { constant.fault() } noexcept -> std::same_as<law::ControlFault>;
   { constant.mode() } noexcept -> std::same_as<law::Mode>;
 };
@@ -80,10 +81,12 @@ class ControlLoop {
         statistics_{config.period},
         heartbeat_{config.node_id, config.heartbeat_period} {}
 
-  // Before the first step. invalid_argument: no room for another axis.
-  hal::Status add_axis(const Drive& drive, const Controller& controller, const AxisLimits<Scalar>& limits,
+  // Before the first step. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop
+  // the axis. invalid_argument: no room for another axis.
+  hal::Status add_axis(const Drive& drive, const Controller& controller, AxisLimits<Scalar> limits,
                        Scalar encoder_resolution_m) noexcept {
     if (count_ == MaxAxes) return {hal::StatusCode::invalid_argument, static_cast<std::uint32_t>(MaxAxes)};
+    if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
     axes_[count_++].emplace(drive, controller, limits, encoder_resolution_m);
     return {};
   }
@@ -108,6 +111,7 @@ class ControlLoop {
     a.supervisor.reset();
     a.controller.reset();
     a.drive.reset_fault();
+    a.reset_periods = static_cast<std::int32_t>(reset_time / config_.period);
   }
 
   // The target as an encoder count: exact at any distance from zero, in any scalar type. May be called at any time.
@@ -157,9 +161,12 @@ class ControlLoop {
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     std::uint32_t emergencies_seen = 0;
+    std::int32_t reset_periods = 0;  // that the drive still has to leave its fault
     bool wanted = false;
     AxisStatus<Scalar> status{};
   };
+
+  static constexpr hal::Duration reset_time = std::chrono::seconds{1};
 
   // A step takes in at most what a full bus can bring in a period of 10 ms at 1 Mbit/s; the rest waits in the port.
   static constexpr int max_frames_per_step = 256;
@@ -192,6 +199,7 @@ class ControlLoop {
       a.status.fault = AxisFault::drive_unusable;
       return false;
     }
+    if (!was_running) watch_idle(a, feedback, now);
     if (was_running) {
       const AxisHealth health{a.drive.heartbeat_lost(), emergency_code, port_->bus_state() == hal::BusState::bus_off,
                               a.controller.fault()};
@@ -206,6 +214,14 @@ class ControlLoop {
     return feedback.state == hal::DriveState::enabled && feedback.ever_valid && (was_running || feedback.fresh);
   }
 
+  // A drive that is in fault before it ever ran, or that a reset did not help, is named as well.
+  void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, hal::Time now) noexcept {
+    if (a.reset_periods > 0) --a.reset_periods;
+    if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
+      a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);
+    }
+  }
+
   // The code of an EMCY message that came since the last step.
   static std::uint16_t new_emergency(Axis& a) noexcept {
     const bool is_new = a.drive.emcy_count() != a.emergencies_seen;
@@ -215,6 +231,7 @@ class ControlLoop {
 
   void begin(Axis& a) noexcept {
     a.controller.reset();
+    a.controller.limit_force(a.drive.max_force_N());
     a.supervisor.begin_motion(a.last_error_m);
   }
 

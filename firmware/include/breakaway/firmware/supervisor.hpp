@@ -100,14 +100,20 @@ class Supervisor {
 
   // Once a period while the axis is meant to be enabled. Returns the latched fault.
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
-    const AxisFault seen = fault_ == AxisFault::none ? first_violation(feedback, health, now) : AxisFault::none;
-    if (seen != AxisFault::none) {
-      fault_ = seen;
-      fault_time_ = now;
-      fault_code_ = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
+    if (fault_ == AxisFault::none) {
+      const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
+      latch(first_violation(feedback, health, now), code, now);
     }
     if (feedback.fresh) remember(feedback);
     return fault_;
+  }
+
+  // The first fault stays; code: 603Fh or the EMCY error code, 0 if none.
+  void latch(AxisFault fault, std::uint16_t code, hal::Time now) noexcept {
+    if (fault == AxisFault::none || fault_ != AxisFault::none) return;
+    fault_ = fault;
+    fault_code_ = code;
+    fault_time_ = now;
   }
 
   void reset() noexcept {

@@ -59,6 +59,14 @@ class AxisController {
     restart();
   }
 
+  // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
+  // bound cannot break the axis away: then it ends up jammed, by name.
+  void limit_force(Scalar force_N) noexcept {
+    if (!(force_N < p_.max_force_N)) return;
+    p_.max_force_N = force_N;
+    shaper_.limit_force(force_N);
+  }
+
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
   void reset() noexcept {
     velocity_.reset();

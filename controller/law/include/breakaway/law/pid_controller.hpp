@@ -52,6 +52,8 @@ class PidController {
 
   void shift_target(Scalar shift_m) noexcept { velocity_.shift_origin(shift_m); }
 
+  void limit_force(Scalar force_N) noexcept { p_.max_force_N = std::min(p_.max_force_N, force_N); }
+
   void reset() noexcept {
     velocity_.reset();
     integral_N_ = last_force_N_ = 0;

@@ -19,7 +19,8 @@ class Motor {
   void command(double force_N, double time_s);
 
   const plant::AppliedForce& segment() const { return segment_; }
-  double force_at_N(double time_s) const { return segment_.constant_N + segment_.transient_at_N(time_s); }
+  // Clamped, because the sum of the two terms may round to one unit beyond the limit that both keep.
+  double force_at_N(double time_s) const { return clamped(segment_.constant_N + segment_.transient_at_N(time_s)); }
   double largest_force_N(double time_s) const;  // largest |force| from the beginning until time_s
   double peak_force_N() const { return peak_force_N_; }
 
