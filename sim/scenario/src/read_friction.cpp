@@ -14,6 +14,10 @@ using friction::ShapePtr;
 
 constexpr Range positive{0, 1e12, true};
 constexpr Range share{0, 1};
+// Friction that changes faster than this means nothing to a mass, and a run would take for ever to follow it.
+constexpr Range frequency{0, 1e5, true};
+constexpr Range wavelength{1e-5, 1e12};
+constexpr Range dwell{1e-5, 1e12};
 
 ShapePtr read_shape(const Section& section);
 
@@ -49,7 +53,7 @@ double read_stribeck_velocity(const Section& section) {
 
 ShapePtr read_sine_in_time(const Section& section) {
   double frequency_rad_s = 0, phase_rad = 0;
-  read_keys(section, {required("angular_frequency_rad_s", number(frequency_rad_s, "rad/s", positive)),
+  read_keys(section, {required("angular_frequency_rad_s", number(frequency_rad_s, "rad/s", frequency)),
                       optional("phase_rad", number(phase_rad, "rad"))});
   return friction::sine_in_time(frequency_rad_s, phase_rad);
 }
@@ -57,7 +61,7 @@ ShapePtr read_sine_in_time(const Section& section) {
 ShapePtr read_sine_in_position(const Section& section) {
   double period_m = 0, phase_rad = 0;
   read_keys(section,
-            {required("period_m", number(period_m, "m", positive)), optional("phase_rad", number(phase_rad, "rad"))});
+            {required("period_m", number(period_m, "m", wavelength)), optional("phase_rad", number(phase_rad, "rad"))});
   return friction::sine_in_position(period_m, phase_rad);
 }
 
@@ -71,8 +75,8 @@ ShapePtr read_random_dwell(const Section& section) {
   friction::RandomDwell p;
   read_keys(section,
             {optional("seed", integer([&](std::int64_t n) { p.seed = static_cast<std::uint64_t>(n); }, 0, INT64_MAX)),
-             optional("shortest_dwell_s", number(p.shortest_dwell_s, "s", positive)),
-             optional("longest_dwell_s", number(p.longest_dwell_s, "s", positive)),
+             optional("shortest_dwell_s", number(p.shortest_dwell_s, "s", dwell)),
+             optional("longest_dwell_s", number(p.longest_dwell_s, "s", dwell)),
              optional("bound_share", number(p.bound_share, "", share))});
   return friction::random_dwell(p);
 }

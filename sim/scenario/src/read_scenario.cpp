@@ -60,12 +60,14 @@ std::vector<Key> gain_keys(PidGains& gains) {
 
 Controller read_controller(const Section& section, bool ideal) {
   Controller controller;
-  bool is_pid = section.word("kind") == "pid";
+  bool is_pid = false;
+  const Key kind = optional("kind", choice(is_pid, {{"impulsive", false}, {"pid", true}}));
+  section.read(kind);
   if (is_pid) controller.pid.emplace();
   if (!is_pid) controller.impulsive.emplace().kick = ideal ? Kick::ideal : Kick::two_phase;
   std::vector<Key> keys = is_pid ? gain_keys(*controller.pid) : gain_keys(*controller.impulsive);
   const std::vector<Key> common{
-      optional("kind", choice(is_pid, {{"impulsive", false}, {"pid", true}})),
+      kind,
       optional("max_force_N", number(controller.max_force_N, "N", positive)),
       optional("max_approach_speed_m_s", number(controller.max_approach_speed_m_s, "m/s", positive)),
       optional("position_tolerance_m", number(controller.position_tolerance_m, "m", not_negative)),
@@ -106,6 +108,9 @@ drive::DriveConfig read_drive(const Section& section) {
       optional("tpdo_delay_max_s", duration_s(d.max_tpdo_delay, delay)),
       optional("seed", integer([&](std::int64_t n) { d.seed = static_cast<std::uint64_t>(n); }, 0, INT64_MAX)),
   });
+  // The motion is followed within a fraction of it: the run would take for ever.
+  if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
+    section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");
   if (d.min_tpdo_delay > d.max_tpdo_delay)
     section.fail("tpdo_delay_min_s", "exceeds tpdo_delay_max_s; swap or raise it");
   return d;

@@ -137,21 +137,33 @@ void Section::fail(std::string_view key, const std::string& what) const {
   throw InputError{fmt::format("{}:{}: {}{} {}", file_, std::max(line, 1u), place, key, what)};
 }
 
-void Section::read(const std::vector<Key>& keys) const {
+// Of several unknown keys the one most like a valid key: a misspelt `kind` makes the keys of that kind unknown, too.
+void Section::refuse_unknown_keys(const std::vector<Key>& keys) const {
+  std::string_view unknown, nearest;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const auto& [key, node] : *table_) {
-    const std::string_view name = key.str();
-    if (std::ranges::any_of(keys, [&](const Key& row) { return row.name == name; })) continue;
-    const auto nearest =
-        std::ranges::min_element(keys, {}, [&](const Key& row) { return edit_distance(row.name, name); });
-    fail(name, fmt::format("is not a key here; the nearest valid key is {}", nearest->name));
-  }
-  for (const Key& row : keys) {
-    const toml::node* node = table_->get(row.name);
-    if (node == nullptr && row.required) fail(row.name, fmt::format("is missing; give it {}", row.value.expects));
-    if (node != nullptr && !row.value.take({*node, *this, row.name})) {
-      fail(row.name, fmt::format("is {}, must be {}", shown(*node), row.value.expects));
+    if (std::ranges::find(keys, key.str(), &Key::name) != keys.end()) continue;
+    for (const Key& row : keys) {
+      const std::size_t distance = edit_distance(row.name, key.str());
+      if (distance >= least) continue;
+      unknown = key.str(), nearest = row.name, least = distance;
     }
   }
+  if (least < std::numeric_limits<std::size_t>::max())
+    fail(unknown, fmt::format("is not a key here; the nearest valid key is {}", nearest));
+}
+
+void Section::read(const Key& row) const {
+  const toml::node* node = table_->get(row.name);
+  if (node == nullptr && row.required) fail(row.name, fmt::format("is missing; give it {}", row.value.expects));
+  if (node != nullptr && !row.value.take({*node, *this, row.name})) {
+    fail(row.name, fmt::format("is {}, must be {}", shown(*node), row.value.expects));
+  }
+}
+
+void Section::read(const std::vector<Key>& keys) const {
+  refuse_unknown_keys(keys);
+  for (const Key& row : keys) read(row);
 }
 
 }  // namespace breakaway::scenario

@@ -83,6 +83,9 @@ class Section {
   // fit.
   void read(const std::vector<Key>& keys) const;
 
+  // Reads one row, whatever else is there: for a key that decides which others are valid.
+  void read(const Key& row) const;
+
   // The section of a nested table, as [outer.inner].
   Section nested(const toml::table& inner, std::string_view key) const;
 
@@ -95,6 +98,8 @@ class Section {
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;
 
  private:
+  void refuse_unknown_keys(const std::vector<Key>& keys) const;
+
   const toml::table* table_;
   std::string file_;
   std::string path_;

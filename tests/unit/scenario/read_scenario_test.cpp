@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include "breakaway/scenario/input_error.hpp"
@@ -67,6 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
     Table, BadInputIsRefused,
     testing::Values(
         BadInput{"MisspeltKey", with(sound, "mass_kg", "mas_kg"), {":3:", "[plant]", "mas_kg", "mass_kg"}},
+        BadInput{"EmptyKey", "\"\" = 1\n" + sound, {":1:", "not a key"}},
         BadInput{"KeyBeyondAscii", with(sound, "mass_kg", "\u00b5_kg"), {":3:", "not valid TOML"}},
         BadInput{"KeyWithLineBreak", "\"a\\nb\" = 1\n" + sound, {":1:", "a b"}},
         BadInput{"BeyondAsciiInLongString", "title = \"\"\"\\\n\u00a7\"\"\"\n" + sound, {":2:", "ASCII"}},
@@ -100,6 +103,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"FrictionLawIsNumber",
                  sound + "[friction.law]\nkind = 3\n",
                  {"[friction.law]", "kind is not text", "stribeck"}},
+        BadInput{"FrictionTooFastToFollow",
+                 sound + "[friction.law]\nkind = \"sine_in_position\"\nperiod_m = 1e-9\n",
+                 {"period_m", "1e-09", "[1e-05, 1e+12] m"}},
+        BadInput{"CurrentLoopTooFastToFollow",
+                 sound + "[loop]\nperiod_s=0.001\n" + drive + "current_loop_time_constant_s = 1e-12\n",
+                 {"current_loop_time_constant_s", "give 0"}},
         BadInput{"MotorTurnedAround",
                  sound + "[loop]\nperiod_s=0.001\n" + with(drive, "Nm=10", "Nm=-10"),
                  {"force_per_torque_N_per_Nm", "-10", "(0, 1e+12]"}},
@@ -113,6 +122,35 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"SyntaxError", with(sound, "mass_kg = 1", "mass_kg = = 1"), {":3:", "TOML"}},
         BadInput{"KeyTwice", with(sound, "mass_kg = 1", "mass_kg = 1\nmass_kg = 2"), {":4:", "TOML"}}),
     [](const auto& row) { return std::string{row.param.label}; });
+
+std::string file_text(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream{path}.rdbuf();
+  return text.str();
+}
+
+// Every line "key = value" of every scenario of the project, spoilt in each of these ways.
+TEST(ReadScenario, NamesEveryKeyThatIsSpoilt) {
+  int spoilt = 0;
+  for (const auto& entry : std::filesystem::directory_iterator{BREAKAWAY_SOURCE_DIR "/sim/scenarios"}) {
+    const std::string text = file_text(entry.path());
+    std::istringstream lines{text};
+    for (std::string line; std::getline(lines, line);) {
+      const auto equals = line.find(" = ");
+      if (line.starts_with('#') || line.starts_with('[') || equals == std::string::npos) continue;
+      const std::string key = line.substr(0, equals);
+      const bool is_text = line[equals + 3] == '"';
+      for (const std::string& other : {key + "x" + line.substr(equals), key + " = nan", key + " = {}", key + " = [[]]",
+                                       key + (is_text ? " = 1" : " = \"1\""), key + " = 1979-05-27"}) {
+        const std::string message = refusal(with(text, '\n' + line + '\n', '\n' + other + '\n'));
+        EXPECT_TRUE(message.starts_with("axis.toml:")) << other << ": " << message;
+        EXPECT_NE(message.find(key), std::string::npos) << other << ": " << message;
+        ++spoilt;
+      }
+    }
+  }
+  EXPECT_GT(spoilt, 200);
+}
 
 TEST(ReadScenario, RefusesAFileThatIsNotThere) {
   EXPECT_THROW(read_scenario("/nowhere/axis.toml"), InputError);
