@@ -1,4 +1,4 @@
-#include "gnuplot.hpp"
+#include "breakaway/report/gnuplot.hpp"
 
 #include <fmt/format.h>
 #include <sys/wait.h>

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "breakaway/design/k3.hpp"
-#include "gnuplot.hpp"
+#include "breakaway/report/gnuplot.hpp"
 #include "thin.hpp"
 
 namespace breakaway::report {
