@@ -1,6 +1,8 @@
 #include "breakaway/design/report.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "breakaway/design/k3_table_builder.hpp"
@@ -25,14 +27,22 @@ std::optional<Error> unless_in_range(const AxisDesign& axis) {
   return unless_valid(axis.friction);
 }
 
+// Six digits, as people read them.
+std::string brief(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
+
 enum class Equality { fails, holds };
+constexpr double rounding = 1e-12;  // relative: a tolerance set to the very value of its bound is not below it
 
 // A required check of value < limit. `what` names both in words.
 Check below(std::string name, std::string source, double value, double limit, const std::string& what,
             const std::string& remedy, Equality equality = Equality::fails) {
-  const bool holds = value < limit || (equality == Equality::holds && value == limit);
+  const bool holds = value < limit || (equality == Equality::holds && value <= limit * (1 + rounding));
   const std::string relation = equality == Equality::holds ? "at most " : "below ";
-  std::string reason = what + ": " + to_text(value) + (holds ? " is " : " is not ") + relation + to_text(limit);
+  std::string reason = what + ": " + brief(value) + (holds ? " is " : " is not ") + relation + brief(limit);
   if (!holds) reason += "; " + remedy;
   return {std::move(name), true, holds, limit - value, std::move(source), std::move(reason)};
 }
@@ -40,8 +50,8 @@ Check below(std::string name, std::string source, double value, double limit, co
 // A check of the friction ratio against a threshold, for information.
 Check above(std::string name, std::string source, double ratio, double threshold) {
   const bool holds = ratio > threshold;
-  std::string reason = "friction_lower_N / friction_upper_N = " + to_text(ratio) + (holds ? " is" : " is not") +
-                       " above " + to_text(threshold);
+  std::string reason = "friction_lower_N / friction_upper_N = " + brief(ratio) + (holds ? " is" : " is not") +
+                       " above " + brief(threshold);
   if (!holds) reason += "; raise the damping k22 or narrow the friction bounds";
   return {std::move(name), false, holds, ratio - threshold, std::move(source), std::move(reason)};
 }
@@ -56,7 +66,7 @@ std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport&
       true,
       friction.upper_N - friction.lower_N,
       "[I] Assumption 1",
-      "0 < friction_lower_N = " + to_text(friction.lower_N) + " <= friction_upper_N = " + to_text(friction.upper_N)};
+      "0 < friction_lower_N = " + brief(friction.lower_N) + " <= friction_upper_N = " + brief(friction.upper_N)};
   const double critical = 2 * std::sqrt(axis.stiffness_N_per_m) * std::sqrt(axis.mass_kg);
   const std::string remedy = "lower the approach damping k21";
   Check proposition_2 =
@@ -114,11 +124,25 @@ std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& r
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report) {
   std::vector<Check> checks = assumption_checks(axis, report);
   checks.push_back(table_check(report));
-  checks.push_back(encoder_check(axis));
+  if (axis.encoder_resolution_m > 0) checks.push_back(encoder_check(axis));
   if (axis.period_s > 0) {
     for (Check& check : sampling_checks(axis, report)) checks.push_back(std::move(check));
   }
   return checks;
+}
+
+std::vector<std::string> conditions(const AxisDesign& axis) {
+  const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
+  std::vector<std::string> conditions{
+      "friction stays between " + brief(axis.friction.lower_N) + " N and " + brief(axis.friction.upper_N) +
+          " N at any position, speed and time",
+      purely_dry ? "during the approach, friction is constant between velocity reversals (Proposition 2); if it rises "
+                   "with speed, state smooth_friction_slope_Ns_per_m, or the approach may creep for ever"
+                 : "during the approach, friction is constant dry friction plus a smooth force of the stated slope at "
+                   "rest (Proposition 3)",
+      "mass, stiffness and damping are as stated, and the mechanism is rigid"};
+  if (axis.period_s > 0) conditions.push_back("the drive gives the commanded force within its limit, period by period");
+  return conditions;
 }
 
 }  // namespace
@@ -153,6 +177,7 @@ Expected<DesignReport> design_axis(const AxisDesign& axis) {
       .checks = {},
       .certified = false,
       .reasons = {},
+      .conditions = conditions(axis),
   };
   report.checks = all_checks(axis, report);
   for (const Check& check : report.checks) {

@@ -50,6 +50,8 @@ SetupPlan::SetupPlan(const NodeConfig& config) noexcept {
   // heartbeat is missed. Two commands lost in a row are not yet a cut cable.
   write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * config.period + std::chrono::microseconds{999}),
         kOptional);
+  // Losing the master is a malfunction: what the drive then does is not left to its vendor's default.
+  write(object::abort_connection_option, 0, 2, 1, kOptional);
   write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), kRequired);
 }
 

@@ -9,6 +9,7 @@
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/scenario/run_bus_scene.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -31,15 +32,14 @@ double tolerance_m(const Scenario& s) {
 // What the controller may ask for and the drive can give.
 double max_force_N(const Scenario& s) {
   const double asked_N = std::min(s.controller.max_force_N, std::numeric_limits<double>::max());
-  if (!s.drive) return asked_N;
-  const double torque_Nm = 1e-6 * s.drive->max_torque_per_mille * s.drive->rated_torque_mNm;
-  return std::min({asked_N, s.drive->peak_force_N.value_or(asked_N), torque_Nm * s.drive->force_per_torque_N_per_Nm});
+  return s.drive ? std::min(asked_N, scenario::drive_force_N(*s.drive)) : asked_N;
 }
 
 design::AxisDesign axis_design(const Scenario& s) {
   if (!s.controller.impulsive) {
     throw scenario::InputError{"[controller] kind is \"pid\"; design checks the impulsive law only"};
   }
+  scenario::require_fitting_bus(s);
   const auto p = scenario::axis_parameters<double>(s);
   return {.mass_kg = p.mass_kg,
           .stiffness_N_per_m = p.stiffness_N_per_m,
@@ -69,6 +69,9 @@ std::string to_json(const design::DesignReport& report) {
     json.member("certified", report.certified);
     json.array("reasons", [&] {
       for (const std::string& reason : report.reasons) json.value(reason);
+    });
+    json.array("conditions", [&] {
+      for (const std::string& condition : report.conditions) json.value(condition);
     });
     json.member("zeta_approach", report.zeta_approach);
     json.member("zeta_kick", report.zeta_kick);
@@ -107,8 +110,8 @@ void print_report(const design::DesignReport& r) {
   fmt::print("error after a kick    at most {:.4g} of the error before\n", r.contraction_per_kick);
   fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
              r.table_proved_error, r.table_measured_error);
-  fmt::print("{}\n", r.certified ? "certified" : "NOT certified");
-  for (const std::string& reason : r.reasons) fmt::print("  {}\n", reason);
+  fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
+  for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
 
 int design_file(const Options& options) {

@@ -23,10 +23,10 @@ hal::Duration nanoseconds(double seconds) { return hal::Duration{std::llround(se
 double seconds(hal::Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 template <class Real>
-law::K3Table<Real> k3_table(const law::AxisParameters<Real>& p) {
+law::K3Table<Real> k3_table(const law::AxisParameters<Real>& p, const std::string& file) {
   const auto built = design::build_k3_table<Real>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction_lower_N}, p.stick_radius_upper_m());
-  if (!built) throw InputError(built.error().message);
+  if (!built) throw InputError(fmt::format("{}: {}", file, built.error().message));
   return built->table;
 }
 
@@ -84,10 +84,14 @@ class Judge {
     settled_ = there && time_s - since_s_ >= run_.settle_time_s;
     if (time_s < run_.duration_s - 1) slips_before_last_second_ = slide_.counters().slips;
   }
-  void start_again() { since_s_ = nan; }
+  // The target moved: times are counted from here.
+  void start_again(double time_s) {
+    since_s_ = nan;
+    target_since_s_ = time_s;
+  }
 
   bool settled() const { return settled_; }
-  double settling_time_s() const { return settled_ ? since_s_ : nan; }
+  double settling_time_s() const { return settled_ ? since_s_ - target_since_s_ : nan; }
   double error_m() const { return error_m_; }
   bool limit_cycle() const { return !settled_ && slide_.counters().slips - slips_before_last_second_ >= 2; }
   const std::vector<Reached>& reached() const { return reached_; }
@@ -100,6 +104,7 @@ class Judge {
   const plant::Slide& slide_;
   std::vector<Reached> reached_;
   double since_s_ = nan;
+  double target_since_s_ = 0;
   double error_m_ = nan;
   std::uint64_t slips_before_last_second_ = 0;
   bool settled_ = false;
@@ -122,7 +127,6 @@ class BusScene {
     const hal::Status added =
         loop_.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m);
     if (!added.ok()) throw InputError(std::string{to_string(added.code)});
-    refuse_what_does_not_fit_the_bus();
     move_target(s.controller.target_m);
     loop_.request_enable(0);
   }
@@ -135,15 +139,6 @@ class BusScene {
 
  private:
   using Loop = firmware::ControlLoop<SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real, 1>;
-
-  void refuse_what_does_not_fit_the_bus() const {
-    if (loop_.check_configuration().ok()) return;
-    const auto budget = canopen::bus_budget(1, period_, s_.bus->bit_rate);
-    throw InputError(fmt::format(
-        "1 axis at loop.period_s = {} s does not fit a bus of {} bit/s: a period needs {} us on the bus and has {} us; "
-        "choose a period of at least {:.6f} s",
-        s_.loop->period_s, s_.bus->bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6));
-  }
 
   void step() {
     network_.advance_to(now_);
@@ -186,7 +181,7 @@ class BusScene {
     const auto& targets = s_.controller.targets;
     for (; next_target_ < targets.size() && targets[next_target_].time_s <= time_s; ++next_target_) {
       move_target(targets[next_target_].position_m);
-      judge_.start_again();
+      judge_.start_again(targets[next_target_].time_s);
     }
   }
 
@@ -286,14 +281,28 @@ Result run_with(const Scenario& s, const RecordingOptions& recording) {
   if (s.controller.pid) return BusScene<Real, law::PidController<Real>>{s, recording, pid_controller<Real>(s)}.run();
   const auto parameters = axis_parameters<Real>(s);
   if (const auto error = validate(parameters); error != law::ParameterError::none)
-    throw InputError(std::string{to_string(error)});
-  const auto table = k3_table(parameters);
+    throw InputError(
+        fmt::format("{}: in {}: {}", s.file, std::is_same_v<Real, float> ? "float" : "double", to_string(error)));
+  const auto table = k3_table(parameters, s.file);
   return BusScene<Real, law::AxisController<Real>>{s, recording, {parameters, table}}.run();
 }
 
 }  // namespace
 
+void require_fitting_bus(const Scenario& s) {
+  if (!s.loop || !s.bus) return;
+  const hal::Duration period = nanoseconds(s.loop->period_s);
+  if (canopen::check_bus_budget(1, period, s.bus->bit_rate).ok()) return;
+  const auto budget = canopen::bus_budget(1, period, s.bus->bit_rate);
+  throw InputError(fmt::format(
+      "{}: 1 axis at [loop] period_s = {} does not fit a [bus] of {} bit/s: a period needs {} us on the bus and has {} "
+      "us; "
+      "choose a period_s of at least {:.6f}",
+      s.file, s.loop->period_s, s.bus->bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6));
+}
+
 Result run_bus_scene(const Scenario& scenario, const RecordingOptions& recording) {
+  require_fitting_bus(scenario);
   const auto start = std::chrono::steady_clock::now();
   Result result = scenario.controller.scalar == ScalarType::float64 ? run_with<double>(scenario, recording)
                                                                     : run_with<float>(scenario, recording);

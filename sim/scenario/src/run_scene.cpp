@@ -35,6 +35,11 @@ void check_loop(const Scenario& s) {
       fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
                   "move the axis",
                   s.controller.max_force_N, s.friction.upper_N));
+  require(
+      s, s.controller.max_force_N <= drive_force_N(*s.drive) * (1 + 1e-12),
+      fmt::format("[controller] max_force_N is {}, but the [drive] gives {:.6g} N at most: lower it, or give the drive "
+                  "more torque",
+                  s.controller.max_force_N, drive_force_N(*s.drive)));
   require(s, s.run->settle_tolerance_m > 0,
           "[run] settle_tolerance_m is missing: say within which error a scene with a [loop] counts as settled");
 }

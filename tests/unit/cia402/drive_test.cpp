@@ -97,7 +97,7 @@ TEST_F(DriveTest, SetsUpABootedNodeInTheProfilesOrder) {
       key(0x1016, 1), key(0x1017, 0), key(0x1006, 0), key(0x60C2, 1), key(0x60C2, 2), key(0x1400, 1),
       key(0x1600, 0), key(0x1600, 1), key(0x1600, 2), key(0x1600, 0), key(0x1400, 2), key(0x1400, 1),
       key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0),
-      key(0x1800, 2), key(0x1800, 1), key(0x1400, 5), key(0x6060, 0)};
+      key(0x1800, 2), key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
   EXPECT_EQ(node.written, expected);
   EXPECT_EQ(node.commands, (std::vector<NmtCommand>{NmtCommand::start}));
   EXPECT_EQ(node.objects[key(0x1600, 1)], 0x60400010U);

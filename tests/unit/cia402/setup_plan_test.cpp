@@ -43,7 +43,7 @@ TEST(InterpolationPeriod, IsExactOrNothing) {
 TEST(SetupPlan, ReadsBeforeItWritesAndEndsWithTheMode) {
   const SetupPlan plan{{.node_id = 3}};
   const auto steps = plan.steps();
-  ASSERT_EQ(steps.size(), 27U);
+  ASSERT_EQ(steps.size(), 28U);
   EXPECT_EQ(steps.front().index, object::device_type);
   EXPECT_EQ(steps.back().index, object::mode);
   EXPECT_EQ(steps.back().value, 10U);

@@ -245,7 +245,22 @@ TEST_F(Command, ExitsWithOneWhenTheAxisDoesNotSettleOrIsNotCertified) {
   EXPECT_NE(design.out.find("tolerance_above_floor"), std::string::npos);
 }
 
-// A drive too weak for the friction, an axis that never gets near its target; and one that stands on it from the start.
+TEST_F(Command, RefusesAForceThatTheDriveCannotGiveAndAPeriodThatTheBusCannotCarry) {
+  const auto ended_with = [&](const std::string& command, const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    return run(command + " " + scenario(text.replace(text.find(from), from.size(), to)));
+  };
+  const Ended weak = ended_with("simulate", "max_torque_per_mille = 2000", "max_torque_per_mille = 1000");
+  EXPECT_EQ(weak.exit_code, 2);
+  EXPECT_NE(weak.err.find("max_force_N is 50, but the [drive] gives 25 N"), std::string::npos) << weak.err;
+  for (const char* command : {"simulate", "design", "study"}) {
+    const Ended slow = ended_with(command, "bit_rate = 1_000_000", "bit_rate = 125_000");
+    EXPECT_EQ(slow.exit_code, 2) << command;
+    EXPECT_NE(slow.err.find("needs 3360 us on the bus and has 1000 us"), std::string::npos) << slow.err;
+  }
+}
+
+// An axis that has no time to get near its target; and one that stands on it from the start.
 TEST_F(Command, ReportsRunsInWhichLittleHappens) {
   if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
   const auto exit_code_with = [&](const std::string& from, const std::string& to) {
@@ -256,7 +271,7 @@ TEST_F(Command, ReportsRunsInWhichLittleHappens) {
     fs::remove(path("a.html"));
     return ended.exit_code;
   };
-  EXPECT_EQ(exit_code_with("max_torque_per_mille = 2000", "max_torque_per_mille = 100"), 1);
+  EXPECT_EQ(exit_code_with("duration_s = 30", "duration_s = 0.05"), 1);
   EXPECT_EQ(exit_code_with("position_m = -4\nvelocity_m_s = -4", "position_m = 0"), 0);
 }
 

@@ -51,8 +51,9 @@ struct DesignReport {
   double table_proved_error;      // relative
   double table_measured_error;    // relative
   std::vector<Check> checks;
-  bool certified;                    // every required check holds
-  std::vector<std::string> reasons;  // why not, one line each; empty when certified
+  bool certified;                       // every required check holds
+  std::vector<std::string> reasons;     // why not, one line each; empty when certified
+  std::vector<std::string> conditions;  // what must be true of the machine for the certificate to mean anything
 };
 
 // Refuses inputs outside the ranges stated at AxisDesign and friction bounds that break Assumption 1, by name. What is

@@ -15,19 +15,22 @@ inline constexpr std::uint16_t emcy_cob_id = 0x1014;         // u32
 inline constexpr std::uint16_t consumer_heartbeat = 0x1016;  // :01 u32: node << 16 | milliseconds
 inline constexpr std::uint16_t producer_heartbeat = 0x1017;  // u16, milliseconds; 0: none
 inline constexpr std::uint16_t identity = 0x1018;            // :01 vendor :02 product :03 revision :04 serial number
-inline constexpr std::uint16_t rpdo1_parameter = 0x1400;     // :01 COB-ID u32, :02 transmission type u8, :05 deadline ms u16
-inline constexpr std::uint16_t rpdo1_mapping = 0x1600;       // :00 count u8, :01.. entries u32
+inline constexpr std::uint16_t rpdo1_parameter =
+    0x1400;                                             // :01 COB-ID u32, :02 transmission type u8, :05 deadline ms u16
+inline constexpr std::uint16_t rpdo1_mapping = 0x1600;  // :00 count u8, :01.. entries u32
 inline constexpr std::uint16_t tpdo1_parameter = 0x1800;
 inline constexpr std::uint16_t tpdo1_mapping = 0x1A00;
 
 // CiA 402; torques are per mille of the rated torque
-inline constexpr std::uint16_t error_code = 0x603F;             // u16
-inline constexpr std::uint16_t controlword = 0x6040;            // u16
-inline constexpr std::uint16_t statusword = 0x6041;             // u16
-inline constexpr std::uint16_t quick_stop_option = 0x605A;      // i16, default 2
-inline constexpr std::uint16_t shutdown_option = 0x605B;        // i16, default 0
-inline constexpr std::uint16_t disable_option = 0x605C;         // i16, default 1
-inline constexpr std::uint16_t halt_option = 0x605D;            // i16, default 1
+inline constexpr std::uint16_t abort_connection_option =
+    0x6007;                                                 // i16: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop
+inline constexpr std::uint16_t error_code = 0x603F;         // u16
+inline constexpr std::uint16_t controlword = 0x6040;        // u16
+inline constexpr std::uint16_t statusword = 0x6041;         // u16
+inline constexpr std::uint16_t quick_stop_option = 0x605A;  // i16, default 2
+inline constexpr std::uint16_t shutdown_option = 0x605B;    // i16, default 0
+inline constexpr std::uint16_t disable_option = 0x605C;     // i16, default 1
+inline constexpr std::uint16_t halt_option = 0x605D;        // i16, default 1
 inline constexpr std::uint16_t fault_reaction_option = 0x605E;  // i16, default 2
 inline constexpr std::uint16_t mode = 0x6060;                   // i8
 inline constexpr std::uint16_t mode_display = 0x6061;           // i8

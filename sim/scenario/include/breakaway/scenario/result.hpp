@@ -75,7 +75,7 @@ struct Reached {
 
 struct Result {
   bool settled = false;
-  double settling_time_s = 0;  // NaN if never settled
+  double settling_time_s = 0;  // since the last target change; NaN if never settled
   double final_error_m = 0;    // position - target
   double max_force_N = 0;      // largest |force| of the actuator; NaN for the ideal law, which has impulses
   double duration_s = 0;       // simulated

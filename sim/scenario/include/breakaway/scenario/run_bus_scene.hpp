@@ -11,4 +11,8 @@ namespace breakaway::scenario {
 // example).
 Result run_bus_scene(const Scenario& scenario, const RecordingOptions& recording);
 
+// Throws InputError with the figures when the control period is too short for the bus. A scene without [loop] or [bus]
+// fits.
+void require_fitting_bus(const Scenario& scenario);
+
 }  // namespace breakaway::scenario

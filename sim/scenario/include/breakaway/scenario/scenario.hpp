@@ -5,6 +5,7 @@
 // rotary axis reads kg m^2, N m and rad for kg, N and m. Ranges of all members stand in read_scenario.cpp.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -101,6 +102,12 @@ struct Scenario {
 
   bool ideal() const noexcept { return !loop; }
 };
+
+// The most that the drive's motor gives at the axis.
+inline double drive_force_N(const drive::DriveConfig& drive) {
+  const double torque_Nm = 1e-6 * drive.max_torque_per_mille * drive.rated_torque_mNm;
+  return std::min(torque_Nm * drive.force_per_torque_N_per_Nm, drive.peak_force_N.value_or(unlimited));
+}
 
 // The parameters of the flashed law for this scene. Requires controller.impulsive.
 template <class Real>
