@@ -21,7 +21,9 @@ inline scenario::Scenario axis_scenario(std::size_t axes = 1) {
   scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
   s.plant.velocity_m_s = 0;
   auto period = std::chrono::milliseconds{1};
-  while (!canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate).ok()) ++period;
+  while (!canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate).ok()) {
+    if (++period > std::chrono::seconds{1}) throw std::runtime_error("the axes do not fit the bus of can_axis.toml");
+  }
   s.loop->period_s = std::chrono::duration<double>(period).count();
   return s;
 }

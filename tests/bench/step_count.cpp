@@ -12,73 +12,40 @@
 #include "breakaway/scenario/run_bus_scene.hpp"
 #include "callgrind_count.hpp"
 #include "recording.hpp"
+#include "replay.hpp"
 
 namespace breakaway::bench {
 namespace {
 
-template <class Real>
-constexpr const char* name_of = std::is_same_v<Real, float> ? "float" : "double";
-
-template <class Real>
-std::string controller_label(const law::AxisController<Real>& after, law::Mode before, bool fresh,
-                             const law::ControlOutput<Real>& output) {
-  if (!fresh) return "lost sample";
-  if (output.kicked) return after.mode() == law::Mode::kick ? "kick of many periods starts" : "kick of one period";
-  return before == law::Mode::kick ? "kick goes on" : std::string{to_string(output.mode)};
-}
-
-template <class Real>
-std::string controller_label(const law::PidController<Real>&, law::Mode, bool fresh, const law::ControlOutput<Real>&) {
-  return fresh ? "step" : "lost sample";
-}
-
-// Every update of a recorded run. The mode is known after the call only, so a first replay finds the labels.
+// Every update of a recorded run. The kind of a step is known after it only, so a first replay finds the labels.
 template <class Real, class Controller>
-void count_controller(const std::string& name, const scenario::Scenario& s, const Controller& fresh_controller) {
-  const Recording<Real> r = record<Real>(s, fresh_controller, 1);
-  const auto resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
-  const auto replay = [&](const auto& update) {
-    Controller controller = fresh_controller;
-    controller.reset();
-    for (std::size_t i = 0; i < r.measurements.size(); ++i) {
-      const std::size_t k = r.first_running + i;
-      const std::int32_t shift = r.steps[k].target_counts - r.steps[k - 1].target_counts;
-      if (shift != 0) controller.shift_target(static_cast<Real>(shift) * resolution_m);
-      update(controller, i);
-    }
-  };
+void count_controller(const scenario::Scenario& s, const Controller& controller) {
+  const Recording<Real> r = record<Real>(s, controller, 1);
   std::vector<std::string> labels;
-  replay([&](Controller& controller, std::size_t i) {
-    const law::Mode before = controller.mode();
-    const auto output = controller.update(r.measurements[i]);
-    labels.push_back(name + "/" + controller_label(controller, before, r.measurements[i].fresh, output));
+  replay(s, r, controller, [&](Controller& c, std::size_t i) {
+    labels.push_back(label_prefix(c) + update_and_label(c, r.measurements[i]));
   });
   start_counting();
-  replay([&](Controller& controller, std::size_t i) {
+  replay(s, r, controller, [&](Controller& c, std::size_t i) {
     law::ControlOutput<Real> output;
-    count(labels[i], [&] { output = controller.update(r.measurements[i]); });
+    count(labels[i], [&] { output = c.update(r.measurements[i]); });
   });
   stop_counting();
 }
 
 template <class Real>
 void count_law() {
-  const std::string real = name_of<Real>;
   const scenario::Scenario s = axis_scenario();
   const auto table = build_table<Real>(s).table;
-  count_controller<Real>("AxisController " + real, s,
-                         law::AxisController<Real>{scenario::axis_parameters<Real>(s), table});
-  count_controller<Real>("PidController " + real, s, pid_controller<Real>(s));
+  count_controller<Real>(s, law::AxisController<Real>{scenario::axis_parameters<Real>(s), table});
+  count_controller<Real>(s, pid_controller<Real>(s));
 }
 
-// Over the whole stick set, from a millionth of it on.
 template <class Real, class Law>
 void count_evaluator(const std::string& label, const Law& law, double range_m) {
-  constexpr int points = 200;
   start_counting();
-  for (int i = 0; i < points; ++i) {
-    const auto y = static_cast<Real>(range_m * std::pow(10.0, -6.0 * i / points));
-    volatile Real impulse_Ns = 0;
+  for (const Real y : position_errors<Real>(range_m)) {
+    Real impulse_Ns = 0;
     count(label, [&] { impulse_Ns = law.impulse_Ns(y); });
   }
   stop_counting();
@@ -104,7 +71,7 @@ void count_loop(std::size_t axes) {
   const scenario::Scenario s = axis_scenario(axes);
   const auto table = build_table<float>(s).table;
   const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
-  const auto r = record<float>(s, controller, axes, 1500 * s.loop->period_s);
+  const auto r = record<float>(s, controller, axes, loop_steps * s.loop->period_s);
   const std::string name = "ControlLoop " + std::to_string(axes);
   TapePort port;
   auto loop = make_loop<float>(port, s, controller, axes);
@@ -124,9 +91,7 @@ void count_drive() {
   const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
   const auto r = record<float>(s, controller, 1, 1);
   TapePort port;
-  auto loop = make_loop<float>(port, s, controller, 1);
-  for (std::size_t k = 0; k <= r.first_running; ++k) run_step(loop, port, r, k);
-  cia402::Drive<float> drive = loop.drive(0);
+  cia402::Drive<float> drive = loop_that_runs(port, s, controller, 1, r).drive(0);
   hal::CanFrame frame;
   start_counting();
   for (std::size_t k = r.first_running + 1; k < r.steps.size(); ++k) {
@@ -156,13 +121,10 @@ void count_plant(const std::string& name, const scenario::Scenario& s, const Rec
   start_counting();
   for (std::size_t k = 1; k < r.steps.size(); ++k) {
     const double before_m = axis.position_m();
-    const auto advance = [&](Axis& a) {
-      for (const ForceSegment& segment : r.steps[k].forces) a.advance_to(segment.until_s, segment.force);
-    };
     Axis ahead = axis;
-    advance(ahead);
+    push(ahead, r.steps[k]);
     const bool moves = ahead.position_m() != before_m;
-    count(name + (moves ? "/moving" : "/resting"), [&] { advance(axis); });
+    count(name + (moves ? "/moving" : "/resting"), [&] { push(axis, r.steps[k]); });
   }
   stop_counting();
 }
