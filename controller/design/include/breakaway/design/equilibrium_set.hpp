@@ -1,0 +1,52 @@
+// The equilibrium set (4) of [A], as the polytope that it is: all q at which static friction can hold the springs,
+//   E = { q : K q = W lambda for some |lambda_i| <= p_i },  at q' = 0.
+// (26) of [A] is its bounding box only.
+//
+// [A] = van de Wouw & Leine, "Stability Properties of Equilibrium Sets of Controlled Linear Mechanical Systems with Dry
+// Friction".
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "breakaway/design/expected.hpp"
+#include "breakaway/design/linear_system.hpp"
+
+namespace breakaway::design {
+
+using Polygon = std::vector<Eigen::Vector2d>;  // corners, counter-clockwise; two are a segment, one is a point
+
+// Signed: positive for a counter-clockwise polygon.
+double area(const Polygon& polygon);
+
+// The part of a convex polygon where normal . y <= bound.
+Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& normal, double bound);
+
+// [-half_width, half_width]^2.
+Polygon square(double half_width);
+
+class EquilibriumSet {
+ public:
+  // Refuses systems whose polytope has more than about a million candidates for facets.
+  static Expected<EquilibriumSet> make(const LinearSystem& system);
+
+  // Is q an equilibrium? `tolerance` is relative to the friction forces and to the spring forces at q.
+  bool contains(const Eigen::VectorXd& q, double tolerance = 1e-12) const;
+
+  // The largest |q_i| in E, i = 1..n: what (26) states for the two-mass example. Infinite when K is singular.
+  const Eigen::VectorXd& extent() const { return extent_; }
+
+  // E in the plane q = plane * y through the origin, `plane` n x 2, inside |y_1|, |y_2| <= half_width > 0.
+  Polygon cross_section(const Eigen::MatrixX2d& plane, double half_width) const;
+
+ private:
+  EquilibriumSet() = default;
+
+  Eigen::MatrixXd facets_;      // E is |facets_ q| <= bounds_, row by row ...
+  Eigen::VectorXd bounds_;      // N
+  Eigen::MatrixXd unheld_;      // ... and unheld_ q = 0: spring forces that no friction acts against
+  Eigen::VectorXd unheld_row_;  // norms of the rows of unheld_
+  Eigen::VectorXd extent_;
+};
+
+}  // namespace breakaway::design

@@ -1,0 +1,20 @@
+// LinearSystem: a linear mechanical system with dry friction as the certificates see it, (1) and (2) of [A]:
+//   M q'' + C q' + K q = W lambda,   lambda_i in -p_i Sign(g_i),   g = W^T q'.
+//
+// [A] = van de Wouw & Leine, "Stability Properties of Equilibrium Sets of Controlled Linear Mechanical Systems with Dry
+// Friction".
+#pragma once
+
+#include <Eigen/Core>
+
+namespace breakaway::design {
+
+struct LinearSystem {
+  Eigen::MatrixXd mass;        // M: n x n, symmetric and positive definite
+  Eigen::MatrixXd damping;     // C: n x n
+  Eigen::MatrixXd stiffness;   // K: n x n
+  Eigen::MatrixXd directions;  // W: n x m, dependent columns allowed
+  Eigen::VectorXd friction_N;  // p: m, >= 0
+};
+
+}  // namespace breakaway::design
