@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 #include "breakaway/scenario/input_error.hpp"
+#include "file_contents.hpp"
 #include "parse_toml.hpp"
 #include "read_friction.hpp"
 #include "toml_section.hpp"
@@ -189,22 +187,6 @@ Scenario read(const toml::table& document, const std::string& name) {
   return s;
 }
 
-std::string contents(const std::filesystem::path& file) {
-  constexpr std::size_t most = std::size_t{1} << 20;  // far above any scenario, far below the machine's memory
-  std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(file, ignored);
-  errno = 0;
-  std::ifstream in{file, std::ios::binary};
-  std::string text(most + 1, '\0');
-  if (folder || !in || (!in.read(text.data(), static_cast<std::streamsize>(text.size())) && in.bad())) {
-    throw InputError{fmt::format("{}: cannot be read: {}; check the path", file.string(),
-                                 folder ? "it is a folder" : std::strerror(errno))};
-  }
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > most) throw InputError{fmt::format("{}: is larger than 1 MiB; give a scenario", file.string())};
-  return text;
-}
-
 }  // namespace
 
 Scenario parse_scenario(std::string_view text, const std::string& name) {
@@ -215,6 +197,6 @@ Scenario parse_scenario(std::string_view text, const std::string& name) {
   }
 }
 
-Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(contents(file), file.string()); }
+Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(file_contents(file), file.string()); }
 
 }  // namespace breakaway::scenario

@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "file_contents.hpp"
+#include "parse_toml.hpp"
+#include "toml_section.hpp"
+
+namespace breakaway::scenario {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t most_coordinates = 64;  // the closed forms of a segment cost the cube of it
+
+bool take_row(const Entry& entry, std::vector<std::vector<double>>& rows) {
+  return numbers(rows.emplace_back(), "").take(entry) && rows.back().size() == rows.front().size();
+}
+
+// [[...], ...], row by row.
+Value matrix(MatrixXd& to, std::string_view unit) {
+  const std::string expects = fmt::format("rows of equally many finite numbers{}{}, as [[1, 0], [0, 1]], at most {}",
+                                          unit.empty() ? "" : " in ", unit, most_coordinates);
+  return {expects, [&to](const Entry& entry) {
+            const toml::array* lines = entry.node.as_array();
+            if (lines == nullptr || lines->empty() || lines->size() > most_coordinates) return false;
+            std::vector<std::vector<double>> rows;
+            for (const toml::node& line : *lines) {
+              if (!take_row({line, entry.parent, entry.key}, rows)) return false;
+            }
+            if (rows.front().size() > most_coordinates) return false;
+            to.resize(static_cast<Index>(rows.size()), static_cast<Index>(rows.front().size()));
+            for (Index i = 0; i < to.rows(); ++i) {
+              to.row(i) = VectorXd::Map(rows[static_cast<std::size_t>(i)].data(), to.cols());
+            }
+            return true;
+          }};
+}
+
+Value vector(VectorXd& to, std::string_view unit, Range range = {}) {
+  std::vector<double> ignored;
+  return {numbers(ignored, unit, range).expects, [&to, range](const Entry& entry) {
+            std::vector<double> values;
+            if (!numbers(values, "", range).take(entry)) return false;
+            to = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+            return true;
+          }};
+}
+
+// validate() says what is wrong in a text that begins with the key.
+void require_valid(const Section& section, const plant::LinearMachine<>& machine) {
+  const std::string error = plant::validate(machine);
+  if (error.empty()) return;
+  const std::size_t key_end = error.find_first_of(" [");
+  section.fail(error.substr(0, key_end), error.substr(std::min(error.size(), key_end + (error[key_end] == ' '))));
+}
+
+plant::LinearMachine<> read_machine(const Section& section) {
+  plant::LinearMachine<> machine;
+  section.read({
+      required("mass", matrix(machine.mass, "kg")),
+      required("damping", matrix(machine.damping, "N s/m")),
+      required("stiffness", matrix(machine.stiffness, "N/m")),
+      required("directions", matrix(machine.directions, "")),
+      required("friction_N", vector(machine.friction_N, "N", {0, std::numeric_limits<double>::max()})),
+  });
+  require_valid(section, machine);
+  return machine;
+}
+
+void require_size(const Section& section, std::string_view key, const MatrixXd& matrix, Index rows, Index columns) {
+  if (matrix.rows() == rows && matrix.cols() == columns) return;
+  section.fail(key, fmt::format("is {} x {}, must be {} x {} here", matrix.rows(), matrix.cols(), rows, columns));
+}
+
+plant::LinearMachine<> close_loop(const Section& section, const plant::LinearMachine<>& machine) {
+  const Index n = machine.coordinates();
+  MatrixXd actuators = MatrixXd::Identity(n, n);
+  MatrixXd position_gain, velocity_gain;
+  section.read({
+      optional("actuators", matrix(actuators, "")),
+      optional("position_gain", matrix(position_gain, "N/m")),
+      optional("velocity_gain", matrix(velocity_gain, "N s/m")),
+  });
+  require_size(section, "actuators", actuators, n, actuators.cols());
+  if (position_gain.size() == 0) position_gain.setZero(actuators.cols(), n);
+  if (velocity_gain.size() == 0) velocity_gain.setZero(actuators.cols(), n);
+  require_size(section, "position_gain", position_gain, actuators.cols(), n);
+  require_size(section, "velocity_gain", velocity_gain, actuators.cols(), n);
+  return plant::with_feedback(machine, actuators, position_gain, velocity_gain);
+}
+
+plant::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
+  plant::MachineState<Eigen::Dynamic> start;
+  section.read({required("q", vector(start.q, "m")), optional("v", vector(start.v, "m/s"))});
+  if (start.v.size() == 0) start.v.setZero(coordinates);
+  require_size(section, "q", start.q, coordinates, 1);
+  require_size(section, "v", start.v, coordinates, 1);
+  return start;
+}
+
+void read_run(const Section& section, MachineScenario& s) {
+  std::optional<double> step_s, theta;
+  section.read({
+      optional("duration_s", number(s.duration_s, "s", {0, 1e9, true})),
+      optional("integrator", choice(s.integrator, {{"event_driven", Integrator::event_driven},
+                                                   {"time_stepping", Integrator::time_stepping}})),
+      optional("step_s", number(step_s, "s", {1e-9, 1e9})),
+      optional("theta", number(theta, "", {0, 1})),
+  });
+  if (s.integrator == Integrator::event_driven && (step_s || theta)) {
+    section.fail(step_s ? "step_s" : "theta",
+                 "needs integrator = \"time_stepping\"; the event-driven one has no steps");
+  }
+  s.step_s = step_s.value_or(s.step_s);
+  s.theta = theta.value_or(s.theta);
+  if (s.duration_s / s.step_s > 1e10 && s.integrator == Integrator::time_stepping) {
+    section.fail("step_s", "makes more than 1e10 steps in duration_s; raise it");
+  }
+}
+
+MachineScenario read(const toml::table& document, const std::string& name) {
+  const Section root{document, name, ""};
+  MachineScenario s;
+  s.file = name;
+  std::optional<Section> machine, feedback, start;
+  root.read({
+      optional("title", text(s.title)),
+      required("machine", table([&](const Section& part) { machine = part; })),
+      optional("feedback", table([&](const Section& part) { feedback = part; })),
+      optional("start", table([&](const Section& part) { start = part; })),
+      optional("run", table([&](const Section& part) { read_run(part, s); })),
+  });
+  s.machine = read_machine(*machine);
+  if (feedback) s.machine = close_loop(*feedback, s.machine);
+  require_valid(*machine, s.machine);
+  if (start) s.start = read_start(*start, s.machine.coordinates());
+  return s;
+}
+
+template <class Read>
+auto with_document(std::string_view text, const std::string& name, Read use) {
+  try {
+    return use(parse_toml(text, name));
+  } catch (const toml::parse_error& error) {
+    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
+  }
+}
+
+}  // namespace
+
+MachineScenario parse_machine_scenario(std::string_view text, const std::string& name) {
+  return with_document(text, name, [&](const toml::table& document) { return read(document, name); });
+}
+
+MachineScenario read_machine_scenario(const std::filesystem::path& file) {
+  return parse_machine_scenario(file_contents(file), file.string());
+}
+
+std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file) {
+  const std::string text = file_contents(file), name = file.string();
+  const bool machine =
+      with_document(text, name, [](const toml::table& document) { return document.contains("machine"); });
+  if (machine) return parse_machine_scenario(text, name);
+  return parse_scenario(text, name);
+}
+
+}  // namespace breakaway::scenario
