@@ -68,8 +68,9 @@ std::optional<SdoAbort> Pdo::check_mapping(Address address, std::int64_t value) 
     return check_mapped_object(static_cast<std::uint32_t>(value));
   }
   if (value > kMaxEntries) return SdoAbort::mapping_too_long;
+  const auto count = static_cast<std::uint8_t>(value);
   unsigned bits = 0;
-  for (std::uint8_t sub = 1; sub <= value; ++sub) {
+  for (std::uint8_t sub = 1; sub <= count; ++sub) {
     if (const auto refused = check_mapped_object(mapping_entry(sub))) return refused;
     bits += mapped_bits(mapping_entry(sub));
   }
@@ -88,19 +89,19 @@ std::optional<SdoAbort> Pdo::check_mapped_object(std::uint32_t entry) const {
 
 std::size_t Pdo::size_bytes() const {
   unsigned bits = 0;
-  for (std::uint8_t sub = 1; sub <= get(mapping_, 0); ++sub) bits += mapped_bits(mapping_entry(sub));
+  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub) bits += mapped_bits(mapping_entry(sub));
   return bits / 8;
 }
 
 bool Pdo::maps(std::uint16_t index) const {
-  for (std::uint8_t sub = 1; sub <= get(mapping_, 0); ++sub)
+  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub)
     if (mapped_address(mapping_entry(sub)).index == index) return true;
   return false;
 }
 
 ObjectDictionary::Bytes Pdo::pack() const {
   ObjectDictionary::Bytes data;
-  for (std::uint8_t sub = 1; sub <= get(mapping_, 0); ++sub) {
+  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub) {
     const auto value = static_cast<std::uint64_t>(dictionary_->get(mapped_address(mapping_entry(sub))));
     for (unsigned bit = 0; bit < mapped_bits(mapping_entry(sub)); bit += 8)
       data.push_back(static_cast<std::uint8_t>(value >> bit));
@@ -109,7 +110,7 @@ ObjectDictionary::Bytes Pdo::pack() const {
 }
 
 void Pdo::unpack(std::span<const std::uint8_t> data) {
-  for (std::uint8_t sub = 1; sub <= get(mapping_, 0); ++sub) {
+  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub) {
     const std::size_t size = mapped_bits(mapping_entry(sub)) / 8;
     static_cast<void>(dictionary_->write(mapped_address(mapping_entry(sub)), data.first(size)));
     data = data.subspan(size);

@@ -42,6 +42,7 @@ class Pdo {
   std::optional<canopen::SdoAbort> check_mapping(Address address, std::int64_t value) const;
   std::optional<canopen::SdoAbort> check_mapped_object(std::uint32_t entry) const;
   std::int64_t get(std::uint16_t index, std::uint8_t sub) const { return dictionary_->get({index, sub}); }
+  std::uint8_t mapped_count() const { return static_cast<std::uint8_t>(get(mapping_, 0)); }
   std::uint32_t mapping_entry(std::uint8_t sub) const { return static_cast<std::uint32_t>(get(mapping_, sub)); }
 
   ObjectDictionary* dictionary_;

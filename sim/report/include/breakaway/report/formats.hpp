@@ -9,7 +9,7 @@
 namespace breakaway::report {
 
 // All figures and kicks, without samples and frames.
-std::string to_json(const scenario::Scenario& scenario, const scenario::Result& result);
+std::string to_json(const scenario::Scenario& scene, const scenario::Result& result);
 
 // One line a sample, with a header line. Requires a recorded trace.
 std::string to_csv(const scenario::Result& result);

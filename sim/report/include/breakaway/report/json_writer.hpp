@@ -93,7 +93,7 @@ class JsonWriter {
 
   void new_line() {
     text_ += '\n';
-    text_.append(static_cast<std::size_t>(2 * depth_), ' ');
+    text_.append(2 * static_cast<std::size_t>(depth_), ' ');
   }
 
   std::string text_;
