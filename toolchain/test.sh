@@ -63,7 +63,7 @@ check_format() {
 # The files that the release build compiles, with its flags; generated ones are left out.
 check_tidy() {
   sed -n 's/^ *"file": "\(.*\)",\?$/\1/p' build/release/compile_commands.json | grep -vF "$root/build/" | sort -u |
-    timeout 900 xargs -d '\n' -n 1 -P "$(nproc)" clang-tidy --quiet -p build/release
+    timeout 1500 xargs -d '\n' -n 1 -P "$(nproc)" clang-tidy --quiet -p build/release
 }
 
 require_packages run test
