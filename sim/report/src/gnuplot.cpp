@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <sstream>
 
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
@@ -63,26 +65,59 @@ std::string shell_quoted(const std::string& text) {
   return quoted + "'";
 }
 
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in{file, std::ios::binary};
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// What gnuplot writes for this terminal; `name` stands for the picture in errors.
+std::string draw(const std::string& name, const std::string& terminal, const std::string& commands) {
+  const TemporaryFolder folder;
+  const std::string script = (folder.path() / "picture.gp").string();
+  const std::filesystem::path picture = folder.path() / "picture";
+  write_output(script, fmt::format("set terminal {} linewidth 1.2 background 'white'\nset output '{}'\n{}", terminal,
+                                   picture.string(), commands));
+  const auto [exit_code, output] = run(fmt::format("gnuplot {} 2>&1", shell_quoted(script)));
+  if (exit_code == 127) {
+    throw scenario::InputError{"gnuplot cannot be run, and pictures need it; install the package gnuplot-nox"};
+  }
+  std::string drawn = contents(picture);
+  if (exit_code != 0 || drawn.empty()) {
+    throw scenario::InputError{
+        fmt::format("gnuplot failed on the picture {}: {}", name, output.substr(0, output.find('\n', 1)))};
+  }
+  return drawn;
+}
+
+std::string svg_terminal(const std::string& name, int width_px, int height_px) {
+  // `name` keeps the identifiers of pictures in one document apart.
+  return fmt::format("svg size {},{} dynamic name '{}' font 'Helvetica,Arial,sans-serif,14'", width_px, height_px,
+                     name);
+}
+
 }  // namespace
 
 std::string draw_svg(const std::string& name, int width_px, int height_px, const std::string& commands) {
-  const TemporaryFolder folder;
-  const std::string script = (folder.path() / "picture.gp").string();
-  // `name` keeps the identifiers of pictures in one document apart.
-  write_output(script, fmt::format("set terminal svg size {},{} dynamic name '{}' font 'Helvetica,Arial,sans-serif,14' "
-                                   "linewidth 1.2 background 'white'\n{}",
-                                   width_px, height_px, name, commands));
-  const auto [exit_code, output] = run(fmt::format("gnuplot {} 2>&1", shell_quoted(script)));
-  if (exit_code == 127) {
-    throw scenario::InputError{"gnuplot cannot be run, and the report needs it; install the package gnuplot-nox"};
-  }
+  const std::string output = draw(name, svg_terminal(name, width_px, height_px), commands);
   const auto begin = output.find("<svg");
   const auto end = output.rfind("</svg>");
-  if (exit_code != 0 || begin == std::string::npos || end == std::string::npos) {
-    std::string first_line = output.substr(0, output.find('\n', 1));
-    throw scenario::InputError{fmt::format("gnuplot failed on the picture {}: {}", name, first_line)};
+  if (begin == std::string::npos || end == std::string::npos) {
+    throw scenario::InputError{fmt::format("gnuplot failed on the picture {}: it is no SVG", name)};
   }
   return output.substr(begin, end + 6 - begin);
+}
+
+void require_picture_ending(const std::string& path) {
+  if (path.ends_with(".svg") || path.ends_with(".png")) return;
+  throw scenario::InputError{fmt::format("{}: a picture's name ends in .svg or .png; rename it", path)};
+}
+
+std::string draw_file(const std::string& path, int width_px, int height_px, const std::string& commands) {
+  require_picture_ending(path);
+  if (path.ends_with(".svg")) return draw(path, svg_terminal("picture", width_px, height_px), commands);
+  return draw(path, fmt::format("pngcairo size {},{} font 'Helvetica,14'", width_px, height_px), commands);
 }
 
 }  // namespace breakaway::report
