@@ -73,6 +73,7 @@ struct FakeDrive {
     frame.id = static_cast<std::uint16_t>(0x200 + id);
     return true;
   }
+  std::uint8_t node_id() const noexcept { return id; }
   bool heartbeat_lost() const noexcept { return probe->heartbeat_lost; }
   const canopen::Emcy& last_emcy() const noexcept { return probe->emcy; }
   std::uint32_t emcy_count() const noexcept { return probe->emcy_count; }
@@ -236,8 +237,11 @@ TEST_F(ControlLoopTest, CountsFramesThatThePortRefused) {
   EXPECT_EQ(loop.refused_frames(), 2U);
 }
 
-TEST_F(ControlLoopTest, HandsFramesToEveryDriveWithinABound) {
-  for (int i = 0; i < 300; ++i) port.to_receive.push_back({});
+TEST_F(ControlLoopTest, HandsADriveItsFramesWithinABound) {
+  port.to_receive.push_back({{.id = 0x182}, {}});
+  step();
+  EXPECT_EQ(probe.frames, 0) << "another node's";
+  for (int i = 0; i < 300; ++i) port.to_receive.push_back({{.id = 0x181}, {}});
   step();
   EXPECT_EQ(probe.frames, 256);
   step();

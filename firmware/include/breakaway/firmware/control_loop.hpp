@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/sync.hpp"
@@ -48,6 +49,7 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
   { drive.update(now) } noexcept;
   { drive.next_acyclic_frame(out, now) } noexcept -> std::same_as<bool>;
   { drive.next_command_frame(out) } noexcept -> std::same_as<bool>;
+  { constant.node_id() } noexcept -> std::same_as<std::uint8_t>;  // gets the frames of this node
   { constant.heartbeat_lost() } noexcept -> std::same_as<bool>;
   { constant.last_emcy() } noexcept -> std::same_as<const canopen::Emcy&>;
   { constant.emcy_count() } noexcept -> std::same_as<std::uint32_t>;  // messages since construction
@@ -174,7 +176,10 @@ class ControlLoop {
   void receive() noexcept {
     hal::ReceivedFrame received;
     for (int n = 0; n < max_frames_per_step && port_->receive(received); ++n) {
-      for (std::size_t i = 0; i < count_; ++i) axes_[i]->drive.on_frame(received);
+      const std::uint8_t node = canopen::node_id_of(received.frame.id);
+      for (std::size_t i = 0; i < count_; ++i) {
+        if (axes_[i]->drive.node_id() == node) axes_[i]->drive.on_frame(received);
+      }
     }
   }
 

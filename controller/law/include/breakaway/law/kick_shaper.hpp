@@ -39,7 +39,9 @@ class KickShaper {
   KickShaper() noexcept = default;
 
   // velocity_weight: the weight of the VelocityEstimator that closes the loop.
-  KickShaper(const AxisParameters<Scalar>& p, Scalar velocity_weight) noexcept : p_{p} { respond(velocity_weight); }
+  KickShaper(const AxisParameters<Scalar>& p, Scalar velocity_weight) noexcept : p_{p}, per_mass_{1 / p.mass_kg} {
+    respond(velocity_weight);
+  }
 
   // distance_m > 0: from the axis to the target; speed_m_s >= 0: towards the target; least_force_N: total force at the
   // start that the kick must have at least. The total force never exceeds max_force_N.
@@ -59,9 +61,10 @@ class KickShaper {
   void limit_force(Scalar force_N) noexcept { p_.max_force_N = force_N; }
 
  private:
+  // Divided once, at construction.
   struct Response {
-    Scalar distance_per_N{};  // g[n] in m/N
-    Scalar speed_per_N{};     // h[n] in m/s/N
+    Scalar c_s{};              // g[n] / h[n]
+    Scalar force_per_speed{};  // 1 / h[n] in N s/m
   };
 
   // Unit net force on the free axis under the sampled feedback u_j = -k1 x_(j-L) - k22 v_(j-L), v the estimated
@@ -77,29 +80,29 @@ class KickShaper {
       v += net * T / p_.mass_kg;
       estimate += velocity_weight * ((x - previous) / T - estimate);
       feedback[j + 1] = p_.stiffness_N_per_m * x + p_.kick_damping_Ns_per_m * estimate;
-      response_[j] = {x, v};
+      response_[j] = {x / v, 1 / v};
     }
   }
 
   static std::uint8_t periods_for(Scalar exact) noexcept {
     if (!(exact > 1)) return 1;
     if (exact >= Scalar(max_periods)) return max_periods;
-    return static_cast<std::uint8_t>(std::ceil(exact));
+    const auto whole = static_cast<std::uint8_t>(exact);  // std::ceil is a call into the library on many machines
+    return exact > static_cast<Scalar>(whole) ? static_cast<std::uint8_t>(whole + 1) : whole;
   }
 
   Scalar net_force(const K3Table<Scalar>& table, Scalar distance_m, Scalar speed_m_s, std::uint8_t n) const noexcept {
-    const auto [g, h] = response_[n - 1u];
-    const Scalar c = g / h;
+    const auto [c, force_per_speed] = response_[n - 1u];
     const Scalar y = std::max(distance_m - speed_m_s * (n * p_.period_s - c), Scalar{0});
-    const auto speed_per_root = [&](Scalar s) { return table.reduced(s) / p_.mass_kg; };
+    const auto speed_per_root = [&](Scalar s) { return table.reduced(s) * per_mass_; };
     const auto root_on_curve = [&](Scalar s) {
-      const Scalar b = c * speed_per_root(s) / 2;
+      const Scalar b = c * speed_per_root(s) * Scalar(0.5);
       const Scalar sum = b + std::sqrt(b * b + y);
       return sum > 0 ? y / sum : Scalar{0};
     };
     const Scalar s0 = std::sqrt(y), s1 = root_on_curve(s0), s2 = root_on_curve(s1);
     const Scalar s = extrapolated(s0, s1, s2);
-    return (s * speed_per_root(s) - speed_m_s) / h;
+    return (s * speed_per_root(s) - speed_m_s) * force_per_speed;
   }
 
   // The limit of a sequence whose steps alternate and shrink by a constant factor (Aitken): s0 > s2 > s1.
@@ -109,6 +112,7 @@ class KickShaper {
   }
 
   AxisParameters<Scalar> p_{};
+  Scalar per_mass_{};
   std::array<Response, max_periods> response_{};
 };
 

@@ -23,6 +23,8 @@ constexpr std::uint16_t tpdo_cob_id(unsigned pdo, std::uint8_t node_id) noexcept
 constexpr std::uint16_t rpdo_cob_id(unsigned pdo, std::uint8_t node_id) noexcept {
   return static_cast<std::uint16_t>(0x100U + 0x100U * pdo + node_id);
 }
+// The node that a frame of the predefined connection set belongs to; 0: all (NMT, SYNC, TIME).
+constexpr std::uint8_t node_id_of(std::uint16_t cob_id) noexcept { return static_cast<std::uint8_t>(cob_id & 0x7FU); }
 // Seen from the server (the drive): it receives requests and transmits responses.
 constexpr std::uint16_t sdo_request_cob_id(std::uint8_t node_id) noexcept {
   return static_cast<std::uint16_t>(0x600U + node_id);

@@ -135,6 +135,8 @@ class Drive {
   // quantum of this drive.
   hal::Status setup_status() const noexcept { return config_status_.ok() ? node_.status() : config_status_; }
 
+  std::uint8_t node_id() const noexcept { return config_.node_id; }
+
   // For the supervisor and for display
 
   std::uint32_t setup_object() const noexcept { return node_.setup_object(); }
