@@ -130,7 +130,7 @@ themselves. Every period is the shortest in whole milliseconds that fits the bus
 
 {loop_table(counts, facts)}
 
-Each axis looks at each frame, so the part of the cost that receiving takes grows with the square of the number of axes.
+A drive is handed the frames of its own node only, so the cost grows with the number of axes and no faster.
 The parts of one drive:
 
 {table(["cia402::Drive", "least", "typical", "most"], [spread(p, counts[f"Drive/{p}"]) for p in DRIVE_PARTS])}
