@@ -1,0 +1,193 @@
+// Flow: the motion y'' + C y' + K y = const of one hybrid mode in closed form, in coordinates in which it falls apart.
+//
+// The velocity u = y' and the acceleration a = u' obey z' = A z with z = (u, a), whatever the constant force and
+// however singular K: no rest position is needed. Modal coordinates x with u = U x make A block diagonal:
+//   real      x' = lambda x
+//   complex   (x1, x2)' = [alpha beta; -beta alpha] (x1, x2)
+//   critical  (x1, x2)' = [mu sigma; delta^2/sigma mu] (x1, x2): two eigenvalues mu +- delta too close to be told apart
+//   dense     x' = A x, where the eigenvectors are too ill-conditioned to be used: summed as Taylor series.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace breakaway::hybrid {
+
+// Factorisations are done once a mode and in extended precision, so that they lose nothing in double.
+using ExtendedMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+using ExtendedVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+
+struct Block {
+  enum class Kind { real, complex, critical, dense };
+  Kind kind;
+  Eigen::Index first;    // coordinate
+  Eigen::Index size;     // coordinates
+  double rate = 0;       // lambda, alpha or mu; the 1-norm of A for a dense block
+  double frequency = 0;  // beta
+  double delta_squared = 0;
+  double coupling = 1;  // sigma
+};
+
+class Flow {
+ public:
+  Flow() = default;
+
+  // k x k, in coordinates in which the mass is the identity.
+  Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
+
+  Eigen::Index size() const { return 2 * k_; }
+  const std::vector<Block>& blocks() const { return blocks_; }
+  ExtendedMatrix velocity() const { return modes_.topRows(k_); }               // u = velocity x
+  ExtendedMatrix from_velocity() const { return inverse_.leftCols(k_); }       // x = from_velocity u
+  ExtendedMatrix from_acceleration() const { return inverse_.rightCols(k_); }  //   + from_acceleration a
+  const ExtendedMatrix& generator() const { return generator_; }               // x' = generator x
+
+  // The fastest growth of any coordinate; growth() holds up to 1.7 / fastest_growth().
+  double fastest_growth() const {
+    double fastest = 0;
+    for (const Block& block : blocks_) fastest = std::max(fastest, block.rate);
+    return fastest;
+  }
+
+  // x <- e^(A h) x and integral <- integral + the integral of x over h.
+  void propagate(double h, double* x, double* integral) const {
+    for (const Block& block : blocks_) {
+      double *const state = x + block.first, *const sum = integral + block.first;
+      switch (block.kind) {
+        case Block::Kind::real:
+          propagate_real(block, h, *state, *sum);
+          break;
+        case Block::Kind::complex:
+          propagate_complex(block, h, state, sum);
+          break;
+        case Block::Kind::critical:
+          propagate_critical(block, h, state, sum);
+          break;
+        case Block::Kind::dense:
+          propagate_dense(h, state, sum);
+          break;
+      }
+    }
+  }
+
+  // A norm of the block's coordinates; a linear form of them is at most bound() times it.
+  static double amplitude(const Block& block, const double* x) {
+    const double* const state = x + block.first;
+    if (block.kind == Block::Kind::real) return std::abs(*state);
+    if (block.kind != Block::Kind::complex) return norm1(state, block.size);
+    // At least the Euclidean norm, at most 8 % more, and free of overflow.
+    const double a = std::abs(state[0]), b = std::abs(state[1]);
+    return std::max(a, b) + 0.41421356237309515 * std::min(a, b);
+  }
+
+  template <class Row>
+  static double bound(const Block& block, const Row& row) {
+    const auto part = row.segment(block.first, block.size);
+    return static_cast<double>(block.kind == Block::Kind::complex ? part.stableNorm() : part.cwiseAbs().maxCoeff());
+  }
+
+  // By how much at most the block's amplitude grows within h.
+  static double growth(const Block& block, double h) {
+    const double x = std::max(block.rate, 0.0) * h;
+    const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
+    if (block.kind != Block::Kind::critical) return exponential;
+    // sup of e^-x cosh(0.01 x) (1 + x) for x > 0 is below 1.02.
+    return block.rate < 0 ? 1.02 : exponential * exponential * (1 + block.coupling * h);
+  }
+
+ private:
+  using Extended = long double;
+
+  bool decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
+  void add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Eigen::Index first);
+  void add_real(Eigen::Index at, Extended value);
+  void add_complex(Eigen::Index at, Extended rate, Extended frequency);
+  bool diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
+  void keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
+  void propagate_dense(double h, double* x, double* sum) const;
+
+  static double norm1(const double* x, Eigen::Index size) {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < size; ++i) sum += std::abs(x[i]);
+    return sum;
+  }
+
+  static void propagate_real(const Block& block, double h, double& x, double& sum) {
+    const double change = std::expm1(block.rate * h);
+    // (e^(lambda h) - 1) / lambda, also where 1 / lambda overflows.
+    sum += x * (std::abs(block.rate * h) < 1e-290 ? h : change / block.rate);
+    x += x * change;
+  }
+
+  static void propagate_complex(const Block& block, double h, double* x, double* sum) {
+    const double re = block.rate * h, im = block.frequency * h;
+    double change_re = 0, change_im = 0;  // e^(lambda h) - 1
+    if (std::max(std::abs(re), std::abs(im)) < 0.03) {
+      for (int order = 9; order >= 1; --order) {
+        const double old_re = 1 + change_re;
+        change_re = (re * old_re - im * change_im) * reciprocal[order];
+        change_im = (re * change_im + im * old_re) * reciprocal[order];
+      }
+    } else {
+      const double size = std::exp(re);
+      change_re = size * std::cos(im) - 1;
+      change_im = size * std::sin(im);
+    }
+    // (e^(lambda h) - 1) / lambda, divided by the larger part first.
+    const double scale = std::max(std::abs(block.rate), block.frequency);
+    const double unit_re = block.rate / scale, unit_im = block.frequency / scale;
+    const double factor = 1 / (scale * (unit_re * unit_re + unit_im * unit_im));
+    const double mean_re = (change_re * unit_re + change_im * unit_im) * factor;
+    const double mean_im = (change_im * unit_re - change_re * unit_im) * factor;
+    // x1 - i x2 turns with e^(lambda h).
+    sum[0] += mean_re * x[0] + mean_im * x[1];
+    sum[1] += mean_re * x[1] - mean_im * x[0];
+    const double x0 = x[0];
+    x[0] += change_re * x[0] + change_im * x[1];
+    x[1] += change_re * x[1] - change_im * x0;
+  }
+
+  static void propagate_critical(const Block& block, double h, double* x, double* sum) {
+    const double mu = block.rate, sigma = block.coupling, back = block.delta_squared / sigma;
+    const double a = x[0], b = x[1];
+    const double square = block.delta_squared * h * h;
+    if (std::abs(mu * h) < 0.1) {  // Taylor: exact for the free mass, whose generator is nilpotent
+      double term0 = a * h, term1 = b * h;
+      for (int order = 1; order <= 14; ++order) {
+        sum[0] += term0;
+        sum[1] += term1;
+        const double f0 = mu * term0 + sigma * term1, f1 = back * term0 + mu * term1;
+        x[0] += f0;
+        x[1] += f1;
+        const double next = h * reciprocal[order + 1];
+        term0 = f0 * next;
+        term1 = f1 * next;
+      }
+      return;
+    }
+    const double root = std::sqrt(std::abs(square)), size = std::exp(mu * h);
+    // sinh(root)/root or sin(root)/root; two terms of the series hold where root < 1e-3.
+    const double sine = root < 1e-3 ? 1 + square / 6 : (square > 0 ? std::sinh(root) : std::sin(root)) / root;
+    const double cosine = square > 0 ? std::cosh(root) : std::cos(root);
+    x[0] = size * (cosine * a + sigma * h * sine * b);
+    x[1] = size * (cosine * b + back * h * sine * a);
+    const double determinant = mu * mu - block.delta_squared;
+    sum[0] += (mu * (x[0] - a) - sigma * (x[1] - b)) / determinant;
+    sum[1] += (mu * (x[1] - b) - back * (x[0] - a)) / determinant;
+  }
+
+  static constexpr double reciprocal[] = {0,       1.0,     1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,
+                                          1.0 / 8, 1.0 / 9, 1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15};
+
+  Eigen::Index k_ = 0;
+  std::vector<Block> blocks_;
+  ExtendedMatrix modes_;  // (u, a) = modes x
+  ExtendedMatrix inverse_;
+  ExtendedMatrix generator_;
+  Eigen::MatrixXd dense_;
+};
+
+}  // namespace breakaway::hybrid

@@ -1,0 +1,77 @@
+// StickSet: the machine with some friction directions sticking: the motion that is left to it, what is to be watched,
+// and when static friction gives way. Everything here depends on which directions stick and on nothing else.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "breakaway/hybrid/flow.hpp"
+#include "breakaway/hybrid/types.hpp"
+
+namespace breakaway::hybrid {
+
+using DirectionSet = std::uint32_t;  // bit i: column i of W_T
+
+constexpr bool contains(DirectionSet set, Eigen::Index i) { return (set >> i & 1U) != 0; }
+constexpr DirectionSet only(Eigen::Index i) { return DirectionSet{1} << i; }
+
+constexpr int twice(int size) { return size == Eigen::Dynamic ? Eigen::Dynamic : 2 * size; }
+
+// A linear form of the motion, value = integral . Y + now . x with Y the integral of x, and its derivatives.
+template <int N>
+struct Line {
+  using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, twice(N)>;
+  Row integral, now, first, second, third;
+  Row second_bound, third_bound;  // by block: derivative <= sum of bound times amplitude
+  Row settled;                    // first = settled A: the value is constant + settled . x
+  Row settled_bound;
+  bool drifts = false;  // no such row: the value grows without end
+};
+
+// One pair of opposite faces of the set of forces that the sticking directions can bear: |r| <= limit_N with
+// r = normal . (K q + C v - F). With independent directions r is one friction force; with dependent ones the set is a
+// zonotope, and the faces say when it is left although no single friction force is defined.
+template <int N, int M>
+struct Facet {
+  Eigen::Matrix<double, N, 1> normal, stiffness, damping;  // d, K^T d, C^T d
+  double limit_N = 0;
+  Eigen::Matrix<double, M, 1> share;  // d . w_i: 0 for directions that the face leaves free
+  Line<N> line;
+};
+
+template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
+struct StickSet {
+  using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, twice(N), 1>;
+  using Wide = Eigen::Matrix<double, N, Eigen::Dynamic, N == 1 ? Eigen::RowMajor : Eigen::ColMajor, N, twice(N)>;
+  using Tall = Eigen::Matrix<double, Eigen::Dynamic, N, Eigen::ColMajor, twice(N), N>;
+
+  DirectionSet sticking = 0;  // with all directions that cannot slide while these stick
+  Flow flow;
+  Wide velocity;                         // v = velocity x, q = q0 + velocity Y
+  Tall from_velocity, from_force;        // x = from_velocity v + from_force (F - K q - C v)
+  Eigen::Matrix<double, N, N> mobility;  // accelerations by forces: B B^T
+  std::vector<Line<N>> sliding;          // by direction: g_i; empty for sticking ones
+  std::vector<Facet<N, M>> facets;
+};
+
+StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions);
+
+template <int N>
+Line<N> fixed(const Line<Eigen::Dynamic>& line) {
+  return {line.integral,     line.now,         line.first,   line.second,        line.third,
+          line.second_bound, line.third_bound, line.settled, line.settled_bound, line.drifts};
+}
+
+// The same with sizes fixed.
+template <int N, int M>
+StickSet<N, M> fixed(const StickSet<>& set) {
+  StickSet<N, M> result{set.sticking, set.flow, set.velocity, set.from_velocity, set.from_force, set.mobility, {}, {}};
+  for (const auto& line : set.sliding) result.sliding.push_back(fixed<N>(line));
+  for (const auto& facet : set.facets) {
+    result.facets.push_back(
+        {facet.normal, facet.stiffness, facet.damping, facet.limit_N, facet.share, fixed<N>(facet.line)});
+  }
+  return result;
+}
+
+}  // namespace breakaway::hybrid

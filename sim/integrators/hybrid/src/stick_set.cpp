@@ -1,0 +1,188 @@
+#include "breakaway/hybrid/stick_set.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace breakaway::hybrid {
+namespace {
+
+using Extended = long double;
+
+// Columns told apart from dependent ones; entries are rounded to double, so 1e-16 is as good as zero.
+constexpr Extended rank_threshold = 1e-13L;
+
+Eigen::ColPivHouseholderQR<ExtendedMatrix> ranked(ExtendedMatrix columns) {
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i).stableNormalize();
+  Eigen::ColPivHouseholderQR<ExtendedMatrix> qr(columns.rows(), columns.cols());
+  qr.setThreshold(rank_threshold);
+  qr.compute(columns);
+  return qr;
+}
+
+ExtendedMatrix orthogonal(const Eigen::ColPivHouseholderQR<ExtendedMatrix>& qr) {
+  return qr.householderQ() * ExtendedMatrix::Identity(qr.rows(), qr.rows());
+}
+
+// Calls back with every choice of `count` out of the given indices.
+template <class Callback>
+void for_each_choice(const std::vector<Eigen::Index>& from, std::size_t count, const Callback& callback,
+                     std::vector<Eigen::Index> chosen = {}, std::size_t next = 0) {
+  if (chosen.size() == count) return callback(chosen);
+  for (std::size_t i = next; i < from.size(); ++i) {
+    chosen.push_back(from[i]);
+    for_each_choice(from, count, callback, chosen, i + 1);
+    chosen.pop_back();
+  }
+}
+
+Line<Eigen::Dynamic> make_line(const Flow& flow, const ExtendedMatrix& integral, const ExtendedMatrix& now) {
+  const ExtendedMatrix& a = flow.generator();
+  const ExtendedMatrix first = integral + now * a, second = first * a, third = second * a;
+  ExtendedMatrix settled = ExtendedMatrix::Zero(1, flow.size());
+  Line<Eigen::Dynamic> line;
+  const auto count = static_cast<Eigen::Index>(flow.blocks().size());
+  line.second_bound.resize(count);
+  line.third_bound.resize(count);
+  line.settled_bound.resize(count);
+  for (Eigen::Index b = 0; b < count; ++b) {
+    const Block& block = flow.blocks()[static_cast<std::size_t>(b)];
+    const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
+    const Eigen::FullPivLU<ExtendedMatrix> factors(part);
+    const ExtendedMatrix slope = first.middleCols(block.first, block.size);
+    if (factors.isInvertible()) {
+      settled.middleCols(block.first, block.size) = slope * factors.inverse();
+    } else if (slope.cwiseAbs().maxCoeff() > 0) {
+      line.drifts = true;
+    }
+    line.second_bound[b] = Flow::bound(block, second.row(0));
+    line.third_bound[b] = Flow::bound(block, third.row(0));
+    line.settled_bound[b] = Flow::bound(block, settled.row(0));
+  }
+  line.integral = integral.cast<double>();
+  line.now = now.cast<double>();
+  line.first = first.cast<double>();
+  line.second = second.cast<double>();
+  line.third = third.cast<double>();
+  line.settled = settled.cast<double>();
+  return line;
+}
+
+// The machine in extended precision, and its directions in coordinates in which the mass is the identity.
+struct Extension {
+  ExtendedMatrix mass, damping, stiffness, inverse_factor, directions;
+
+  explicit Extension(const LinearMachine<>& machine)
+      : mass{machine.mass.cast<Extended>()},
+        damping{machine.damping.cast<Extended>()},
+        stiffness{machine.stiffness.cast<Extended>()} {
+    const ExtendedMatrix factor = mass.llt().matrixL();
+    inverse_factor = factor.triangularView<Eigen::Lower>().solve(ExtendedMatrix::Identity(mass.rows(), mass.rows()));
+    directions = inverse_factor * machine.directions.cast<Extended>();
+  }
+};
+
+// An orthonormal basis of the motions that are left, in the same coordinates; adds to `sticking` what they cannot
+// slide.
+ExtendedMatrix free_motions(const Extension& extended, DirectionSet& sticking) {
+  const Eigen::Index n = extended.directions.rows(), m = extended.directions.cols();
+  ExtendedMatrix free = ExtendedMatrix::Identity(n, n), chosen = ExtendedMatrix::Zero(n, m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    if (contains(sticking, i)) chosen.col(i) = extended.directions.col(i);
+  }
+  if (sticking != 0) {
+    const auto qr = ranked(chosen);
+    free = orthogonal(qr).rightCols(n - qr.rank()).eval();
+  }
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Extended left = (free.transpose() * extended.directions.col(i)).norm();
+    if (left <= rank_threshold * extended.directions.col(i).norm()) sticking |= only(i);
+  }
+  return free;
+}
+
+// The normals, in coordinates of the span of `reduced` (rank x stuck directions), of the zonotope's faces: each is
+// orthogonal to rank - 1 independent directions.
+std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
+  const Eigen::Index rank = reduced.rows();
+  std::vector<Eigen::Index> all;
+  for (Eigen::Index i = 0; i < reduced.cols(); ++i) all.push_back(i);
+  std::vector<ExtendedVector> normals;
+  for_each_choice(all, static_cast<std::size_t>(rank - 1), [&](const std::vector<Eigen::Index>& chosen) {
+    ExtendedVector normal = ExtendedVector::Unit(rank, 0);
+    if (rank > 1) {
+      const auto face = ranked(reduced(Eigen::all, chosen));
+      if (face.rank() < rank - 1) return;
+      normal = orthogonal(face).col(rank - 1);
+    }
+    const bool known = std::any_of(normals.begin(), normals.end(), [&](const ExtendedVector& other) {
+      return std::abs(std::abs(other.dot(normal)) - 1) < 1e-12L;
+    });
+    if (!known) normals.push_back(normal);
+  });
+  return normals;
+}
+
+Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extended, const ExtendedVector& normal,
+                                                 const Eigen::VectorXd& friction_N, DirectionSet sticking,
+                                                 const Flow& flow, const ExtendedMatrix& velocities) {
+  const ExtendedVector shares = extended.directions.transpose() * normal;
+  Extended largest = 0;
+  for (Eigen::Index i = 0; i < shares.size(); ++i) {
+    if (contains(sticking, i)) largest = std::max(largest, std::abs(shares[i]));
+  }
+  Facet<Eigen::Dynamic, Eigen::Dynamic> facet;
+  facet.share = Eigen::VectorXd::Zero(shares.size());
+  Extended limit = 0;
+  for (Eigen::Index i = 0; i < shares.size(); ++i) {
+    if (!contains(sticking, i)) continue;
+    if (std::abs(shares[i]) <= rank_threshold * extended.directions.col(i).norm()) continue;
+    facet.share[i] = static_cast<double>(shares[i] / largest);
+    limit += std::abs(shares[i] / largest) * friction_N[i];
+  }
+  facet.limit_N = static_cast<double>(limit);
+  const ExtendedVector d = extended.inverse_factor.transpose() * normal / largest;
+  const ExtendedVector stiffness = extended.stiffness.transpose() * d, damping = extended.damping.transpose() * d;
+  facet.normal = d.cast<double>();
+  facet.stiffness = stiffness.cast<double>();
+  facet.damping = damping.cast<double>();
+  facet.line = make_line(flow, stiffness.transpose() * velocities, damping.transpose() * velocities);
+  return facet;
+}
+
+}  // namespace
+
+StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions) {
+  const Extension extended(machine);
+  StickSet<> set;
+  set.sticking = directions;
+  const ExtendedMatrix basis = extended.inverse_factor.transpose() * free_motions(extended, set.sticking);
+  set.flow = Flow(basis.transpose() * extended.damping * basis, basis.transpose() * extended.stiffness * basis);
+
+  const ExtendedMatrix velocities = basis * set.flow.velocity();
+  set.velocity = velocities.cast<double>();
+  set.from_velocity = (set.flow.from_velocity() * basis.transpose() * extended.mass).cast<double>();
+  set.from_force = (set.flow.from_acceleration() * basis.transpose()).cast<double>();
+  set.mobility = (basis * basis.transpose()).cast<double>();
+
+  std::vector<Eigen::Index> stuck;
+  for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
+    const ExtendedMatrix speed = machine.directions.col(i).transpose().cast<Extended>() * velocities;
+    set.sliding.push_back(make_line(set.flow, ExtendedMatrix::Zero(1, set.flow.size()), speed));
+    if (contains(set.sticking, i)) stuck.push_back(i);
+  }
+  if (stuck.empty()) return set;
+  const ExtendedMatrix columns = extended.directions(Eigen::all, stuck);
+  const auto qr = ranked(columns);
+  if (qr.rank() == 0) return set;
+  const ExtendedMatrix span = orthogonal(qr).leftCols(qr.rank());
+  for (const ExtendedVector& normal : face_normals(span.transpose() * columns)) {
+    set.facets.push_back(make_facet(extended, span * normal, machine.friction_N, set.sticking, set.flow, velocities));
+  }
+  return set;
+}
+
+}  // namespace breakaway::hybrid
