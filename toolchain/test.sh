@@ -9,7 +9,8 @@ Usage: toolchain/test.sh [--quick]
 
 Installs what the checks need and the machine lacks (Debian packages, as root or by sudo), then runs, stopping at the
 first that fails: format, release build with warnings as errors, all tests, the tests under the address and
-undefined-behaviour sanitizers (without those labelled slow or package), the fuzzers for a fixed number of inputs, clang-tidy.
+undefined-behaviour sanitizers (without those labelled slow or package), the fuzzers for a fixed number of inputs and
+every public header with clang, clang-tidy.
 
   --quick   the release build and its tests only
 HELP
@@ -79,7 +80,7 @@ if ! $quick; then
   step 'sanitizer build' build asan-ubsan
   step 'sanitizer tests' run_tests asan-ubsan -LE '^(slow|package)$'
   step 'fuzzer build' build fuzz
-  step 'fuzzers' run_tests fuzz
+  step 'fuzzers, and headers with clang' run_tests fuzz
   step 'clang-tidy' check_tidy
 fi
 printf '\nAll steps passed in %d s.\n' "$SECONDS"

@@ -92,7 +92,7 @@ class KickShaper {
   }
 
   Scalar net_force(const K3Table<Scalar>& table, Scalar distance_m, Scalar speed_m_s, std::uint8_t n) const noexcept {
-    const auto [c, force_per_speed] = response_[n - 1u];
+    const Scalar c = response_[n - 1u].c_s;  // not a binding: clang 14 cannot capture those
     const Scalar y = std::max(distance_m - speed_m_s * (n * p_.period_s - c), Scalar{0});
     const auto speed_per_root = [&](Scalar s) { return table.reduced(s) * per_mass_; };
     const auto root_on_curve = [&](Scalar s) {
@@ -102,7 +102,7 @@ class KickShaper {
     };
     const Scalar s0 = std::sqrt(y), s1 = root_on_curve(s0), s2 = root_on_curve(s1);
     const Scalar s = extrapolated(s0, s1, s2);
-    return (s * speed_per_root(s) - speed_m_s) * force_per_speed;
+    return (s * speed_per_root(s) - speed_m_s) * response_[n - 1u].force_per_speed;
   }
 
   // The limit of a sequence whose steps alternate and shrink by a constant factor (Aitken): s0 > s2 > s1.
