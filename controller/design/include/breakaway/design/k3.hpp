@@ -76,10 +76,10 @@ Error too_little_damping(double mass_kg, double stiffness_N_per_m, double dampin
 template <class Scalar>
 Expected<K3<Scalar>> K3<Scalar>::make(const KickPlant<Scalar>& plant) {
   const auto& [m, k1, k22, f] = plant;
-  if (auto error = unless_positive("mass_kg", m)) return *error;
-  if (auto error = unless_positive("stiffness k1", k1)) return *error;
-  if (auto error = unless_positive("damping k22", k22)) return *error;
-  if (auto error = unless_positive("friction_lower_N", f)) return *error;
+  if (auto error = unless_positive("mass_kg", static_cast<double>(m))) return *error;
+  if (auto error = unless_positive("stiffness k1", static_cast<double>(k1))) return *error;
+  if (auto error = unless_positive("damping k22", static_cast<double>(k22))) return *error;
+  if (auto error = unless_positive("friction_lower_N", static_cast<double>(f))) return *error;
   // k22^2 - 4 k1 m, scaled to k22 in [1/2, 1), with the rounding errors of both products (fma): exact to the last bit
   // even when the two are equal in all their leading digits.
   int k22_exponent = 0, k1_exponent = 0, m_exponent = 0;
@@ -89,7 +89,8 @@ Expected<K3<Scalar>> K3<Scalar>::make(const KickPlant<Scalar>& plant) {
   const Scalar scaled_mass = std::ldexp(mantissa, m_exponent + k1_exponent + 2 - 2 * k22_exponent);
   const Scalar d2 = d * d, four_km = k * scaled_mass;
   const Scalar discriminant = (d2 - four_km) + (std::fma(d, d, -d2) - std::fma(k, scaled_mass, -four_km));
-  if (!(discriminant > 0)) return too_little_damping(m, k1, k22);
+  if (!(discriminant > 0))
+    return too_little_damping(static_cast<double>(m), static_cast<double>(k1), static_cast<double>(k22));
   const Scalar split = std::sqrt(discriminant) / d;  // (b - a) / (b + a)
   const Scalar fast = d * (1 + split);
   K3 law;

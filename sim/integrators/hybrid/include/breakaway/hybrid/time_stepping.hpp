@@ -12,6 +12,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -54,11 +55,12 @@ class TimeStepping {
   explicit TimeStepping(const LinearMachine<N, M>& machine, TimeSteppingOptions options = {},
                         EarlyDecision<N> decision = {})
       : step_s_{options.step_s},
-        theta_{options.theta},
-        warning_{theta_warning(checked(machine, options), theta_)},
+        before_s_{options.step_s * (1 - options.theta)},
+        after_s_{options.step_s * options.theta},
+        warning_{theta_warning(checked(machine, options), options.theta)},
         decision_{std::move(decision)} {
-    const double h = step_s_;
-    const Square scheme = machine.mass + h * theta_ * machine.damping + h * h * theta_ * theta_ * machine.stiffness;
+    const double h = step_s_, theta = options.theta;
+    const Square scheme = machine.mass + h * theta * machine.damping + h * h * theta * theta * machine.stiffness;
     const Square symmetric = (scheme + scheme.transpose()) / 2;
     if (Eigen::LLT<Square>(symmetric).info() != Eigen::Success) {
       throw std::invalid_argument("step_s = " + std::to_string(h) +
@@ -66,13 +68,18 @@ class TimeStepping {
                                   "mass within one step; choose a shorter step");
     }
     const Eigen::PartialPivLU<Square> solver{scheme};
-    const double rest = 1 - theta_;
-    from_v_ = solver.solve(machine.mass - h * rest * machine.damping - h * h * theta_ * rest * machine.stiffness);
+    const double rest = 1 - theta;
+    from_v_ = solver.solve(machine.mass - h * rest * machine.damping - h * h * theta * rest * machine.stiffness);
     from_q_ = solver.solve(-h * machine.stiffness);
     free_ = solver.solve(h * plant::constant_force(machine));
     to_v_ = solver.solve(machine.directions);
     directions_ = machine.directions;
     coupling_ = machine.directions.transpose() * to_v_;
+    // A direction that moves nothing has no mass and takes no impulse.
+    own_mass_kg_ = coupling_.diagonal().unaryExpr([](double own) { return own > 0 ? 1 / own : 0; });
+    sliding_from_v_ = machine.directions.transpose() * from_v_;
+    sliding_from_q_ = machine.directions.transpose() * from_q_;
+    sliding_free_ = machine.directions.transpose() * free_;
     limit_Ns_ = h * machine.friction_N;
     friction_holds_all_ = machine.frictions() > 0 &&
                           Eigen::ColPivHouseholderQR<Directions>(machine.directions).rank() == machine.coordinates();
@@ -92,11 +99,11 @@ class TimeStepping {
   // One step.
   void step(MachineState<N>& state, Memory& memory) const {
     Vector v = from_v_ * state.v + from_q_ * state.q + free_;
-    solve(directions_.transpose() * v, memory);
+    solve(sliding_from_v_ * state.v + sliding_from_q_ * state.q + sliding_free_, memory);
     v += to_v_ * memory.impulse_Ns;
     // Where friction holds every coordinate, sticking is rest, without a rest of rounding.
     if (memory.sticks && friction_holds_all_) v.setZero();
-    state.q += step_s_ * ((1 - theta_) * state.v + theta_ * v);
+    state.q += before_s_ * state.v + after_s_ * v;
     state.v = v;
     state.time_s += step_s_;
   }
@@ -123,8 +130,6 @@ class TimeStepping {
       if (before.isZero(0) && outcome.end.v.isZero(0)) {
         outcome.verdict = Verdict::at_rest;
         outcome.settling_time_s = outcome.end.time_s - step_s_;
-      } else if (!outcome.end.v.allFinite()) {
-        break;
       }
     }
     if (outcome.verdict != Verdict::at_rest) outcome.settling_time_s = outcome.end.time_s;
@@ -156,11 +161,9 @@ class TimeStepping {
       bool changed = false;
       memory.sticks = true;
       for (Eigen::Index i = 0; i < p.size(); ++i) {
-        const double own = coupling_(i, i);
-        if (!(own > 0)) continue;  // a direction that moves nothing
         const double slides = sliding_m_s[i] + coupling_.row(i).dot(p);
-        const double wanted = p[i] - slides / own;
-        const double next = std::fmin(std::fmax(wanted, -limit_Ns_[i]), limit_Ns_[i]);
+        const double wanted = p[i] - own_mass_kg_[i] * slides;
+        const double next = std::clamp(wanted, -limit_Ns_[i], limit_Ns_[i]);
         changed |= std::fabs(next - p[i]) > 4e-16 * limit_Ns_[i];
         memory.sticks &= next == wanted;
         p[i] = next;
@@ -187,14 +190,15 @@ class TimeStepping {
 
   static constexpr int max_sweeps = 1000;  // reached by nearly dependent directions only
 
-  double step_s_, theta_;
+  double step_s_, before_s_, after_s_;  // h, h (1 - theta), h theta
   std::string warning_;
   EarlyDecision<N> decision_;
   Square from_v_, from_q_;
   Vector free_;
   Directions to_v_, directions_;
   Eigen::Matrix<double, M, M> coupling_;  // G = W^T (M + h theta C + h^2 theta^2 K)^-1 W
-  Impulses limit_Ns_;
+  Impulses limit_Ns_, own_mass_kg_, sliding_free_;
+  Eigen::Matrix<double, M, N> sliding_from_v_, sliding_from_q_;  // of the end of the step without friction
   bool friction_holds_all_ = false;
 };
 

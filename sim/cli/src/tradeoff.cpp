@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/tradeoff/frontiers.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+struct TradeoffFiles {
+  std::string json, picture, page, work;
+  std::uint64_t repeats = 1;
+  bool quick = false;
+};
+
+std::string cost_text(const tradeoff::Cost& cost) {
+  const std::string ratio = fmt::format("{:>10.3g} x", cost.time_ratio);
+  return std::isfinite(cost.instructions) ? fmt::format("{} {:>14.0f} instructions", ratio, cost.instructions) : ratio;
+}
+
+void print_frontiers(const tradeoff::Frontiers& f) {
+  fmt::print("Integrators on the two-mass example: mean error, wrong verdicts, cost of a trajectory\n");
+  for (const auto& row : f.integrators) {
+    fmt::print("  {:<16} h = {:<7g} {:>10.3g} m {:>8.3g} % {}\n", row.method, row.step_s, row.error_m,
+               100 * row.wrong_share, cost_text(row.trajectory));
+  }
+  fmt::print("Time stepping of the impulsive example never settles: the ball it keeps kicking in\n");
+  for (const auto& row : f.balls) {
+    fmt::print("  h = {:<7g} {:>10.3g} m, f_lo h^2 / (8 m) = {:.3g} m, {:.3g} kicks a step\n", row.step_s, row.ball_m,
+               row.predicted_m, row.kicks_per_step);
+  }
+  fmt::print("k3: bytes, largest relative error (mild plant, hard plant), cost of a call\n");
+  for (const auto& row : f.evaluators) {
+    fmt::print("  {:<22} {:<6} {:>5} {:>6} B {:>9.2g} {:>9.2g} {}\n", row.method, row.scalar, row.nodes, row.bytes,
+               row.mild_error, row.hard_error, cost_text(row.call));
+  }
+  fmt::print("Control period: tolerance in floors, runs settled, worst error in floors\n");
+  for (const auto& row : f.periods) {
+    fmt::print("  T = {:<6g} s, floor {:>8.3g} m, encoder {:>8.3g} m: {:>5.2f} {:>4}/{:<4} {:>8.3g}\n", row.period_s,
+               row.floor_m, row.resolution_m, row.tolerance_m / row.floor_m, row.settled, row.runs,
+               row.worst_error_m / row.floor_m);
+  }
+  fmt::print("Scenes: cost of a simulated second\n");
+  for (const auto& row : f.scene_parts) fmt::print("  {:<75} {}\n", row.scene, cost_text(row.second));
+}
+
+tradeoff::Options measuring(const TradeoffFiles& files) {
+  tradeoff::Options options;
+  options.quick = files.quick;
+  if (!files.quick && tradeoff::can_count())
+    options.counting.program = std::filesystem::read_symlink("/proc/self/exe").string();
+  if (isatty(STDERR_FILENO) == 1)
+    options.counting.progress = [](const std::string& what) { fmt::print(stderr, "\r\033[K{} ...", what); };
+  return options;
+}
+
+void run_tradeoff(const TradeoffFiles& files) {
+  if (!files.work.empty()) return tradeoff::do_work(files.work, files.repeats);
+  const auto options = measuring(files);
+  const auto frontiers = tradeoff::measure(options);
+  if (options.counting.progress) fmt::print(stderr, "\r\033[K");
+  const std::string picture = files.picture.empty() ? "" : tradeoff::to_svg(frontiers);
+  if (!files.json.empty()) report::write_output(files.json, tradeoff::to_json(frontiers));
+  if (!files.picture.empty()) report::write_output(files.picture, picture);
+  if (!files.page.empty()) report::write_output(files.page, tradeoff::to_page(frontiers));
+  if (files.json != "-" && files.picture != "-" && files.page != "-") print_frontiers(frontiers);
+}
+
+}  // namespace
+
+void add_tradeoff(CLI::App& app, int& exit_code) {
+  const auto files = std::make_shared<TradeoffFiles>();
+  CLI::App* command = app.add_subcommand(
+      "tradeoff", "Measure speed against accuracy: integrators, k3 evaluators, control periods, parts of a scene");
+  command->add_flag("--quick", files->quick, "Fewer rows, and no counting of instructions: seconds, not minutes");
+  command->add_option("--json", files->json, "Write all figures as JSON to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--picture", files->picture, "Draw the frontiers into this SVG file (needs gnuplot)")
+      ->check(file_name);
+  command->add_option("--page", files->page, "Write the figures and what follows from them as Markdown to this file")
+      ->check(file_name);
+  // How the command counts: it runs itself under valgrind with these.
+  command->add_option("--work", files->work)->group("");
+  command->add_option("--repeat", files->repeats)->group("");
+  command->footer(
+      std::string{"Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
+                  "Instructions are counted where valgrind is installed; without it costs are ratios of times.\n"} +
+      exit_codes);
+  command->callback([files, &exit_code] {
+    run_tradeoff(*files);
+    exit_code = done;
+  });
+}
+
+}  // namespace breakaway::cli

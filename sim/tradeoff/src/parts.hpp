@@ -1,0 +1,23 @@
+// The parts of a measurement, one file each, and the works whose costs they give.
+#pragma once
+
+#include <vector>
+
+#include "breakaway/scenario/scenario.hpp"
+#include "breakaway/tradeoff/frontiers.hpp"
+
+namespace breakaway::tradeoff {
+
+std::vector<IntegratorRow> measure_integrators(const Options& options);
+std::vector<BallRow> measure_balls(bool quick);
+std::vector<EvaluatorRow> measure_evaluators(const Options& options);
+std::vector<PeriodRow> measure_periods(bool quick);
+std::vector<ScenePartRow> measure_scene_parts(const Options& options);
+
+std::vector<Work> integrator_works();
+std::vector<Work> evaluator_works();
+std::vector<Work> scene_part_works();
+
+scenario::Scenario can_axis();
+
+}  // namespace breakaway::tradeoff
