@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <variant>
 
+#include "breakaway/machine/run_machine.hpp"
 #include "breakaway/report/formats.hpp"
 #include "breakaway/report/html.hpp"
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
-#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/scenario/run_scene.hpp"
 #include "commands.hpp"
 
@@ -62,8 +64,32 @@ void check_outputs(const Options& options, const Scenario& scene) {
   }
 }
 
-int simulate(const Options& options) {
-  const Scenario scene = scenario::read_scenario(options.scenario);
+void print_summary(const scenario::MachineScenario& s, const machine::MachineResult& r) {
+  if (!s.title.empty()) fmt::print("{}\n", s.title);
+  const auto& end = r.outcome.end;
+  fmt::print("  {:<14} at {:.9g} s\n", r.settled() ? "at rest" : "NOT at rest", end.time_s);
+  for (Eigen::Index i = 0; i < end.q.size(); ++i) {
+    fmt::print("  q{:<13} {:.9g} m, {:.9g} m/s\n", i + 1, end.q[i], end.v[i]);
+  }
+  fmt::print("  events         {}\n", r.events.size());
+  if (r.proved != hybrid::Verdict::undecided) {
+    const bool captured = r.proved == hybrid::Verdict::captured;
+    fmt::print("  certified      {}\n", captured ? "to come to rest" : "never to come to rest");
+  }
+}
+
+int simulate_machine(const Options& options, const scenario::MachineScenario& s) {
+  if (!options.csv.empty() || !options.candump.empty() || !options.report.empty()) {
+    throw scenario::InputError{"--csv, --candump and --report are for axes; a [machine] gives --json"};
+  }
+  const machine::MachineResult result = machine::run_machine(s);
+  if (!result.warning.empty()) fmt::print(stderr, "breakaway: warning: {}\n", result.warning);
+  if (!options.json.empty()) report::write_output(options.json, machine::to_json(s, result));
+  if (!options.quiet()) print_summary(s, result);
+  return result.settled() ? done : failed_check;
+}
+
+int simulate_axis(const Options& options, const Scenario& scene) {
   check_outputs(options, scene);
   report_progress("simulating");
   const bool trace = !options.csv.empty() || !options.report.empty();
@@ -79,11 +105,18 @@ int simulate(const Options& options) {
   return result.settled ? done : failed_check;
 }
 
+int simulate(const Options& options) {
+  const auto scene = scenario::read_any_scenario(options.scenario);
+  if (const auto* machine = std::get_if<scenario::MachineScenario>(&scene)) return simulate_machine(options, *machine);
+  return simulate_axis(options, std::get<Scenario>(scene));
+}
+
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("simulate", "Simulate a scenario: does the axis settle, when and how well?");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Simulate a scenario: does the axis or machine settle, when and how well?");
   command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();
   command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output")
       ->check(file_name);

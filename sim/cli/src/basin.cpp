@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "breakaway/machine/basin.hpp"
+#include "breakaway/machine/basin_picture.hpp"
+#include "breakaway/machine/basin_table.hpp"
+#include "breakaway/machine/certificates.hpp"
+#include "breakaway/report/gnuplot.hpp"
+#include "breakaway/report/json_writer.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+using machine::Basin;
+using machine::Fate;
+using scenario::InputError;
+using Clock = std::chrono::steady_clock;
+
+constexpr double most_points = 1e8;  // 0.9 GB
+
+struct Options {
+  std::string system, plane = "1,2", shard = "0/1", json, csv, picture, resume;
+  std::vector<std::string> merge;
+  int points = 101;
+  double window = 0;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+};
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+// "a,b" or "a/b".
+std::optional<std::array<int, 2>> two_integers(const std::string& text, char between) {
+  std::array<int, 2> two{};
+  char separator = 0, beyond = 0;
+  if (std::sscanf(text.c_str(), "%d%c%d%c", &two[0], &separator, &two[1], &beyond) != 3 || separator != between) {
+    return std::nullopt;
+  }
+  return two;
+}
+
+std::array<int, 2> read_plane(const std::string& text, int coordinates) {
+  const auto places = two_integers(text, ',');
+  const auto valid = [&](int place) { return place >= 1 && place <= 2 * coordinates; };
+  if (!places || !valid((*places)[0]) || !valid((*places)[1]) || (*places)[0] == (*places)[1]) {
+    throw InputError{fmt::format("--plane {}: give two different places of the state as i,j: 1..{} are q, {}..{} are v",
+                                 text, coordinates, coordinates + 1, 2 * coordinates)};
+  }
+  return {(*places)[0] - 1, (*places)[1] - 1};
+}
+
+machine::Shard read_shard(const std::string& text) {
+  const auto shard = two_integers(text, '/');
+  if (!shard || (*shard)[1] < 1 || (*shard)[0] < 0 || (*shard)[0] > (*shard)[1]) {
+    throw InputError{fmt::format("--shard {}: give i/n with n >= 1 and i from 1 to n; 0 is the same as n", text)};
+  }
+  return {(*shard)[0], (*shard)[1]};
+}
+
+machine::Grid read_grid(const Options& options, int coordinates) {
+  return {options.points, options.window, read_plane(options.plane, coordinates)};
+}
+
+void check(const Options& options, const machine::Shard& shard) {
+  std::vector<std::string> outputs;
+  for (const std::string& path : {options.json, options.csv, options.picture, options.resume}) {
+    if (!path.empty()) outputs.push_back(path);
+  }
+  std::ranges::sort(outputs);
+  if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
+    throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
+  if (!options.picture.empty()) report::require_picture_ending(options.picture);
+  if (!options.merge.empty() && (shard.count > 1 || !options.resume.empty()))
+    throw InputError{"--merge joins whole shards: leave out --shard and --resume"};
+  const double points = static_cast<double>(options.points) * options.points / shard.count;
+  if (points > most_points) {
+    throw InputError{fmt::format("--grid {}: makes {:.2g} points; use --shard i/n with n >= {}", options.points, points,
+                                 static_cast<int>(points * shard.count / most_points) + 1)};
+  }
+}
+
+class Progress {
+ public:
+  explicit Progress(std::size_t points) : points_{points}, shown_{isatty(STDERR_FILENO) == 1} {}
+  ~Progress() {
+    if (told_) fmt::print(stderr, "\r{:40}\r", "");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void tell(std::size_t done) {
+    if (!shown_ || (told_ && seconds_since(*told_) < 0.1)) return;
+    told_ = Clock::now();
+    const double share = static_cast<double>(done) / static_cast<double>(points_);
+    fmt::print(stderr, "\r{:5.1f} % of {} points, {:.0f} s to go ", 100 * share, points_,
+               share > 0 ? seconds_since(begin_) * (1 / share - 1) : 0.0);
+  }
+
+ private:
+  std::size_t points_;
+  bool shown_;
+  Clock::time_point begin_ = Clock::now();
+  std::optional<Clock::time_point> told_;
+};
+
+struct Simulated {
+  std::size_t trajectories = 0;
+  double seconds = 0;
+};
+
+Simulated decide(const Options& options, const scenario::MachineScenario& s, Basin& basin) {
+  std::optional<machine::Journal> journal;
+  if (!options.resume.empty()) journal.emplace(options.resume, machine::table_label(basin.grid(), s), basin);
+  const auto begin = Clock::now();
+  Progress progress{basin.count(Fate::pending)};
+  std::size_t before = 0;
+  const std::size_t trajectories = machine::decide_pending(basin, s, options.threads, [&](int row, std::size_t done) {
+    if (journal && done > before) journal->append(basin, row);
+    before = done;
+    progress.tell(done);
+  });
+  return {trajectories, seconds_since(begin)};
+}
+
+void merge(const Options& options, const scenario::MachineScenario& s, Basin& basin) {
+  for (const std::string& path : options.merge) {
+    machine::read_table(path, machine::table_label(basin.grid(), s), basin);
+  }
+  if (const std::size_t missing = basin.count(Fate::pending); missing > 0) {
+    throw InputError{fmt::format("--merge: {} of {} points are in none of the files; add the missing shards", missing,
+                                 basin.size())};
+  }
+}
+
+std::string to_json(const scenario::MachineScenario& s, const Basin& basin, const machine::Certificates& certificates,
+                    const machine::Regions& regions, const Simulated& simulated) {
+  report::JsonWriter json;
+  json.object([&] {
+    json.member("title", s.title);
+    json.member("grid", basin.grid().points);
+    json.member("window", basin.grid().half_width);
+    json.array("plane", [&] {
+      for (const int place : basin.grid().plane) json.value(place + 1);
+    });
+    json.member("shard", fmt::format("{}/{}", basin.shard().index, basin.shard().count));
+    json.member("points", basin.size());
+    json.member("attracted", basin.count(Fate::attracted));
+    json.member("lost", basin.count(Fate::lost));
+    json.member("undecided", basin.count(Fate::undecided));
+    json.member("area_true", basin.area(Fate::attracted));
+    json.member("area_certified", design::area(regions.certified));
+    json.member("area_equilibria", design::area(regions.equilibria));
+    json.member("rho_star_J", certificates.attractivity.rho_star_J);
+    json.member("certified", certificates.attractivity.certified);
+    json.member("reason", certificates.attractivity.reason);
+    json.member("trajectories", simulated.trajectories);
+    json.member("seconds", simulated.seconds);
+    json.member("trajectories_per_s", static_cast<double>(simulated.trajectories) / simulated.seconds);
+  });
+  return json.text();
+}
+
+void print_summary(const scenario::MachineScenario& s, const Basin& basin, const machine::Regions& regions,
+                   const Simulated& simulated) {
+  if (!s.title.empty()) fmt::print("{}\n", s.title);
+  fmt::print("  attracted      {} of {} points, area {:.6g}\n", basin.count(Fate::attracted), basin.size(),
+             basin.area(Fate::attracted));
+  fmt::print("  lost           {}\n  undecided      {}\n", basin.count(Fate::lost), basin.count(Fate::undecided));
+  fmt::print("  certified      area {:.6g}\n", design::area(regions.certified));
+  if (simulated.trajectories > 0) {
+    fmt::print("  simulated      {} trajectories in {:.3g} s, {:.3g} each second\n", simulated.trajectories,
+               simulated.seconds, static_cast<double>(simulated.trajectories) / simulated.seconds);
+  }
+}
+
+int basin_of(const Options& options) {
+  const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
+  const machine::Shard shard = read_shard(options.shard);
+  const machine::Grid grid = read_grid(options, static_cast<int>(s.machine.coordinates()));
+  check(options, shard);
+  const machine::Certificates certificates = machine::certify(s.machine);
+  const machine::Regions regions = machine::regions(s.machine, certificates, grid);
+  Basin basin{grid, shard};
+  Simulated simulated;
+  options.merge.empty() ? static_cast<void>(simulated = decide(options, s, basin)) : merge(options, s, basin);
+  const std::string drawn = options.picture.empty() ? "" : machine::draw_basin(options.picture, s, basin, regions);
+  if (!options.csv.empty()) report::write_output(options.csv, machine::table_parts(basin));
+  if (!options.json.empty()) report::write_output(options.json, to_json(s, basin, certificates, regions, simulated));
+  if (!options.picture.empty()) report::write_output(options.picture, drawn);
+  if (options.json != "-" && options.csv != "-") print_summary(s, basin, regions, simulated);
+  return done;
+}
+
+}  // namespace
+
+void add_basin(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("basin", "Region of attraction of a machine with friction, on a grid");
+  command->add_option("system", options->system, "The machine, a TOML file with [machine]")->required();
+  command->add_option("--grid", options->points, "Points along each axis")->required()->check(CLI::Range(2, 1'000'000));
+  command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
+      ->required()
+      ->check(positive_number);
+  command->add_option("--plane", options->plane, "Which two of (q, v) the axes are, as i,j from 1; the others are 0")
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "Write x1,x2,attracted,time_s of every point; - is standard output")
+      ->check(file_name);
+  command->add_option("--json", options->json, "Write the figures as JSON to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--picture", options->picture, "Draw it to this .svg or .png (needs gnuplot)")->check(file_name);
+  command->add_option("--shard", options->shard, "Only part i of n, as i/n, for --merge");
+  command->add_option("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards")
+      ->check(file_name);
+  command->add_option("--resume", options->resume, "Keep finished rows in this file, and go on from it if it exists")
+      ->check(file_name);
+  command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
+      ->check(CLI::Range(1, 1024));
+  command->footer(
+      std::string{
+          "Examples: breakaway basin sim/scenarios/two_mass_example.toml --grid 401 --window 6 --picture basin.svg\n"
+          "          breakaway basin S.toml --grid 4001 --window 6 --shard 1/2 --csv 1.csv    (and 2/2, elsewhere)\n"
+          "          breakaway basin S.toml --grid 4001 --window 6 --merge 1.csv 2.csv --csv all.csv\n"} +
+      exit_codes);
+  command->callback([options, &exit_code] { exit_code = basin_of(*options); });
+}
+
+}  // namespace breakaway::cli

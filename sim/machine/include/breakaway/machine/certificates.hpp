@@ -1,0 +1,65 @@
+// What is proved about a machine before anything is simulated, and the early end of a simulation by it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "breakaway/design/attractivity.hpp"
+#include "breakaway/design/escape.hpp"
+#include "breakaway/hybrid/types.hpp"
+#include "breakaway/plant/linear_machine.hpp"
+
+namespace breakaway::machine {
+
+struct Certificates {
+  design::Attractivity attractivity;
+  std::vector<design::EscapeLevel> escapes;
+};
+
+design::LinearSystem linear_system(const plant::LinearMachine<>& machine);
+Certificates certify(const plant::LinearMachine<>& machine);
+
+// An EarlyDecision: captured where V < rho* (Theorem 1), lost beyond a level of escape. Levels are drawn in by 1e-12,
+// more than the rounding of V and z.
+template <int N>
+class ProvenFate {
+ public:
+  ProvenFate(const plant::LinearMachine<>& machine, const Certificates& certificates)
+      : mass_{machine.mass / 2}, stiffness_{machine.stiffness / 2} {
+    rho_J_ = certificates.attractivity.rho_star_J * (1 - margin);
+    const Eigen::Index n = machine.coordinates();
+    for (const design::EscapeLevel& escape : certificates.escapes) {
+      modes_.push_back(
+          {escape.real.head(n), escape.real.tail(n), escape.imaginary.head(n), escape.imaginary.tail(n), escape.level});
+    }
+  }
+
+  hybrid::Verdict operator()(const hybrid::MachineState<N>& state) const {
+    const double energy_J = state.v.dot(mass_.lazyProduct(state.v)) + state.q.dot(stiffness_.lazyProduct(state.q));
+    if (energy_J < rho_J_) return hybrid::Verdict::captured;
+    for (const Mode& mode : modes_) {
+      const double size = std::hypot(mode.real_q.dot(state.q) + mode.real_v.dot(state.v),
+                                     mode.imaginary_q.dot(state.q) + mode.imaginary_v.dot(state.v));
+      const double rounding = margin * std::sqrt(state.q.squaredNorm() + state.v.squaredNorm());  // |w| = 1
+      if (size > mode.level + rounding) return hybrid::Verdict::lost;
+    }
+    return hybrid::Verdict::undecided;
+  }
+
+ private:
+  using Vector = Eigen::Matrix<double, N, 1>;
+  static constexpr double margin = 1e-12;
+
+  struct Mode {
+    Vector real_q, real_v, imaginary_q, imaginary_v;
+    double level;
+  };
+
+  Eigen::Matrix<double, N, N> mass_, stiffness_;  // halves, for V of (5)
+  double rho_J_;
+  std::vector<Mode> modes_;
+};
+
+}  // namespace breakaway::machine

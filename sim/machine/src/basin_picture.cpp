@@ -1,0 +1,140 @@
+#include "breakaway/machine/basin_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "breakaway/report/gnuplot.hpp"
+#include "breakaway/scenario/input_error.hpp"
+
+namespace breakaway::machine {
+namespace {
+
+using design::Polygon;
+
+constexpr int corners_of_ellipse = 4096;
+
+// { y^T form y / 2 < level } inside the window, as a polygon whose area is that of the ellipse.
+Polygon ellipse(const Eigen::Matrix2d& form, double level, double half_width) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(form);
+  const double step = 2 * std::numbers::pi / corners_of_ellipse, same_area = std::sqrt(step / std::sin(step));
+  const Eigen::Matrix2d to_rim =
+      axes.eigenvectors() * (2 * level * axes.eigenvalues().cwiseInverse()).cwiseSqrt().asDiagonal() * same_area;
+  Polygon rim;
+  for (int i = 0; i < corners_of_ellipse; ++i)
+    rim.push_back(to_rim * Eigen::Vector2d{std::cos(i * step), std::sin(i * step)});
+  if (design::area(rim) < 0) std::reverse(rim.begin(), rim.end());
+  for (const double side : {-1.0, 1.0}) {
+    for (const int axis : {0, 1}) rim = design::clipped(rim, side * Eigen::Vector2d::Unit(axis), half_width);
+  }
+  return rim;
+}
+
+Polygon certified_region(const plant::LinearMachine<>& machine, double rho_J, const Grid& grid) {
+  if (rho_J == 0) return {};
+  if (std::isinf(rho_J)) return design::square(grid.half_width);
+  const int n = static_cast<int>(machine.coordinates());
+  const auto entry = [&](int i, int j) {
+    if ((i < n) != (j < n)) return 0.0;
+    return i < n ? machine.stiffness(i, j) : machine.mass(i - n, j - n);
+  };
+  const auto [i, j] = grid.plane;
+  return ellipse(Eigen::Matrix2d{{entry(i, i), entry(i, j)}, {entry(j, i), entry(j, j)}}, rho_J, grid.half_width);
+}
+
+// E has no velocity: along such an axis its section is cut down to 0.
+Polygon equilibria(const plant::LinearMachine<>& machine, const Grid& grid) {
+  const auto set = design::EquilibriumSet::make(linear_system(machine));
+  if (!set) throw scenario::InputError{set.error().message};
+  const Eigen::Index n = machine.coordinates();
+  Eigen::MatrixX2d plane = Eigen::MatrixX2d::Zero(n, 2);
+  for (const int axis : {0, 1}) {
+    if (const int place = grid.plane[static_cast<std::size_t>(axis)]; place < n) plane(place, axis) = 1;
+  }
+  Polygon polygon = set->cross_section(plane, grid.half_width);
+  for (const int axis : {0, 1}) {
+    if (grid.plane[static_cast<std::size_t>(axis)] < n) continue;
+    polygon =
+        design::clipped(design::clipped(polygon, Eigen::Vector2d::Unit(axis), 0), -Eigen::Vector2d::Unit(axis), 0);
+  }
+  return polygon;
+}
+
+std::string outline(std::string_view name, const Polygon& polygon) {
+  std::string text = fmt::format("${} << END\n", name);
+  for (std::size_t i = 0; i <= polygon.size() && !polygon.empty(); ++i) {
+    const Eigen::Vector2d& corner = polygon[i % polygon.size()];
+    text += fmt::format("{:.8g} {:.8g}\n", corner.x(), corner.y());
+  }
+  return text + "END\n";
+}
+
+// At most about a thousand points along each axis: a picture shows no more.
+std::string image(const Basin& basin, int stride) {
+  std::string text = "$fates << END\n";
+  for (int row = 0; row < basin.grid().points; row += stride) {
+    for (int column = 0; column < basin.grid().points; column += stride) {
+      const bool known = basin.shard().owns(row) && basin.fate(column, row) != Fate::pending;
+      text += known ? fmt::format("{} ", static_cast<int>(basin.fate(column, row))) : "NaN ";
+    }
+    text += '\n';
+  }
+  return text + "END\n";
+}
+
+std::string axis_label(const plant::LinearMachine<>& machine, int place) {
+  const int n = static_cast<int>(machine.coordinates());
+  return place < n ? fmt::format("q_{{{}}}  [m]", place + 1) : fmt::format("v_{{{}}}  [m/s]", place - n + 1);
+}
+
+constexpr const char* style = R"(
+set encoding utf8
+set border 15 linecolor '#888888' front
+set tics out nomirror textcolor '#333333' front
+set size ratio -1
+unset colorbox
+set palette defined (-1 '#d9a441', 0 '#4d5966', 1 '#e3ebf1')
+set palette maxcolors 3
+set cbrange [-1.5:1.5]
+set key above center horizontal maxrows 1 samplen 1.2 width -2 textcolor '#333333'
+set style fill solid 1
+)";
+
+}  // namespace
+
+Regions regions(const plant::LinearMachine<>& machine, const Certificates& certificates, const Grid& grid) {
+  return {equilibria(machine, grid), certified_region(machine, certificates.attractivity.rho_star_J, grid)};
+}
+
+std::string draw_basin(const std::string& path, const scenario::MachineScenario& s, const Basin& basin,
+                       const Regions& regions) {
+  const Grid& grid = basin.grid();
+  const int stride = (grid.points - 1) / 1000 + 1;
+  const double step = 2 * grid.half_width / (grid.points - 1) * stride, rim = grid.half_width + step / 2;
+  std::string commands = style + image(basin, stride) + outline("certified", regions.certified) +
+                         outline("equilibria", regions.equilibria);
+  commands += fmt::format("set xrange [{0}:{1}]\nset yrange [{0}:{1}]\nset xlabel '{2}'\nset ylabel '{3}'\n", -rim, rim,
+                          axis_label(s.machine, grid.plane[0]), axis_label(s.machine, grid.plane[1]));
+  commands += fmt::format(
+      "plot $fates matrix using ({0}+{1}*$1):({0}+{1}*$2):3 with image notitle, "
+      "NaN with boxes linecolor '#e3ebf1' title 'attracted', NaN with boxes linecolor '#4d5966' title 'lost'",
+      -grid.half_width, step);
+  if (basin.count(Fate::undecided) > 0) commands += ", NaN with boxes linecolor '#d9a441' title 'undecided'";
+  if (!regions.certified.empty())
+    commands += ", $certified with lines linewidth 2 linecolor '#1c5d99' title 'B, certified'";
+  if (!regions.equilibria.empty()) {
+    commands += regions.equilibria.size() < 3 || std::abs(design::area(regions.equilibria)) == 0
+                    ? ", $equilibria with lines linewidth 4 linecolor '#c8553d' title 'E, at rest'"
+                    : ", $equilibria with filledcurves closed linecolor '#c8553d' title 'E, at rest'";
+  }
+  std::string drawn = report::draw_file(path, 760, 820, commands + "\n");
+  // A viewer shall show the points as they are, not a blurred picture of them.
+  if (const auto at = drawn.find("<image "); path.ends_with(".svg") && at != drawn.npos)
+    drawn.insert(at + 7, "style='image-rendering:pixelated' ");
+  return drawn;
+}
+
+}  // namespace breakaway::machine
