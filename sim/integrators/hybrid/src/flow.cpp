@@ -34,6 +34,28 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
   if (!decouple(damping, stiffness) && !diagonalise(damping, stiffness)) keep_dense(damping, stiffness);
   inverse_ = modes_.fullPivLu().inverse();
   dense_ = generator_.cast<double>();
+  for (const Block& block : blocks_) {
+    const double turns = block.kind == Block::Kind::dense ? 1 : 0.25;
+    if (block.rate > 0) window_s_ = std::min(window_s_, turns / block.rate);
+  }
+}
+
+// By how much at most the block's amplitude grows within window_s().
+double Flow::growth(const Block& block) const {
+  const double x = block.rate > 0 ? block.rate * window_s_ : 0;
+  const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
+  if (block.kind != Block::Kind::critical) return exponential;
+  // In the 1-norm: e^(mu h) (cosh(delta h) + sinh(delta h) |mu| / delta) with delta <= |mu| / 100. Its largest value
+  // for mu < 0 is below 1.02.
+  return block.rate < 0 ? 1.02 : exponential * exponential * (1 + x);
+}
+
+double Flow::bound(const Block& block, const ExtendedMatrix& row) const {
+  const ExtendedMatrix part = row.middleCols(block.first, block.size);
+  Extended norm = part.cwiseAbs().maxCoeff();
+  if (block.kind == Block::Kind::complex) norm = part.stableNorm();
+  if (block.kind == Block::Kind::free) norm = std::abs(part(0, 1));
+  return static_cast<double>(norm) * growth(block);
 }
 
 // Symmetric C and K that commute: k scalar oscillators, known without an unsymmetric eigenproblem.
@@ -66,8 +88,13 @@ void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Ei
   const auto column = [&](Eigen::Index offset, Extended u, Extended a) {
     modes_.col(first + offset) << u * mode, a * mode;
   };
-  if (root <= 0.01L * std::abs(mean) || root == 0) {
-    const Extended coupling = mean == 0 ? 1 : std::abs(mean);
+  if (mean == 0 && root == 0) {
+    column(0, 1, 0);
+    column(1, 0, 1);
+    generator_(first, first + 1) = 1;
+    blocks_.push_back({Block::Kind::free, first, 2});
+  } else if (root <= 0.01L * std::abs(mean)) {
+    const Extended coupling = std::abs(mean);
     column(0, 1, mean);
     column(1, 0, coupling);
     generator_.block(first, first, 2, 2) << mean, coupling, discriminant / coupling, mean;
@@ -93,7 +120,11 @@ void Flow::add_real(Eigen::Index at, Extended value) {
 
 void Flow::add_complex(Eigen::Index at, Extended rate, Extended frequency) {
   generator_.block(at, at, 2, 2) << rate, frequency, -frequency, rate;
-  blocks_.push_back({Block::Kind::complex, at, 2, static_cast<double>(rate), static_cast<double>(frequency)});
+  Block block{Block::Kind::complex, at, 2, static_cast<double>(rate), static_cast<double>(frequency)};
+  const Extended square = rate * rate + frequency * frequency;
+  block.inverse_re = static_cast<double>(rate / square);
+  block.inverse_im = static_cast<double>(-frequency / square);
+  blocks_.push_back(block);
 }
 
 bool Flow::diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {

@@ -39,15 +39,21 @@ void for_each_choice(const std::vector<Eigen::Index>& from, std::size_t count, c
   }
 }
 
-Line<Eigen::Dynamic> make_line(const Flow& flow, const ExtendedMatrix& integral, const ExtendedMatrix& now) {
+Eigen::MatrixXd padded(const ExtendedMatrix& matrix, Eigen::Index rows, Eigen::Index columns) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows, columns);
+  result.topLeftCorner(matrix.rows(), matrix.cols()) = matrix.cast<double>();
+  return result;
+}
+
+Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const ExtendedMatrix& integral,
+                               const ExtendedMatrix& now) {
   const ExtendedMatrix& a = flow.generator();
   const ExtendedMatrix first = integral + now * a, second = first * a, third = second * a;
   ExtendedMatrix settled = ExtendedMatrix::Zero(1, flow.size());
   Line<Eigen::Dynamic> line;
+  const Eigen::Index width = 2 * coordinates;
+  line.second_bound = line.third_bound = line.settled_bound = Eigen::RowVectorXd::Zero(width);
   const auto count = static_cast<Eigen::Index>(flow.blocks().size());
-  line.second_bound.resize(count);
-  line.third_bound.resize(count);
-  line.settled_bound.resize(count);
   for (Eigen::Index b = 0; b < count; ++b) {
     const Block& block = flow.blocks()[static_cast<std::size_t>(b)];
     const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
@@ -58,16 +64,16 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, const ExtendedMatrix& integral,
     } else if (slope.cwiseAbs().maxCoeff() > 0) {
       line.drifts = true;
     }
-    line.second_bound[b] = Flow::bound(block, second.row(0));
-    line.third_bound[b] = Flow::bound(block, third.row(0));
-    line.settled_bound[b] = Flow::bound(block, settled.row(0));
+    line.second_bound[b] = flow.bound(block, second);
+    line.third_bound[b] = flow.bound(block, third);
+    line.settled_bound[b] = flow.bound(block, settled);
   }
-  line.integral = integral.cast<double>();
-  line.now = now.cast<double>();
-  line.first = first.cast<double>();
-  line.second = second.cast<double>();
-  line.third = third.cast<double>();
-  line.settled = settled.cast<double>();
+  line.integral = padded(integral, 1, width);
+  line.now = padded(now, 1, width);
+  line.first = padded(first, 1, width);
+  line.second = padded(second, 1, width);
+  line.third = padded(third, 1, width);
+  line.settled = padded(settled, 1, width);
   return line;
 }
 
@@ -149,7 +155,7 @@ Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extended, cons
   facet.normal = d.cast<double>();
   facet.stiffness = stiffness.cast<double>();
   facet.damping = damping.cast<double>();
-  facet.line = make_line(flow, stiffness.transpose() * velocities, damping.transpose() * velocities);
+  facet.line = make_line(flow, d.size(), stiffness.transpose() * velocities, damping.transpose() * velocities);
   return facet;
 }
 
@@ -163,15 +169,16 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   set.flow = Flow(basis.transpose() * extended.damping * basis, basis.transpose() * extended.stiffness * basis);
 
   const ExtendedMatrix velocities = basis * set.flow.velocity();
-  set.velocity = velocities.cast<double>();
-  set.from_velocity = (set.flow.from_velocity() * basis.transpose() * extended.mass).cast<double>();
-  set.from_force = (set.flow.from_acceleration() * basis.transpose()).cast<double>();
+  const Eigen::Index n = machine.coordinates();
+  set.velocity = padded(velocities, n, 2 * n);
+  set.from_velocity = padded(set.flow.from_velocity() * basis.transpose() * extended.mass, 2 * n, n);
+  set.from_force = padded(set.flow.from_acceleration() * basis.transpose(), 2 * n, n);
   set.mobility = (basis * basis.transpose()).cast<double>();
 
   std::vector<Eigen::Index> stuck;
   for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
     const ExtendedMatrix speed = machine.directions.col(i).transpose().cast<Extended>() * velocities;
-    set.sliding.push_back(make_line(set.flow, ExtendedMatrix::Zero(1, set.flow.size()), speed));
+    set.sliding.push_back(make_line(set.flow, n, ExtendedMatrix::Zero(1, set.flow.size()), speed));
     if (contains(set.sticking, i)) stuck.push_back(i);
   }
   if (stuck.empty()) return set;

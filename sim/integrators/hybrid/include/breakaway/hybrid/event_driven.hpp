@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -51,6 +52,17 @@ class EventDriven {
   using Signs = Eigen::Matrix<double, M, 1>;
   using Coordinates = typename Set::Coordinates;
   static constexpr int pairs = twice(M);
+
+  // A few directions, off the heap.
+  struct Indices {
+    std::array<Eigen::Index, most_directions> direction;
+    Eigen::Index size = 0;
+
+    void add(Eigen::Index i) { direction[static_cast<std::size_t>(size++)] = i; }
+    Eigen::Index operator[](Eigen::Index i) const { return direction[static_cast<std::size_t>(i)]; }
+    const Eigen::Index* begin() const { return direction.data(); }
+    const Eigen::Index* end() const { return direction.data() + size; }
+  };
 
   // The state at the last event, in forces of about one.
   struct Walk {
@@ -168,10 +180,7 @@ typename EventDriven<N, M>::Vector EventDriven<N, M>::force(const Walk& walk) co
 template <int N, int M>
 typename EventDriven<N, M>::Coordinates EventDriven<N, M>::coordinates(const Walk& walk, const Set& in) const {
   const Vector balance = force(walk) - machine_.stiffness * walk.q - machine_.damping * walk.v;
-  Coordinates x(in.flow.size());
-  x.noalias() = in.from_velocity.lazyProduct(walk.v);
-  x.noalias() += in.from_force.lazyProduct(balance);
-  return x;
+  return in.from_velocity.lazyProduct(walk.v) + in.from_force.lazyProduct(balance);
 }
 
 // Neither velocity nor acceleration, to rounding.
@@ -218,24 +227,28 @@ void EventDriven<N, M>::choose_mode(Walk& walk, DirectionSet stopped) const {
 // gamma = w1 - z2 this is a linear complementarity problem of twice the size; forces are measured in f_i.
 template <int N, int M>
 DirectionSet EventDriven<N, M>::release_by_acceleration(Walk& walk, DirectionSet stopped) const {
-  std::vector<Eigen::Index> index;
+  Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (contains(stopped, i)) index.push_back(i);
+    if (contains(stopped, i)) index.add(i);
   }
-  const auto count = static_cast<Eigen::Index>(index.size());
+  const auto count = index.size;
   const Vector acceleration =
       machine_.mass.llt().solve(Vector{force(walk) - machine_.stiffness * walk.q - machine_.damping * walk.v});
+  if (count == 1) {  // static friction does not hold it, so it slides
+    walk.signs[index[0]] = machine_.directions.col(index[0]).dot(acceleration) > 0 ? 1 : -1;
+    return stopped;
+  }
   LcpMatrix<pairs> a = LcpMatrix<pairs>::Zero(2 * count, 2 * count);
   LcpVector<pairs> b(2 * count);
   double unit = 0;
   for (const Eigen::Index i : index)
     unit = std::max(unit, delassus_(i, i) * machine_.friction_N[i] * machine_.friction_N[i]);
   for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::Index i = index[static_cast<std::size_t>(r)];
+    const Eigen::Index i = index[r];
     const double weight = machine_.friction_N[i] / unit;
     b[r] = weight * machine_.directions.col(i).dot(acceleration);
     for (Eigen::Index c = 0; c < count; ++c) {
-      const Eigen::Index j = index[static_cast<std::size_t>(c)];
+      const Eigen::Index j = index[c];
       a(r, c) = weight * delassus_(i, j) * machine_.friction_N[j];
       b[r] -= a(r, c);
     }
@@ -252,7 +265,7 @@ DirectionSet EventDriven<N, M>::release_by_acceleration(Walk& walk, DirectionSet
     const double slide = a.row(r).head(count).dot(z->head(count)) + b[r];
     const double scale = a.row(r).head(count).cwiseAbs().sum() + std::abs(b[r]);
     if (std::abs(slide) <= significance * scale) continue;
-    const Eigen::Index i = index[static_cast<std::size_t>(r)];
+    const Eigen::Index i = index[r];
     walk.signs[i] = slide > 0 ? 1 : -1;
     released |= only(i);
   }
@@ -284,20 +297,20 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
   if (limited == 0) return;
 
   Walk freed = walk;
-  std::vector<Eigen::Index> index;
+  Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (!contains(limited, i)) continue;
-    index.push_back(i);
+    index.add(i);
     freed.signs[i] = slide[i];
   }
   const DirectionSet rest = walk.sticking & ~limited;
   const Set& left = set(rest);
   const Coordinates x = coordinates(freed, left);
-  const auto count = static_cast<Eigen::Index>(index.size());
+  const auto count = index.size;
   LcpMatrix<pairs> a(count, count);
   LcpVector<pairs> b(count);
   for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::Index i = index[static_cast<std::size_t>(r)];
+    const Eigen::Index i = index[r];
     const auto& row = left.sliding[static_cast<std::size_t>(i)].second;
     double jerk = 0, scale = 0;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
@@ -306,7 +319,7 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
     }
     b[r] = std::abs(jerk) <= significance * scale ? 0 : slide[i] * jerk;
     for (Eigen::Index c = 0; c < count; ++c) {
-      const Eigen::Index j = index[static_cast<std::size_t>(c)];
+      const Eigen::Index j = index[c];
       a(r, c) = slide[i] * slide[j] * machine_.directions.col(i).dot(left.mobility * machine_.directions.col(j));
     }
   }
@@ -316,7 +329,7 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
     for (Eigen::Index r = 0; r < count; ++r) {
       const double outward = a.row(r).dot(*z) + b[r];
       const double scale = a.row(r).cwiseAbs().dot(*z) + std::abs(b[r]);
-      if (outward > significance * scale) released |= only(index[static_cast<std::size_t>(r)]);
+      if (outward > significance * scale) released |= only(index[r]);
     }
   }
   if ((released & forced) == 0) released |= forced;

@@ -5,6 +5,7 @@
 //   real      x' = lambda x
 //   complex   (x1, x2)' = [alpha beta; -beta alpha] (x1, x2)
 //   critical  (x1, x2)' = [mu sigma; delta^2/sigma mu] (x1, x2): two eigenvalues mu +- delta too close to be told apart
+//   free      (x1, x2)' = (x2, 0): a mass without spring or damper
 //   dense     x' = A x, where the eigenvectors are too ill-conditioned to be used: summed as Taylor series.
 #pragma once
 
@@ -21,14 +22,16 @@ using ExtendedMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic
 using ExtendedVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 struct Block {
-  enum class Kind { real, complex, critical, dense };
+  enum class Kind { real, complex, critical, free, dense };
   Kind kind;
   Eigen::Index first;    // coordinate
   Eigen::Index size;     // coordinates
   double rate = 0;       // lambda, alpha or mu; the 1-norm of A for a dense block
   double frequency = 0;  // beta
   double delta_squared = 0;
-  double coupling = 1;  // sigma
+  double coupling = 1;    // sigma
+  double inverse_re = 0;  // 1 / (alpha + i beta)
+  double inverse_im = 0;
 };
 
 class Flow {
@@ -45,12 +48,8 @@ class Flow {
   ExtendedMatrix from_acceleration() const { return inverse_.rightCols(k_); }  //   + from_acceleration a
   const ExtendedMatrix& generator() const { return generator_; }               // x' = generator x
 
-  // The fastest growth of any coordinate; growth() holds up to 1.7 / fastest_growth().
-  double fastest_growth() const {
-    double fastest = 0;
-    for (const Block& block : blocks_) fastest = std::max(fastest, block.rate);
-    return fastest;
-  }
+  // How far ahead bound() holds: until what grows has grown by a quarter, or for ever.
+  double window_s() const { return window_s_; }
 
   // x <- e^(A h) x and integral <- integral + the integral of x over h.
   void propagate(double h, double* x, double* integral) const {
@@ -66,6 +65,9 @@ class Flow {
         case Block::Kind::critical:
           propagate_critical(block, h, state, sum);
           break;
+        case Block::Kind::free:
+          propagate_free(h, state, sum);
+          break;
         case Block::Kind::dense:
           propagate_dense(h, state, sum);
           break;
@@ -73,30 +75,25 @@ class Flow {
     }
   }
 
-  // A norm of the block's coordinates; a linear form of them is at most bound() times it.
+  // A size of the block's coordinates, and what times it bounds a linear form of them over the next window_s(). For a
+  // free mass: a form of x2 alone, as derivatives of anything are.
   static double amplitude(const Block& block, const double* x) {
     const double* const state = x + block.first;
-    if (block.kind == Block::Kind::real) return std::abs(*state);
-    if (block.kind != Block::Kind::complex) return norm1(state, block.size);
-    // At least the Euclidean norm, at most 8 % more, and free of overflow.
-    const double a = std::abs(state[0]), b = std::abs(state[1]);
-    return std::max(a, b) + 0.41421356237309515 * std::min(a, b);
+    switch (block.kind) {
+      case Block::Kind::real:
+        return std::abs(*state);
+      case Block::Kind::free:
+        return std::abs(state[1]);
+      case Block::Kind::complex: {
+        // At least the Euclidean norm, at most 8 % more, and free of overflow.
+        const double a = std::abs(state[0]), b = std::abs(state[1]);
+        return std::max(a, b) + 0.41421356237309515 * std::min(a, b);
+      }
+      default:
+        return norm1(state, block.size);
+    }
   }
-
-  template <class Row>
-  static double bound(const Block& block, const Row& row) {
-    const auto part = row.segment(block.first, block.size);
-    return static_cast<double>(block.kind == Block::Kind::complex ? part.stableNorm() : part.cwiseAbs().maxCoeff());
-  }
-
-  // By how much at most the block's amplitude grows within h.
-  static double growth(const Block& block, double h) {
-    const double x = std::max(block.rate, 0.0) * h;
-    const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
-    if (block.kind != Block::Kind::critical) return exponential;
-    // sup of e^-x cosh(0.01 x) (1 + x) for x > 0 is below 1.02.
-    return block.rate < 0 ? 1.02 : exponential * exponential * (1 + block.coupling * h);
-  }
+  double bound(const Block& block, const ExtendedMatrix& row) const;
 
  private:
   using Extended = long double;
@@ -108,6 +105,7 @@ class Flow {
   bool diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void propagate_dense(double h, double* x, double* sum) const;
+  double growth(const Block& block) const;
 
   static double norm1(const double* x, Eigen::Index size) {
     double sum = 0;
@@ -125,8 +123,9 @@ class Flow {
   static void propagate_complex(const Block& block, double h, double* x, double* sum) {
     const double re = block.rate * h, im = block.frequency * h;
     double change_re = 0, change_im = 0;  // e^(lambda h) - 1
-    if (std::max(std::abs(re), std::abs(im)) < 0.03) {
-      for (int order = 9; order >= 1; --order) {
+    const double turn = std::max(std::abs(re), std::abs(im));
+    if (turn < 0.03) {
+      for (int order = turn < 1e-4 ? 4 : 8; order >= 1; --order) {
         const double old_re = 1 + change_re;
         change_re = (re * old_re - im * change_im) * reciprocal[order];
         change_im = (re * change_im + im * old_re) * reciprocal[order];
@@ -136,12 +135,9 @@ class Flow {
       change_re = size * std::cos(im) - 1;
       change_im = size * std::sin(im);
     }
-    // (e^(lambda h) - 1) / lambda, divided by the larger part first.
-    const double scale = std::max(std::abs(block.rate), block.frequency);
-    const double unit_re = block.rate / scale, unit_im = block.frequency / scale;
-    const double factor = 1 / (scale * (unit_re * unit_re + unit_im * unit_im));
-    const double mean_re = (change_re * unit_re + change_im * unit_im) * factor;
-    const double mean_im = (change_im * unit_re - change_re * unit_im) * factor;
+    // (e^(lambda h) - 1) / lambda.
+    const double mean_re = change_re * block.inverse_re - change_im * block.inverse_im;
+    const double mean_im = change_re * block.inverse_im + change_im * block.inverse_re;
     // x1 - i x2 turns with e^(lambda h).
     sum[0] += mean_re * x[0] + mean_im * x[1];
     sum[1] += mean_re * x[1] - mean_im * x[0];
@@ -150,11 +146,17 @@ class Flow {
     x[1] += change_re * x[1] - change_im * x0;
   }
 
+  static void propagate_free(double h, double* x, double* sum) {
+    sum[0] += h * (x[0] + 0.5 * h * x[1]);
+    sum[1] += h * x[1];
+    x[0] += h * x[1];
+  }
+
   static void propagate_critical(const Block& block, double h, double* x, double* sum) {
     const double mu = block.rate, sigma = block.coupling, back = block.delta_squared / sigma;
     const double a = x[0], b = x[1];
     const double square = block.delta_squared * h * h;
-    if (std::abs(mu * h) < 0.1) {  // Taylor: exact for the free mass, whose generator is nilpotent
+    if (std::abs(mu * h) < 0.1) {
       double term0 = a * h, term1 = b * h;
       for (int order = 1; order <= 14; ++order) {
         sum[0] += term0;
@@ -183,6 +185,7 @@ class Flow {
                                           1.0 / 8, 1.0 / 9, 1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15};
 
   Eigen::Index k_ = 0;
+  double window_s_ = std::numeric_limits<double>::infinity();
   std::vector<Block> blocks_;
   ExtendedMatrix modes_;  // (u, a) = modes x
   ExtendedMatrix inverse_;

@@ -54,8 +54,8 @@ class Segment {
     set_ = &set;
     x_ = x;
     y_.setZero(x.size());
+    amplitude_.setZero(x.size());
     elapsed_s_ = 0;
-    fastest_growth_ = set.flow.fastest_growth();
     watches_.clear();
   }
   void watch(const Watch<N>& watch) { watches_.push_back(watch); }
@@ -79,15 +79,9 @@ class Segment {
  private:
   using Row = typename Line<N>::Row;
 
-  double dot(const Row& row, const Coordinates& vector) const {
-    double sum = 0;
-    for (Eigen::Index i = 0; i < vector.size(); ++i) sum += row[i] * vector[i];
-    return sum;
-  }
-  double dot_abs(const Row& row, const Coordinates& vector) const {
-    double sum = 0;
-    for (Eigen::Index i = 0; i < vector.size(); ++i) sum += std::abs(row[i] * vector[i]);
-    return sum;
+  static double dot(const Row& row, const Coordinates& vector) { return row.transpose().cwiseProduct(vector).sum(); }
+  static double dot_abs(const Row& row, const Coordinates& vector) {
+    return row.transpose().cwiseProduct(vector).cwiseAbs().sum();
   }
   double value(const Watch<N>& watch) const {
     const double now = dot(watch.line->now, x_);
@@ -98,40 +92,37 @@ class Segment {
     return 2 * std::numeric_limits<double>::epsilon() * (watch.scale + dot_abs(watch.line->now, x_));
   }
 
-  void measure_amplitudes(double window_s);
-  double curvature(const Row& bound) const {
-    double sum = 0;
-    for (std::size_t b = 0; b < set_->flow.blocks().size(); ++b)
-      sum += bound[static_cast<Eigen::Index>(b)] * amplitude_[b];
-    return sum;
-  }
+  void measure_amplitudes();
+  double curvature(const Row& bound) const { return dot(bound, amplitude_); }
   void move(double h) {
     set_->flow.propagate(h, x_.data(), y_.data());
     elapsed_s_ += h;
   }
-  double longest_window() const { return fastest_growth_ > 0 ? 0.85 / fastest_growth_ : never; }
-
+  // What is proved about the near future.
+  struct Proof {
+    double free_s;      // nothing crosses zero up to here
+    double others_s;    // all but one do not up to here
+    double crossing_s;  // Newton's step of that one, if it surely crosses
+    bool at_crossing;   // that one is zero to rounding
+  };
+  Proof look_ahead(double window_s);
   bool set_departures();
-  bool polish(std::size_t index);
+  void polish();
   bool eventless() const;
 
   const Set* set_ = nullptr;
   Coordinates x_, y_;
   double elapsed_s_ = 0;
-  double fastest_growth_ = 0;
   std::vector<Watch<N>> watches_;
-  std::vector<double> amplitude_;
-  std::vector<double> values_, slopes_;
+  Coordinates amplitude_;  // by block
   std::size_t ended_by_ = 0;
 };
 
-// Upper bounds of the blocks' amplitudes over the next window_s.
 template <int N, int M>
-void Segment<N, M>::measure_amplitudes(double window_s) {
+void Segment<N, M>::measure_amplitudes() {
   const auto& blocks = set_->flow.blocks();
-  amplitude_.resize(blocks.size());
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    amplitude_[b] = Flow::amplitude(blocks[b], x_.data()) * Flow::growth(blocks[b], window_s);
+    amplitude_[static_cast<Eigen::Index>(b)] = Flow::amplitude(blocks[b], x_.data());
   }
 }
 
@@ -139,30 +130,23 @@ void Segment<N, M>::measure_amplitudes(double window_s) {
 // wrong way at once, which ends the segment.
 template <int N, int M>
 bool Segment<N, M>::set_departures() {
-  const double window_s = longest_window();
-  measure_amplitudes(0);
+  const double window_s = set_->flow.window_s();
+  measure_amplitudes();
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch<N>& watch = watches_[i];
     watch.departs_s = 0;
     if (value(watch) > 8 * rounding(watch)) continue;
     ended_by_ = i;
-    const auto departure = [&](double derivative, const Row& bound) {
-      const double estimate = std::min(derivative / curvature(bound), window_s);
-      measure_amplitudes(estimate);
-      const double departs_s = std::min(derivative / curvature(bound), estimate);
-      measure_amplitudes(0);
-      return departs_s;
-    };
     const double first = slope(watch);
     if (std::abs(first) > significance * dot_abs(watch.line->first, x_)) {
       if (first < 0) return false;
-      watch.departs_s = departure(first, watch.line->second_bound);
+      watch.departs_s = std::min(first / curvature(watch.line->second_bound), window_s);
       continue;
     }
     const double second = watch.sign * dot(watch.line->second, x_);
     if (std::abs(second) > significance * dot_abs(watch.line->second, x_)) {
       if (second < 0) return false;
-      watch.departs_s = departure(second, watch.line->third_bound);
+      watch.departs_s = std::min(second / curvature(watch.line->third_bound), window_s);
     } else {
       watch.departs_s = never;  // a quantity that is zero and stays so
     }
@@ -173,88 +157,84 @@ bool Segment<N, M>::set_departures() {
 template <int N, int M>
 typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
   if (!set_departures()) return Ending::event;
-  values_.resize(watches_.size());
-  slopes_.resize(watches_.size());
-  for (int step = 0;; ++step) {
+  const double window_s = set_->flow.window_s();
+  for (int step = 1;; ++step) {
     const double left_s = duration_s - elapsed_s_;
-    // Two passes where amplitudes grow: how far to look decides how large they become.
-    double h = never, second_h = never;
-    std::size_t nearest = 0;
-    for (std::size_t i = 0; i < watches_.size(); ++i) {
-      values_[i] = value(watches_[i]);
-      slopes_[i] = slope(watches_[i]);
-    }
-    const auto look = [&](double window_s) {
-      measure_amplitudes(window_s);
-      h = second_h = never;
-      for (std::size_t i = 0; i < watches_.size(); ++i) {
-        const double until_s = watches_[i].departs_s - elapsed_s_;
-        const double safe =
-            until_s > 0 ? until_s
-                        : safe_step(std::max(values_[i], 0.0), slopes_[i], curvature(watches_[i].line->second_bound));
-        if (safe < h) {
-          second_h = h;
-          h = safe;
-          nearest = i;
-        } else if (safe < second_h) {
-          second_h = safe;
-        }
-      }
-    };
-    look(0);
-    const double window_s = std::min({2 * h, 2 * left_s, 2 * longest_window()});
-    if (fastest_growth_ > 0 && window_s > 0) look(window_s);
-    h = std::min(h, longest_window());
-    if (h == never && duration_s == never) return Ending::forever;
-
-    const bool sought = !watches_.empty() && elapsed_s_ >= watches_[nearest].departs_s && slopes_[nearest] < 0;
-    if (sought) {
-      const Watch<N>& watch = watches_[nearest];
-      const double newton = values_[nearest] / -slopes_[nearest];
-      const double bend = newton * (curvature(watch.line->second_bound) / -slopes_[nearest]);
-      if (values_[nearest] <= rounding(watch) || (bend < 0.25 && 2 * newton < second_h && 2 * newton < left_s)) {
-        ended_by_ = nearest;
-        polish(nearest);
+    const Proof proof = look_ahead(window_s);
+    if (proof.crossing_s < never) {
+      const double surely_s = 2 * proof.crossing_s;  // the crossing is unique up to here
+      if (proof.at_crossing || (surely_s < proof.others_s && surely_s < left_s && surely_s < window_s)) {
+        polish();
         return Ending::event;
       }
     }
-    if (h >= left_s) {
+    if (proof.free_s >= left_s && duration_s < never) {
       move(left_s);
       return Ending::time;
     }
-    if (step >= 16 && step % 16 == 0 && eventless()) {
+    if ((proof.free_s == never || step % 16 == 0) && eventless()) {
       if (duration_s < never) move(left_s);
       return Ending::forever;
     }
-    if (elapsed_s_ + h == elapsed_s_) h = 1e-15 * elapsed_s_;  // rounding eats the proof: the crossing is here
-    move(h);
+    const double least = 1e-15 * elapsed_s_;  // where rounding eats the proof, the crossing is here
+    move(std::max(proof.free_s, least));
   }
+}
+
+template <int N, int M>
+typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s) {
+  measure_amplitudes();
+  Proof proof{window_s, never, never, false};
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    const Watch<N>& watch = watches_[i];
+    const double departs_s = watch.departs_s - elapsed_s_;
+    if (departs_s > 0) {
+      if (departs_s < proof.free_s) {
+        proof = {departs_s, std::min(proof.others_s, proof.free_s), never, false};
+      } else {
+        proof.others_s = std::min(proof.others_s, departs_s);
+      }
+      continue;
+    }
+    const double c = std::max(value(watch), 0.0), first = slope(watch);
+    const double second = curvature(watch.line->second_bound);
+    const double safe = safe_step(c, first, second);
+    if (safe >= proof.free_s) {
+      proof.others_s = std::min(proof.others_s, safe);
+      continue;
+    }
+    proof = {safe, proof.free_s, never, false};
+    if (first >= 0) continue;
+    ended_by_ = i;
+    const double newton = c / -first;
+    proof.at_crossing = c <= rounding(watch);
+    // Kantorovich's condition is 1/2; the rest pays for the rounding of the bound.
+    if (proof.at_crossing || newton * (second / -first) < 0.25) proof.crossing_s = newton;
+  }
+  return proof;
 }
 
 // Newton's method to rounding.
 template <int N, int M>
-bool Segment<N, M>::polish(std::size_t index) {
-  const Watch<N>& watch = watches_[index];
+void Segment<N, M>::polish() {
+  const Watch<N>& watch = watches_[ended_by_];
   for (int iteration = 0; iteration < 8; ++iteration) {
-    const double c = value(watch);
-    const double h = c / -slope(watch);
-    if (std::abs(c) <= rounding(watch) || !std::isfinite(h)) return true;
+    const double c = value(watch), h = c / -slope(watch);
+    if (std::abs(c) <= rounding(watch) || !std::isfinite(h)) return;
     move(h);
   }
-  return false;
 }
 
 // Whether the bounds of what is watched over all time exclude an event.
 template <int N, int M>
 bool Segment<N, M>::eventless() const {
-  if (fastest_growth_ > 0) return false;
+  if (set_->flow.window_s() < never) return false;
   const auto& blocks = set_->flow.blocks();
   for (const Watch<N>& watch : watches_) {
     if (watch.line->drifts) return false;
     double least = value(watch) - watch.sign * dot(watch.line->settled, x_);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-      least -= watch.line->settled_bound[static_cast<Eigen::Index>(b)] * Flow::amplitude(blocks[b], x_.data()) *
-               Flow::growth(blocks[b], 0);
+      least -= watch.line->settled_bound[static_cast<Eigen::Index>(b)] * Flow::amplitude(blocks[b], x_.data());
     }
     if (!(least > 0) && watch.departs_s < never) return false;
   }

@@ -20,9 +20,9 @@ constexpr int twice(int size) { return size == Eigen::Dynamic ? Eigen::Dynamic :
 // A linear form of the motion, value = integral . Y + now . x with Y the integral of x, and its derivatives.
 template <int N>
 struct Line {
-  using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, twice(N)>;
+  using Row = Eigen::Matrix<double, 1, twice(N)>;  // padded with zeros to 2 n
   Row integral, now, first, second, third;
-  Row second_bound, third_bound;  // by block: derivative <= sum of bound times amplitude
+  Row second_bound, third_bound;  // by block: derivative <= sum of bound times amplitude, for window_s()
   Row settled;                    // first = settled A: the value is constant + settled . x
   Row settled_bound;
   bool drifts = false;  // no such row: the value grows without end
@@ -41,9 +41,10 @@ struct Facet {
 
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 struct StickSet {
-  using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, twice(N), 1>;
-  using Wide = Eigen::Matrix<double, N, Eigen::Dynamic, N == 1 ? Eigen::RowMajor : Eigen::ColMajor, N, twice(N)>;
-  using Tall = Eigen::Matrix<double, Eigen::Dynamic, N, Eigen::ColMajor, twice(N), N>;
+  // Padded with zeros to 2 n, so that the compiler knows the size.
+  using Coordinates = Eigen::Matrix<double, twice(N), 1>;
+  using Wide = Eigen::Matrix<double, N, twice(N), N == 1 ? Eigen::RowMajor : Eigen::ColMajor>;
+  using Tall = Eigen::Matrix<double, twice(N), N>;
 
   DirectionSet sticking = 0;  // with all directions that cannot slide while these stick
   Flow flow;
@@ -56,13 +57,13 @@ struct StickSet {
 
 StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions);
 
+// The same with sizes fixed.
 template <int N>
 Line<N> fixed(const Line<Eigen::Dynamic>& line) {
   return {line.integral,     line.now,         line.first,   line.second,        line.third,
           line.second_bound, line.third_bound, line.settled, line.settled_bound, line.drifts};
 }
 
-// The same with sizes fixed.
 template <int N, int M>
 StickSet<N, M> fixed(const StickSet<>& set) {
   StickSet<N, M> result{set.sticking, set.flow, set.velocity, set.from_velocity, set.from_force, set.mobility, {}, {}};
