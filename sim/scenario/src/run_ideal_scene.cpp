@@ -148,9 +148,9 @@ class IdealScene {
 
 }  // namespace
 
-Result run_ideal_scene(const Scenario& scene, const RecordingOptions& recording) {
+Result run_ideal_scene(const Scenario& scenario, const RecordingOptions& recording) {
   const auto begin = std::chrono::steady_clock::now();
-  Result result = IdealScene{scene, recording}.run();
+  Result result = IdealScene{scenario, recording}.run();
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
