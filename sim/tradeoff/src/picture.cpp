@@ -99,10 +99,10 @@ plot $nearest using 1:2 with points linestyle 4 pointtype 4 title 'nearest', \
      $cubic using 1:2 with linespoints linestyle 1 title 'cubic Hermite', \
      $series using 1:2 with linespoints linestyle 5 title 'Chebyshev', \
      $exact using 1:2 with points linestyle 3 title 'exact', \
-     $nearest using 1:2:(sprintf(' %d B', $3)) with labels left font ',11' notitle, \
-     $linear using 1:2:(sprintf(' %d B', $3)) with labels left font ',11' notitle, \
-     $cubic using 1:2:(sprintf(' %d B', $3)) with labels left font ',11' notitle, \
-     $series using 1:2:(sprintf(' %d B', $3)) with labels left font ',11' notitle
+     $nearest using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
+     $linear using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
+     $cubic using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
+     $series using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle
 unset offsets
 )",
                             unit(f));
@@ -137,7 +137,7 @@ plot $fine using 1:2 with linespoints linestyle 1 title 'fine encoder', \
 std::string to_svg(const Frontiers& f) {
   return report::draw_svg("tradeoff", width_px, height_px,
                           std::string{style} +
-                              "set multiplot layout 2,2 margins 0.08,0.98,0.07,0.96 spacing 0.1,0.12\n" +
+                              "set multiplot layout 2,2 margins 0.08,0.98,0.09,0.95 spacing 0.1,0.17\n" +
                               integrators(f) + order(f) + evaluators(f) + periods(f) + "unset multiplot\n") +
          "\n";
 }

@@ -161,7 +161,7 @@ TEST_F(Command, ReportsAFullDiskBehindStandardOutput) {
 }
 
 TEST_F(Command, HelpsWithAnExampleAndTheExitCodes) {
-  for (const char* subcommand : {"", "simulate ", "k3 ", "design ", "study "}) {
+  for (const char* subcommand : {"", "simulate ", "k3 ", "design ", "study ", "basin ", "tradeoff "}) {
     const Ended help = run(std::string{subcommand} + "--help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example: breakaway "), std::string::npos) << subcommand;
@@ -229,6 +229,37 @@ TEST_F(Command, KeepsTheContractOfDesign) {
   EXPECT_NE(ended.out.find("\"certified\": true"), std::string::npos);
 }
 
+// Quick: no instructions are counted. Midpoint steps are of the first order, and each method is in its place.
+TEST_F(Command, KeepsTheContractOfTradeoff) {
+  const Ended ended = run("tradeoff --quick --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out,
+              {"quick", "cost_unit", "integrators", "step_s", "error_m", "order", "wrong_verdict_share", "instructions",
+               "time_ratio", "impulsive_time_stepping", "ball_m", "predicted_ball_m", "k3_evaluators", "bytes",
+               "relative_error", "control_periods", "accuracy_floor_m", "worst_error_m", "scene_parts"});
+  EXPECT_NE(ended.out.find("\"cost_unit\": \"time_ratio\""), std::string::npos);
+  const auto after = [&](const std::string& text) { return ended.out.substr(ended.out.find(text)); };
+  EXPECT_LT(figure(after("\"event-driven\""), "error_m"), 1e-13);
+  const std::string midpoint = after("\"method\": \"midpoint\", \"step_s\": 0.01");
+  EXPECT_NEAR(figure(midpoint, "order"), 1, 0.2);
+  EXPECT_EQ(figure(midpoint, "wrong_verdict_share"), 0);
+  EXPECT_GT(figure(after("\"implicit Euler\""), "wrong_verdict_share"), 0.05);
+  const std::string flashed = after("\"cubic Hermite\", \"scalar\": \"float\", \"nodes\": 267");
+  EXPECT_LT(figure(flashed, "relative_error_hard"), 4e-7);
+  EXPECT_LE(figure(flashed, "bytes"), 2150);
+  EXPECT_NEAR(figure(after("\"control_periods\""), "accuracy_floor_m"), 1.8 * 0.0005 * 0.0005, 1e-15);
+}
+
+TEST_F(Command, DrawsAndDescribesTheTradeoff) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_EQ(run("tradeoff --quick --picture " + path("a.svg") + " --page " + path("a.md")).exit_code, 0);
+  EXPECT_NE(content(path("a.svg")).find("<svg"), std::string::npos);
+  EXPECT_TRUE(content(path("a.md")).starts_with("# Speed against accuracy\n"));
+  EXPECT_NE(content(path("a.md")).find("## Which method to take"), std::string::npos);
+  expect_refused("tradeoff --quick --json " + path("none/a.json"), {"none/a.json"});
+  expect_refused("tradeoff --work nothing", {"--work", "nothing"});
+}
+
 TEST_F(Command, ExitsWithOneWhenTheAxisDoesNotSettleOrIsNotCertified) {
   std::string text = content(scenarios + "impulsive_example.toml");
   text.replace(text.find("duration_s = 60"), 15, "duration_s = 4");
@@ -293,6 +324,57 @@ TEST_F(Command, WritesASelfContainedReport) {
   for (const char* title : {"Response", "Phase plane", "Impulse law", "Friction", "Kicks"}) {
     EXPECT_NE(html.find("<h2>" + std::string{title}), std::string::npos) << title;
   }
+}
+
+const std::string two_masses = scenarios + "two_mass_example.toml";
+
+TEST_F(Command, KeepsTheContractOfASimulatedMachine) {
+  const Ended ended = run("simulate " + two_masses + " --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"modes", "events", "time_s", "kind", "dof", "settled", "settling_time_s", "q_end", "v_end"});
+  EXPECT_NE(ended.out.find("\"settled\": true"), std::string::npos);
+  expect_refused("simulate " + two_masses + " --report " + path("a.html"), {"--report", "--json"});
+}
+
+TEST_F(Command, KeepsTheContractOfBasin) {
+  const Ended ended = run("basin " + two_masses + " --grid 41 --window 6 --json - --csv " + path("a.csv"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(ended.err.empty()) << "progress is for terminals";
+  expect_keys(ended.out, {"attracted", "lost", "undecided", "area_true", "area_certified", "trajectories_per_s"});
+  EXPECT_NEAR(figure(ended.out, "area_true"), 106.372, 0.5);  // 41 points an axis tell it to a few tenths
+  EXPECT_NEAR(figure(ended.out, "area_certified"), 58.0416, 1e-4);
+  const std::string csv = content(path("a.csv"));
+  EXPECT_TRUE(csv.starts_with("x1,x2,attracted,time_s\n-6,-6,1,"));
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 41 * 41 + 1);
+}
+
+TEST_F(Command, MergesShardsToTheSameTable) {
+  const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
+  ASSERT_EQ(run(basin + "--csv " + path("whole") + " --threads 1").exit_code, 0);
+  ASSERT_EQ(run(basin + "--shard 1/2 --csv " + path("1")).exit_code, 0);
+  expect_refused(basin + "--merge " + path("1") + " --csv " + path("all"), {"--merge", "missing"});
+  EXPECT_FALSE(fs::exists(path("all")));
+  ASSERT_EQ(run(basin + "--shard 2/2 --resume " + path("2")).exit_code, 0);
+  ASSERT_EQ(run(basin + "--merge " + path("1") + " " + path("2") + " --csv " + path("all")).exit_code, 0);
+  EXPECT_EQ(content(path("all")), content(path("whole")));
+}
+
+TEST_F(Command, RefusesBasinsThatCannotBe) {
+  const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
+  expect_refused("basin " + two_masses + " --window 6", {"--grid"});
+  expect_refused("basin " + two_masses + " --grid 1 --window 6", {"--grid"});
+  expect_refused("basin " + two_masses + " --grid 15 --window nan", {"--window", "nan"});
+  expect_refused("basin " + two_masses + " --grid 100000 --window 6", {"--grid", "--shard"});
+  expect_refused(basin + "--plane 1,5", {"--plane", "1,5"});
+  expect_refused(basin + "--plane 2,2", {"--plane"});
+  expect_refused(basin + "--shard 3/2", {"--shard", "3/2"});
+  expect_refused(basin + "--shard 1", {"--shard"});
+  expect_refused(basin + "--picture a.pdf", {"a.pdf", ".svg"});
+  expect_refused(basin + "--csv a --json a", {"two outputs"});
+  expect_refused(basin + "--merge /nowhere", {"/nowhere"});
+  expect_refused(basin + "--resume /nowhere/a", {"/nowhere/a"});
+  expect_refused("basin " + scenarios + "can_axis.toml --grid 15 --window 6", {"can_axis.toml", "machine"});
+  expect_refused(basin + "--csv /nowhere/a", {"/nowhere/a"});
 }
 
 }  // namespace
