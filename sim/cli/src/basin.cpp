@@ -229,9 +229,9 @@ void add_basin(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1024));
   command->footer(
       std::string{
-          "Examples: breakaway basin sim/scenarios/two_mass_example.toml --grid 401 --window 6 --picture basin.svg\n"
-          "          breakaway basin S.toml --grid 4001 --window 6 --shard 1/2 --csv 1.csv    (and 2/2, elsewhere)\n"
-          "          breakaway basin S.toml --grid 4001 --window 6 --merge 1.csv 2.csv --csv all.csv\n"} +
+          "Example: breakaway basin sim/scenarios/two_mass_example.toml --grid 401 --window 6 --picture basin.svg\n"
+          "         breakaway basin S.toml --grid 4001 --window 6 --shard 1/2 --csv 1.csv    (and 2/2, elsewhere)\n"
+          "         breakaway basin S.toml --grid 4001 --window 6 --merge 1.csv 2.csv --csv all.csv\n"} +
       exit_codes);
   command->callback([options, &exit_code] { exit_code = basin_of(*options); });
 }

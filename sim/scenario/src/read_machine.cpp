@@ -130,6 +130,8 @@ MachineScenario read(const toml::table& document, const std::string& name) {
   const Section root{document, name, ""};
   MachineScenario s;
   s.file = name;
+  if (!root.has("machine"))
+    root.fail("machine", "is missing; give it mass, damping, stiffness, directions and friction_N");
   std::optional<Section> machine, feedback, start;
   root.read({
       optional("title", text(s.title)),
@@ -164,12 +166,15 @@ MachineScenario read_machine_scenario(const std::filesystem::path& file) {
   return parse_machine_scenario(file_contents(file), file.string());
 }
 
-std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file) {
-  const std::string text = file_contents(file), name = file.string();
+std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name) {
   const bool machine =
       with_document(text, name, [](const toml::table& document) { return document.contains("machine"); });
   if (machine) return parse_machine_scenario(text, name);
   return parse_scenario(text, name);
+}
+
+std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file) {
+  return parse_any_scenario(file_contents(file), file.string());
 }
 
 }  // namespace breakaway::scenario

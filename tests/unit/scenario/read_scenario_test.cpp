@@ -9,11 +9,14 @@
 #include <string>
 
 #include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
 
 namespace {
 
 using breakaway::scenario::InputError;
+using breakaway::scenario::parse_any_scenario;
 using breakaway::scenario::parse_scenario;
+using breakaway::scenario::read_any_scenario;
 using breakaway::scenario::read_scenario;
 using breakaway::scenario::Scenario;
 
@@ -42,7 +45,7 @@ std::string with(std::string text, const std::string& from, const std::string& t
 
 std::string refusal(const std::string& text) {
   try {
-    parse_scenario(text, "axis.toml");
+    parse_any_scenario(text, "axis.toml");
   } catch (const InputError& error) {
     return error.what();
   }
@@ -192,7 +195,7 @@ TEST(ReadScenario, NamesOnlyThePartsThatTheFileNames) {
 
 TEST(ReadScenario, AcceptsEveryScenarioOfTheProject) {
   for (const auto& entry : std::filesystem::directory_iterator{BREAKAWAY_SOURCE_DIR "/sim/scenarios"}) {
-    EXPECT_NO_THROW(read_scenario(entry.path())) << entry.path();
+    EXPECT_NO_THROW(read_any_scenario(entry.path())) << entry.path();
   }
 }
 

@@ -36,5 +36,6 @@ MachineScenario parse_machine_scenario(std::string_view text, const std::string&
 
 // A machine if the file has a [machine], else an axis.
 std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file);
+std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name);
 
 }  // namespace breakaway::scenario
