@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "can_axis.hpp"
@@ -28,16 +30,19 @@ Frontiers measure(const Options& options) {
   return f;
 }
 
+std::vector<Work> all_works() {
+  std::vector<Work> all;
+  for (const auto& works : {integrator_works(), evaluator_works(), scene_part_works()})
+    all.insert(all.end(), works.begin(), works.end());
+  return all;
+}
+
 void do_work(const std::string& name, std::uint64_t repeats) {
-  for (const auto& works : {integrator_works(), evaluator_works(), scene_part_works()}) {
-    for (const Work& work : works) {
-      if (work.name != name) continue;
-      const auto ready = work.prepare();
-      for (std::uint64_t i = 0; i < repeats; ++i) ready();
-      return;
-    }
-  }
-  throw scenario::InputError{fmt::format("--work: there is no work {}", name)};
+  const auto all = all_works();
+  const auto found = std::ranges::find(all, name, &Work::name);
+  if (found == all.end()) throw scenario::InputError{fmt::format("--work: there is no work {}", name)};
+  const auto ready = found->prepare();
+  for (std::uint64_t i = 0; i < repeats; ++i) ready();
 }
 
 }  // namespace breakaway::tradeoff

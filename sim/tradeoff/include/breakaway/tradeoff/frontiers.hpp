@@ -77,6 +77,9 @@ struct Options {
 
 Frontiers measure(const Options& options);
 
+// Everything whose cost is measured.
+std::vector<Work> all_works();
+
 // Prepares the work of this name and does it `repeats` times: for the counting of instructions from outside. Throws
 // scenario::InputError when there is none.
 void do_work(const std::string& name, std::uint64_t repeats);
