@@ -32,7 +32,7 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
       generator_{ExtendedMatrix::Zero(2 * k_, 2 * k_)} {
   if (k_ == 0) return;
   if (!decouple(damping, stiffness) && !diagonalise(damping, stiffness)) keep_dense(damping, stiffness);
-  inverse_ = modes_.fullPivLu().inverse();
+  inverse_ = modes_.partialPivLu().inverse();  // which looks at no scale
   dense_ = generator_.cast<double>();
   for (const Block& block : blocks_) {
     const double turns = block.kind == Block::Kind::dense ? 1 : 0.25;
@@ -41,7 +41,7 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
 }
 
 // By how much at most the block's amplitude grows within window_s().
-double Flow::growth(const Block& block) const {
+double Flow::growth_of(const Block& block) const {
   const double x = block.rate > 0 ? block.rate * window_s_ : 0;
   const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
   if (block.kind != Block::Kind::critical) return exponential;
@@ -50,12 +50,25 @@ double Flow::growth(const Block& block) const {
   return block.rate < 0 ? 1.02 : exponential * exponential * (1 + x);
 }
 
-double Flow::bound(const Block& block, const ExtendedMatrix& row) const {
+void Flow::bound(const Block& block, const ExtendedMatrix& row, double* bounds) const {
   const ExtendedMatrix part = row.middleCols(block.first, block.size);
-  Extended norm = part.cwiseAbs().maxCoeff();
-  if (block.kind == Block::Kind::complex) norm = part.stableNorm();
-  if (block.kind == Block::Kind::free) norm = std::abs(part(0, 1));
-  return static_cast<double>(norm) * growth(block);
+  double* const bound = bounds + block.first;
+  const double growth = growth_of(block);
+  const auto grown = [growth](Extended size) { return static_cast<double>(size) * growth; };
+  switch (block.kind) {
+    case Block::Kind::pair:  // along the eigenvectors (1, lambda)
+      bound[0] = grown(std::abs(part(0, 0) + part(0, 1) * block.rate));
+      bound[1] = grown(std::abs(part(0, 0) + part(0, 1) * block.lesser));
+      break;
+    case Block::Kind::complex:
+      bound[0] = grown(part.stableNorm());
+      break;
+    case Block::Kind::free:
+      bound[1] = grown(std::abs(part(0, 1)));
+      break;
+    default:
+      bound[0] = grown(part.cwiseAbs().maxCoeff());
+  }
 }
 
 // Symmetric C and K that commute: k scalar oscillators, known without an unsymmetric eigenproblem.
@@ -98,18 +111,22 @@ void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Ei
     column(0, 1, mean);
     column(1, 0, coupling);
     generator_.block(first, first, 2, 2) << mean, coupling, discriminant / coupling, mean;
-    blocks_.push_back({Block::Kind::critical, first, 2, static_cast<double>(mean), 0, static_cast<double>(discriminant),
-                       static_cast<double>(coupling)});
+    Block block{Block::Kind::critical, first, 2, static_cast<double>(mean)};
+    block.delta_squared = static_cast<double>(discriminant);
+    block.coupling = static_cast<double>(coupling);
+    blocks_.push_back(block);
   } else if (discriminant < 0) {
     column(0, 1, mean);
     column(1, 0, root);
     add_complex(first, mean, root);
   } else {
     const Extended large = mean > 0 ? mean + root : mean - root, small = k / large;
-    column(0, 1, large);
-    column(1, 1, small);
-    add_real(first, large);
-    add_real(first + 1, small);
+    column(0, 1, 0);
+    column(1, 0, 1);
+    generator_.block(first, first, 2, 2) << 0, 1, -k, -c;
+    Block block{Block::Kind::pair, first, 2, static_cast<double>(std::max(large, small))};
+    block.lesser = static_cast<double>(std::min(large, small));
+    blocks_.push_back(block);
   }
 }
 
@@ -120,7 +137,8 @@ void Flow::add_real(Eigen::Index at, Extended value) {
 
 void Flow::add_complex(Eigen::Index at, Extended rate, Extended frequency) {
   generator_.block(at, at, 2, 2) << rate, frequency, -frequency, rate;
-  Block block{Block::Kind::complex, at, 2, static_cast<double>(rate), static_cast<double>(frequency)};
+  Block block{Block::Kind::complex, at, 2, static_cast<double>(rate)};
+  block.frequency = static_cast<double>(frequency);
   const Extended square = rate * rate + frequency * frequency;
   block.inverse_re = static_cast<double>(rate / square);
   block.inverse_im = static_cast<double>(-frequency / square);

@@ -53,9 +53,7 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const
   Line<Eigen::Dynamic> line;
   const Eigen::Index width = 2 * coordinates;
   line.second_bound = line.third_bound = line.settled_bound = Eigen::RowVectorXd::Zero(width);
-  const auto count = static_cast<Eigen::Index>(flow.blocks().size());
-  for (Eigen::Index b = 0; b < count; ++b) {
-    const Block& block = flow.blocks()[static_cast<std::size_t>(b)];
+  for (const Block& block : flow.blocks()) {
     const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
     const Eigen::FullPivLU<ExtendedMatrix> factors(part);
     const ExtendedMatrix slope = first.middleCols(block.first, block.size);
@@ -64,9 +62,9 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const
     } else if (slope.cwiseAbs().maxCoeff() > 0) {
       line.drifts = true;
     }
-    line.second_bound[b] = flow.bound(block, second);
-    line.third_bound[b] = flow.bound(block, third);
-    line.settled_bound[b] = flow.bound(block, settled);
+    flow.bound(block, second, line.second_bound.data());
+    flow.bound(block, third, line.third_bound.data());
+    flow.bound(block, settled, line.settled_bound.data());
   }
   line.integral = padded(integral, 1, width);
   line.now = padded(now, 1, width);

@@ -77,7 +77,8 @@ class EventDriven {
 
   void normalise_forces();
   const Set& set(DirectionSet directions) const;
-  bool frictionless(Eigen::Index i) const { return machine_.friction_N[i] == 0; }
+  bool all_stick(const Walk& walk) const { return (walk.signs.array() == 0).all(); }
+  bool frictionless(Eigen::Index i) const { return machine_.friction_N[i] == 0 || delassus_(i, i) == 0; }
 
   Walk begin(const MachineState<N>& start) const;
   MachineState<N> state(const Walk& walk) const;
@@ -186,9 +187,7 @@ typename EventDriven<N, M>::Coordinates EventDriven<N, M>::coordinates(const Wal
 // Neither velocity nor acceleration, to rounding.
 template <int N, int M>
 bool EventDriven<N, M>::resting(const Walk& walk, const Set& in) const {
-  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (walk.signs[i] != 0) return false;
-  }
+  if (!all_stick(walk)) return false;
   if (in.flow.size() == 0) return true;
   if ((walk.v.array() != 0).any()) return false;
   const Vector terms = force(walk).cwiseAbs() + machine_.stiffness.cwiseAbs() * walk.q.cwiseAbs();
@@ -212,10 +211,11 @@ bool EventDriven<N, M>::holds(const Walk& walk, const Set& in) const {
 // Decides which of the stopped directions stick and which slide, and how.
 template <int N, int M>
 void EventDriven<N, M>::choose_mode(Walk& walk, DirectionSet stopped) const {
+  if (stopped != 0) stopped = set(stopped).sticking;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (contains(stopped, i)) walk.signs[i] = 0;
   }
-  walk.sticking = stopped == 0 ? 0 : set(stopped).sticking;
+  walk.sticking = stopped;
   if (!holds(walk, set(walk.sticking))) {
     stopped &= ~release_by_acceleration(walk, stopped);
     walk.sticking = set(stopped).sticking;
@@ -224,28 +224,25 @@ void EventDriven<N, M>::choose_mode(Walk& walk, DirectionSet stopped) const {
 }
 
 // The accelerations at a stop: gamma = A lambda + b with lambda_i in -f_i Sign(gamma_i). With lambda = f (z1 - 1) and
-// gamma = w1 - z2 this is a linear complementarity problem of twice the size; forces are measured in f_i.
+// gamma = w1 - z2 this is a linear complementarity problem of twice the size; each row and force in its own unit.
 template <int N, int M>
 DirectionSet EventDriven<N, M>::release_by_acceleration(Walk& walk, DirectionSet stopped) const {
   Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (contains(stopped, i)) index.add(i);
+    if (contains(stopped, i) && !frictionless(i)) index.add(i);
   }
   const auto count = index.size;
   const Vector acceleration =
       machine_.mass.llt().solve(Vector{force(walk) - machine_.stiffness * walk.q - machine_.damping * walk.v});
   if (count == 1) {  // static friction does not hold it, so it slides
     walk.signs[index[0]] = machine_.directions.col(index[0]).dot(acceleration) > 0 ? 1 : -1;
-    return stopped;
+    return only(index[0]);
   }
   LcpMatrix<pairs> a = LcpMatrix<pairs>::Zero(2 * count, 2 * count);
   LcpVector<pairs> b(2 * count);
-  double unit = 0;
-  for (const Eigen::Index i : index)
-    unit = std::max(unit, delassus_(i, i) * machine_.friction_N[i] * machine_.friction_N[i]);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Eigen::Index i = index[r];
-    const double weight = machine_.friction_N[i] / unit;
+    const double weight = 1 / (delassus_(i, i) * machine_.friction_N[i]);
     b[r] = weight * machine_.directions.col(i).dot(acceleration);
     for (Eigen::Index c = 0; c < count; ++c) {
       const Eigen::Index j = index[c];
@@ -411,6 +408,9 @@ void EventDriven<N, M>::record(Walk& walk, const Signs& before) const {
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log,
                                   const Observer<N>& observer) const {
+  if (!(end_time_s >= start.time_s)) {
+    throw std::invalid_argument{"the end time is no number or before the start: give a later one"};
+  }
   Walk walk = begin(start);
   walk.log = log;
   const auto finish = [&](Verdict verdict) {
@@ -434,9 +434,12 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     const auto ending = walk.segment.advance((end_time_s - walk.time_s) - walk.time_rest_s);
     leave_segment(walk);
     if (ending != Segment<N, M>::Ending::event) {
-      if (ending == Segment<N, M>::Ending::time || end_time_s < never) walk.time_s = end_time_s;
+      if (end_time_s < never) walk.time_s = end_time_s;
       if (observer) observer(state(walk));
-      return finish(Verdict::undecided);
+      const bool for_ever = ending == Segment<N, M>::Ending::forever && all_stick(walk);
+      return finish(!for_ever                                 ? Verdict::undecided
+                    : in.flow.decays(walk.segment.x().data()) ? Verdict::captured
+                                                              : Verdict::lost);
     }
     handle_event(walk);
     at_once = walk.segment.elapsed_s() > 0 ? 0 : at_once + 1;

@@ -3,6 +3,9 @@
 // The velocity u = y' and the acceleration a = u' obey z' = A z with z = (u, a), whatever the constant force and
 // however singular K: no rest position is needed. Modal coordinates x with u = U x make A block diagonal:
 //   real      x' = lambda x
+//   pair      (x1, x2)' = (x2, (lambda1 + lambda2) x2 - lambda1 lambda2 x1): kept together, since apart they cancel
+//   where
+//             the motion is short compared with 1 / lambda
 //   complex   (x1, x2)' = [alpha beta; -beta alpha] (x1, x2)
 //   critical  (x1, x2)' = [mu sigma; delta^2/sigma mu] (x1, x2): two eigenvalues mu +- delta too close to be told apart
 //   free      (x1, x2)' = (x2, 0): a mass without spring or damper
@@ -22,11 +25,12 @@ using ExtendedMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic
 using ExtendedVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 struct Block {
-  enum class Kind { real, complex, critical, free, dense };
+  enum class Kind { real, pair, complex, critical, free, dense };
   Kind kind;
   Eigen::Index first;    // coordinate
   Eigen::Index size;     // coordinates
-  double rate = 0;       // lambda, alpha or mu; the 1-norm of A for a dense block
+  double rate = 0;       // lambda, alpha or mu, the greater of a pair; the 1-norm of A for a dense block
+  double lesser = 0;     // the other eigenvalue of a pair
   double frequency = 0;  // beta
   double delta_squared = 0;
   double coupling = 1;    // sigma
@@ -51,6 +55,13 @@ class Flow {
   // How far ahead bound() holds: until what grows has grown by a quarter, or for ever.
   double window_s() const { return window_s_; }
 
+  // Whether the motion dies away: all of it that there is.
+  bool decays(const double* x) const {
+    return std::all_of(blocks_.begin(), blocks_.end(), [x](const Block& block) {
+      return (block.rate < 0 && block.kind != Block::Kind::dense) || norm1(x + block.first, block.size) == 0;
+    });
+  }
+
   // x <- e^(A h) x and integral <- integral + the integral of x over h.
   void propagate(double h, double* x, double* integral) const {
     for (const Block& block : blocks_) {
@@ -58,6 +69,9 @@ class Flow {
       switch (block.kind) {
         case Block::Kind::real:
           propagate_real(block, h, *state, *sum);
+          break;
+        case Block::Kind::pair:
+          propagate_pair(block, h, state, sum);
           break;
         case Block::Kind::complex:
           propagate_complex(block, h, state, sum);
@@ -75,25 +89,32 @@ class Flow {
     }
   }
 
-  // A size of the block's coordinates, and what times it bounds a linear form of them over the next window_s(). For a
-  // free mass: a form of x2 alone, as derivatives of anything are.
-  static double amplitude(const Block& block, const double* x) {
+  // Sizes of the block's coordinates: a linear form of x is at most the sum of bound() times them for the next
+  // window_s(). For a free mass: a form of x2 alone, as derivatives of anything are.
+  static void amplitudes(const Block& block, const double* x, double* sizes) {
     const double* const state = x + block.first;
+    double* const size = sizes + block.first;
     switch (block.kind) {
-      case Block::Kind::real:
-        return std::abs(*state);
-      case Block::Kind::free:
-        return std::abs(state[1]);
+      case Block::Kind::pair: {
+        const double apart = 1 / (block.rate - block.lesser);
+        size[0] = std::abs((state[1] - block.lesser * state[0]) * apart);
+        size[1] = std::abs((state[1] - block.rate * state[0]) * apart);
+        break;
+      }
       case Block::Kind::complex: {
         // At least the Euclidean norm, at most 8 % more, and free of overflow.
         const double a = std::abs(state[0]), b = std::abs(state[1]);
-        return std::max(a, b) + 0.41421356237309515 * std::min(a, b);
+        size[0] = std::max(a, b) + 0.41421356237309515 * std::min(a, b);
+        break;
       }
+      case Block::Kind::free:
+        size[1] = std::abs(state[1]);
+        break;
       default:
-        return norm1(state, block.size);
+        size[0] = norm1(state, block.size);
     }
   }
-  double bound(const Block& block, const ExtendedMatrix& row) const;
+  void bound(const Block& block, const ExtendedMatrix& row, double* bounds) const;
 
  private:
   using Extended = long double;
@@ -105,7 +126,7 @@ class Flow {
   bool diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void propagate_dense(double h, double* x, double* sum) const;
-  double growth(const Block& block) const;
+  double growth_of(const Block& block) const;
 
   static double norm1(const double* x, Eigen::Index size) {
     double sum = 0;
@@ -114,10 +135,8 @@ class Flow {
   }
 
   static void propagate_real(const Block& block, double h, double& x, double& sum) {
-    const double change = std::expm1(block.rate * h);
-    // (e^(lambda h) - 1) / lambda, also where 1 / lambda overflows.
-    sum += x * (std::abs(block.rate * h) < 1e-290 ? h : change / block.rate);
-    x += x * change;
+    sum += x * integral(block.rate, h);
+    x += x * std::expm1(block.rate * h);
   }
 
   static void propagate_complex(const Block& block, double h, double* x, double* sum) {
@@ -144,6 +163,44 @@ class Flow {
     const double x0 = x[0];
     x[0] += change_re * x[0] + change_im * x[1];
     x[1] += change_re * x[1] - change_im * x0;
+  }
+
+  // (e^(lambda h) - 1) / lambda, also where 1 / lambda overflows.
+  static double integral(double lambda, double h) {
+    return std::abs(lambda * h) < 1e-290 ? h : std::expm1(lambda * h) / lambda;
+  }
+
+  // The integral over h of (e^(other t) - e^(one t)) / (other - one), with that of e^(one t) given.
+  static double integral_of_difference(double one, double other, double h, double integral_of_one) {
+    if (std::max(std::abs(one), std::abs(other)) * h > 0.5) {
+      return (integral(other, h) - integral_of_one) / (other - one);
+    }
+    // sum of h^(j + 2) / (j + 2)! times the sum of one^i other^(j - i).
+    double symmetric = 1, power = 1, term = 0.5 * h * h, sum = term;
+    for (int j = 1; j <= 13; ++j) {
+      power *= one * h;
+      symmetric = symmetric * other * h + power;
+      term *= 1.0 / (j + 2);
+      sum += term * symmetric;
+    }
+    return sum;
+  }
+
+  static void propagate_pair(const Block& block, double h, double* x, double* sum) {
+    const double one = block.lesser, other = block.rate, product = one * other;
+    const double decay = std::exp(one * h);
+    const double apart = other - one;
+    const double rise = std::expm1(apart * h);
+    // The divided differences of e^(lambda h): s, and its integral t.
+    const double s = (std::isfinite(rise) ? decay * rise : std::exp(other * h)) / apart;
+    const double first = decay - one * s, second = decay + other * s;
+    const double u = x[0], a = x[1];
+    x[0] = first * u + s * a;
+    x[1] = second * a - product * s * u;
+    // The integral of a is the change of u.
+    sum[1] += x[0] - u;
+    const double p = integral(one, h), t = integral_of_difference(one, other, h, p);
+    sum[0] += (p - one * t) * u + t * a;
   }
 
   static void propagate_free(double h, double* x, double* sum) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "breakaway/hybrid/stick_set.hpp"
@@ -20,8 +21,8 @@ inline constexpr double never = std::numeric_limits<double>::infinity();
 // The largest h with c + c' h - bound h^2 / 2 >= 0, without products that could overflow.
 inline double safe_step(double value, double slope, double bound) {
   if (slope < 0) {
-    const double newton = value / -slope;
-    return 2 * newton / (1 + std::sqrt(1 + 2 * newton * (bound / -slope)));
+    const double newton = value / -slope, bend = newton * (bound / -slope);
+    return bend < 1e30 ? 2 * newton / (1 + std::sqrt(1 + 2 * bend)) : std::sqrt(2 * (value / bound));
   }
   if (bound == 0) return never;
   const double half = slope / bound;
@@ -89,7 +90,9 @@ class Segment {
   }
   double slope(const Watch<N>& watch) const { return watch.sign * dot(watch.line->first, x_); }
   double rounding(const Watch<N>& watch) const {
-    return 2 * std::numeric_limits<double>::epsilon() * (watch.scale + dot_abs(watch.line->now, x_));
+    // The instant is rounded, too.
+    return 2 * std::numeric_limits<double>::epsilon() *
+           (watch.scale + dot_abs(watch.line->now, x_) + std::abs(slope(watch)) * elapsed_s_);
   }
 
   void measure_amplitudes();
@@ -114,16 +117,13 @@ class Segment {
   Coordinates x_, y_;
   double elapsed_s_ = 0;
   std::vector<Watch<N>> watches_;
-  Coordinates amplitude_;  // by block
+  Coordinates amplitude_;
   std::size_t ended_by_ = 0;
 };
 
 template <int N, int M>
 void Segment<N, M>::measure_amplitudes() {
-  const auto& blocks = set_->flow.blocks();
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    amplitude_[static_cast<Eigen::Index>(b)] = Flow::amplitude(blocks[b], x_.data());
-  }
+  for (const Block& block : set_->flow.blocks()) Flow::amplitudes(block, x_.data(), amplitude_.data());
 }
 
 // Quantities that start at zero are not looked at before they are proved to have left it. False: one leaves it the
@@ -169,12 +169,16 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
       }
     }
     if (proof.free_s >= left_s && duration_s < never) {
+      const bool for_ever = eventless();
       move(left_s);
-      return Ending::time;
+      return for_ever ? Ending::forever : Ending::time;
     }
     if ((proof.free_s == never || step % 16 == 0) && eventless()) {
       if (duration_s < never) move(left_s);
       return Ending::forever;
+    }
+    if (!(amplitude_.sum() < never)) {
+      throw std::overflow_error{"the motion grew beyond the largest number: end it earlier, or by an early decision"};
     }
     const double least = 1e-15 * elapsed_s_;  // where rounding eats the proof, the crossing is here
     move(std::max(proof.free_s, least));
@@ -229,13 +233,10 @@ void Segment<N, M>::polish() {
 template <int N, int M>
 bool Segment<N, M>::eventless() const {
   if (set_->flow.window_s() < never) return false;
-  const auto& blocks = set_->flow.blocks();
   for (const Watch<N>& watch : watches_) {
     if (watch.line->drifts) return false;
-    double least = value(watch) - watch.sign * dot(watch.line->settled, x_);
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      least -= watch.line->settled_bound[static_cast<Eigen::Index>(b)] * Flow::amplitude(blocks[b], x_.data());
-    }
+    const double least =
+        value(watch) - watch.sign * dot(watch.line->settled, x_) - curvature(watch.line->settled_bound);
     if (!(least > 0) && watch.departs_s < never) return false;
   }
   return true;

@@ -22,7 +22,7 @@ template <int N>
 struct Line {
   using Row = Eigen::Matrix<double, 1, twice(N)>;  // padded with zeros to 2 n
   Row integral, now, first, second, third;
-  Row second_bound, third_bound;  // by block: derivative <= sum of bound times amplitude, for window_s()
+  Row second_bound, third_bound;  // derivative <= bound . amplitudes, for window_s()
   Row settled;                    // first = settled A: the value is constant + settled . x
   Row settled_bound;
   bool drifts = false;  // no such row: the value grows without end
