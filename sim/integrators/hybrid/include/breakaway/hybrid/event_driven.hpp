@@ -84,6 +84,7 @@ class EventDriven {
   MachineState<N> state(const Walk& walk) const;
   Vector force(const Walk& walk) const;
   Coordinates coordinates(const Walk& walk, const Set& in) const;
+  Coordinates rounding(const Walk& walk, const Set& in) const;
   bool resting(const Walk& walk, const Set& in) const;
 
   void choose_mode(Walk& walk, DirectionSet stopped) const;
@@ -184,16 +185,24 @@ typename EventDriven<N, M>::Coordinates EventDriven<N, M>::coordinates(const Wal
   return in.from_velocity.lazyProduct(walk.v) + in.from_force.lazyProduct(balance);
 }
 
+// That in coordinates().
+template <int N, int M>
+typename EventDriven<N, M>::Coordinates EventDriven<N, M>::rounding(const Walk& walk, const Set& in) const {
+  const Vector terms = machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs().lazyProduct(machine_.friction_N) +
+                       machine_.stiffness.cwiseAbs().lazyProduct(walk.q.cwiseAbs()) +
+                       machine_.damping.cwiseAbs().lazyProduct(walk.v.cwiseAbs());
+  const Coordinates sizes =
+      in.from_velocity.cwiseAbs().lazyProduct(walk.v.cwiseAbs()) + in.from_force.cwiseAbs().lazyProduct(terms);
+  return 8 * std::numeric_limits<double>::epsilon() * sizes;
+}
+
 // Neither velocity nor acceleration, to rounding.
 template <int N, int M>
 bool EventDriven<N, M>::resting(const Walk& walk, const Set& in) const {
   if (!all_stick(walk)) return false;
   if (in.flow.size() == 0) return true;
   if ((walk.v.array() != 0).any()) return false;
-  const Vector terms = force(walk).cwiseAbs() + machine_.stiffness.cwiseAbs() * walk.q.cwiseAbs();
-  const Coordinates x = coordinates(walk, in);
-  const Coordinates scale = in.from_force.cwiseAbs() * terms;
-  return (x.array().abs() <= 8 * std::numeric_limits<double>::epsilon() * scale.array()).all();
+  return (coordinates(walk, in).array().abs() <= rounding(walk, in).array()).all();
 }
 
 // Whether static friction can bear what sticking needs. At the very limit it can: whether it then gives way is for
@@ -302,7 +311,7 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
   }
   const DirectionSet rest = walk.sticking & ~limited;
   const Set& left = set(rest);
-  const Coordinates x = coordinates(freed, left);
+  const Coordinates x = coordinates(freed, left), noise = rounding(freed, left);
   const auto count = index.size;
   LcpMatrix<pairs> a(count, count);
   LcpVector<pairs> b(count);
@@ -312,9 +321,9 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
     double jerk = 0, scale = 0;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
       jerk += row[j] * x[j];
-      scale += std::abs(row[j] * x[j]);
+      scale += significance * std::abs(row[j] * x[j]) + std::abs(row[j]) * noise[j];
     }
-    b[r] = std::abs(jerk) <= significance * scale ? 0 : slide[i] * jerk;
+    b[r] = std::abs(jerk) <= scale ? 0 : slide[i] * jerk;
     for (Eigen::Index c = 0; c < count; ++c) {
       const Eigen::Index j = index[c];
       a(r, c) = slide[i] * slide[j] * machine_.directions.col(i).dot(left.mobility * machine_.directions.col(j));
@@ -341,7 +350,7 @@ void EventDriven<N, M>::release_by_jerk(Walk& walk, int forced_facet) const {
 
 template <int N, int M>
 void EventDriven<N, M>::start_segment(Walk& walk, const Set& in) const {
-  walk.segment.start(in, coordinates(walk, in));
+  walk.segment.start(in, coordinates(walk, in), rounding(walk, in));
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (walk.signs[i] == 0) continue;
     walk.segment.watch({&in.sliding[static_cast<std::size_t>(i)], walk.signs[i], 0, 0, static_cast<int>(i), -1, 0});

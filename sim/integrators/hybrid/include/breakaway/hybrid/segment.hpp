@@ -51,9 +51,11 @@ class Segment {
 
   enum class Ending { time, event, forever };
 
-  void start(const Set& set, const Coordinates& x) {
+  // noise: the rounding in x.
+  void start(const Set& set, const Coordinates& x, const Coordinates& noise) {
     set_ = &set;
     x_ = x;
+    noise_ = noise;
     y_.setZero(x.size());
     amplitude_.setZero(x.size());
     elapsed_s_ = 0;
@@ -95,6 +97,9 @@ class Segment {
            (watch.scale + dot_abs(watch.line->now, x_) + std::abs(slope(watch)) * elapsed_s_);
   }
 
+  bool significant(const Row& row) const {
+    return std::abs(dot(row, x_)) > significance * dot_abs(row, x_) + dot_abs(row, noise_);
+  }
   void measure_amplitudes();
   double curvature(const Row& bound) const { return dot(bound, amplitude_); }
   void move(double h) {
@@ -114,7 +119,7 @@ class Segment {
   bool eventless() const;
 
   const Set* set_ = nullptr;
-  Coordinates x_, y_;
+  Coordinates x_, y_, noise_;
   double elapsed_s_ = 0;
   std::vector<Watch<N>> watches_;
   Coordinates amplitude_;
@@ -138,17 +143,19 @@ bool Segment<N, M>::set_departures() {
     if (value(watch) > 8 * rounding(watch)) continue;
     ended_by_ = i;
     const double first = slope(watch);
-    if (std::abs(first) > significance * dot_abs(watch.line->first, x_)) {
+    if (significant(watch.line->first)) {
       if (first < 0) return false;
       watch.departs_s = std::min(first / curvature(watch.line->second_bound), window_s);
       continue;
     }
     const double second = watch.sign * dot(watch.line->second, x_);
-    if (std::abs(second) > significance * dot_abs(watch.line->second, x_)) {
+    if (significant(watch.line->second)) {
       if (second < 0) return false;
       watch.departs_s = std::min(second / curvature(watch.line->third_bound), window_s);
     } else {
-      watch.departs_s = never;  // a quantity that is zero and stays so
+      // Zero and stays so, as far as rounding can tell: looked at again when the motion has had time to change.
+      const double pace = 0.1 * dot_abs(watch.line->first, x_) / curvature(watch.line->second_bound);
+      watch.departs_s = pace > 0 ? std::min(pace, window_s) : never;
     }
   }
   return true;
