@@ -17,16 +17,20 @@ struct TradeoffFiles {
   bool quick = false;
 };
 
+std::string figure(double value, const char* unit) {
+  return std::isfinite(value) ? fmt::format("{:>10.3g} {}", value, unit) : fmt::format("{:>10} {}", "-", unit);
+}
+
 std::string cost_text(const tradeoff::Cost& cost) {
-  const std::string ratio = fmt::format("{:>10.3g} x", cost.time_ratio);
+  const std::string ratio = figure(cost.time_ratio, "x");
   return std::isfinite(cost.instructions) ? fmt::format("{} {:>14.0f} instructions", ratio, cost.instructions) : ratio;
 }
 
 void print_frontiers(const tradeoff::Frontiers& f) {
   fmt::print("Integrators on the two-mass example: mean error, wrong verdicts, cost of a trajectory\n");
   for (const auto& row : f.integrators) {
-    fmt::print("  {:<16} h = {:<7g} {:>10.3g} m {:>8.3g} % {}\n", row.method, row.step_s, row.error_m,
-               100 * row.wrong_share, cost_text(row.trajectory));
+    fmt::print("  {:<16} h = {:<7g} {} {} {}\n", row.method, row.step_s, figure(row.error_m, "m"),
+               figure(100 * row.wrong_share, "%"), cost_text(row.trajectory));
   }
   fmt::print("Time stepping of the impulsive example never settles: the ball it keeps kicking in\n");
   for (const auto& row : f.balls) {
