@@ -90,6 +90,15 @@ TEST(TimeStepping, LeavesWhatSticksWhereItIsToTheLastBit) {
   EXPECT_EQ(outcome.steps, 1u);
 }
 
+// K q = (0.25, 1): exactly on the edge of sticking, on which rounding falls to either side.
+TEST(TimeStepping, RestsWhereTheForceEqualsFriction) {
+  for (const double h : {1e-1, 1e-2, 1e-3}) {
+    const TimeStepping<2, 2> stepping{two_masses(), {.step_s = h}};
+    EXPECT_EQ(stepping.run(at_rest<2>({0.5, 0.75}), 1).verdict, Verdict::at_rest) << h;
+    EXPECT_EQ(stepping.run(at_rest<2>({-0.5, -0.75}), 1).verdict, Verdict::at_rest) << h;
+  }
+}
+
 // Random machines of 3 coordinates and 4 directions, dependent therefore: after every step each impulse is at its limit
 // against the sliding, or the direction does not slide.
 TEST(TimeStepping, SolvesTheInclusionOfDependentDirections) {

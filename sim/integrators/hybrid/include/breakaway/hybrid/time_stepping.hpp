@@ -165,7 +165,7 @@ class TimeStepping {
         const double wanted = p[i] - own_mass_kg_[i] * slides;
         const double next = std::clamp(wanted, -limit_Ns_[i], limit_Ns_[i]);
         changed |= std::fabs(next - p[i]) > 4e-16 * limit_Ns_[i];
-        memory.sticks &= next == wanted;
+        memory.sticks &= std::fabs(wanted) <= tie * limit_Ns_[i];
         p[i] = next;
       }
       if (!changed) return;
@@ -188,6 +188,8 @@ class TimeStepping {
     }
   }
 
+  // A force that equals friction but for rounding would else creep to and fro for ever.
+  static constexpr double tie = 1 + 1e-12;
   static constexpr int max_sweeps = 1000;  // reached by nearly dependent directions only
 
   double step_s_, before_s_, after_s_;  // h, h (1 - theta), h theta
