@@ -150,7 +150,7 @@ bool Flow::diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stif
   const Eigen::EigenSolver<ExtendedMatrix> solver(companion(damping, stiffness, time));
   if (solver.info() != Eigen::Success) return false;
   ExtendedMatrix vectors(2 * k_, 2 * k_);
-  const auto values = solver.eigenvalues();
+  const auto& values = solver.eigenvalues();
   const auto complex_vectors = solver.eigenvectors();
   for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {
     vectors.col(i) = complex_vectors.col(i).real();
