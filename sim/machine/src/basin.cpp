@@ -137,6 +137,7 @@ std::size_t decide(Basin& basin, const MachineScenario& s, int threads, const Ro
   Workers workers{basin, done};
   {
     std::vector<std::jthread> pool;
+    pool.reserve(static_cast<std::size_t>(threads));
     for (int i = 0; i < threads; ++i) {
       pool.emplace_back([&] { exact ? work_with(workers, event_driven) : work_with(workers, time_stepping); });
     }

@@ -65,6 +65,7 @@ void in_parallel(std::size_t count, unsigned threads, const std::function<void(s
   };
   {
     std::vector<std::jthread> pool;
+    pool.reserve(threads);
     for (unsigned i = 1; i < threads; ++i) pool.emplace_back(work);
     work();
   }
