@@ -197,10 +197,10 @@ struct Evaluator {
 };
 
 template <class Real, class Law>
-Evaluator evaluator(std::string method, std::size_t nodes) {
+Evaluator evaluator(const std::string& method, std::size_t nodes) {
   std::string work = fmt::format("k3-{}-{}-{}", method.substr(0, method.find(' ')), scalar_name<Real>, nodes);
   for (char& c : work) c = c == ',' ? '-' : c;
-  return {{.method = std::move(method), .scalar = scalar_name<Real>, .nodes = nodes, .bytes = sizeof(Law)},
+  return {{.method = method, .scalar = scalar_name<Real>, .nodes = nodes, .bytes = sizeof(Law)},
           largest_error<Real, Law>,
           {work, [] { return calls<Real>(make<Law>(mild)); }, arguments}};
 }
