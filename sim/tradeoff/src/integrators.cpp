@@ -88,6 +88,7 @@ std::vector<State> grid(bool quick) {
 
 std::vector<Outcome> outcomes(const std::vector<State>& starts, const std::function<Outcome(const State&)>& run) {
   std::vector<Outcome> all;
+  all.reserve(starts.size());
   for (const State& start : starts) all.push_back(run(start));
   return all;
 }
