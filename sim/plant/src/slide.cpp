@@ -32,31 +32,8 @@ void require_valid(const AppliedForce& force) {
 
 int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
-struct Sample {
-  double time_s;
-  double excess_N;
-};
-
-// Halvings of a window of the law's scale of time: a maximum that stays above zero for less than 2^-24 of it is passed
-// over.
+// A maximum that stays above zero for less than 2^-24 of a window of the law's scale of time is passed over.
 constexpr int scan_depth = 24;
-
-// The first time at which a function whose slope is bounded is positive; never if it is nowhere. Not positive at low.
-template <class Function>
-double first_excess(Function& excess_N, Sample low, Sample high, double steepest_N_per_s, int depth) {
-  // Between the samples the function lies below two lines of the steepest slope, which meet at this height.
-  const double ceiling_N = 0.5 * (low.excess_N + high.excess_N + steepest_N_per_s * (high.time_s - low.time_s));
-  if (ceiling_N <= 0 && high.excess_N <= 0) return never;
-  if (depth == 0) {
-    if (high.excess_N <= 0) return never;
-    return integrators::first_true([&](double time_s) { return excess_N(time_s) > 0; }, low.time_s, high.time_s);
-  }
-  const double middle_s = 0.5 * (low.time_s + high.time_s);
-  const Sample middle{middle_s, excess_N(middle_s)};
-  const double first_s = first_excess(excess_N, low, middle, steepest_N_per_s, depth - 1);
-  return first_s < never || middle.excess_N > 0 ? first_s
-                                                : first_excess(excess_N, middle, high, steepest_N_per_s, depth - 1);
-}
 
 }  // namespace
 
@@ -206,7 +183,8 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
   while (start_s < duration_s) {
     const double end_s = std::min(start_s + window_s, duration_s);
     const double end_N = excess_N(end_s);
-    const double wait_s = first_excess(excess_N, {start_s, start_N}, {end_s, end_N}, steepest_N_per_s, scan_depth);
+    const double wait_s =
+        integrators::first_excess(excess_N, {start_s, start_N}, {end_s, end_N}, steepest_N_per_s, scan_depth);
     if (wait_s < never) {
       excess_N(wait_s);  // leaves the direction of this instant
       return wait_s;

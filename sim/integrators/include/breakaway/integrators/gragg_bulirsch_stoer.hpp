@@ -10,16 +10,18 @@
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 
 namespace breakaway::integrators {
 
 template <std::size_t N>
 using Vector = std::array<double, N>;
 
-template <std::size_t N>
+// State: a Vector, or any other vector with size(), [] and iterators, as Eigen's of dynamic size.
+template <class State>
 struct ExtrapolatedStep {
   bool converged = false;
-  Vector<N> state{};          // at the end of the step, if it converged
+  State state{};              // at the end of the step, if it converged
   double suggested_step = 0;  // to go on with, or to retry with; signed like the step
 };
 
@@ -32,23 +34,32 @@ constexpr double substeps(std::size_t row) { return 2.0 * static_cast<double>(ro
 // Right-hand sides evaluated for rows 0..row: 2 + 4 + .. + 2 (row + 1).
 constexpr double evaluations(std::size_t row) { return static_cast<double>((row + 1) * (row + 2)); }
 
-template <std::size_t N>
-Vector<N> sum(const Vector<N>& a, const Vector<N>& b) {
-  Vector<N> result;
-  for (std::size_t i = 0; i < N; ++i) result[i] = a[i] + b[i];
-  return result;
+// The type of an index.
+template <class State>
+using Place = decltype(State{}.size());
+
+template <class State>
+State zeros(State of_this_size) {
+  std::fill(of_this_size.begin(), of_this_size.end(), 0.0);
+  return of_this_size;
+}
+
+template <class State>
+State sum(State a, const State& b) {
+  for (Place<State> i = 0; i < a.size(); ++i) a[i] += b[i];
+  return a;
 }
 
 // The increment over one step by the modified midpoint rule; slope0 is the right-hand side at the start.
-template <std::size_t N, class RightHandSide>
-Vector<N> midpoint_increment(RightHandSide& slope, double t, const Vector<N>& y, const Vector<N>& slope0, double step,
-                             double parts) {
+template <class State, class RightHandSide>
+State midpoint_increment(RightHandSide& slope, double t, const State& y, const State& slope0, double step,
+                         double parts) {
   const double h = step / parts;
-  Vector<N> before{}, now, derivative;
-  for (std::size_t i = 0; i < N; ++i) now[i] = h * slope0[i];
+  State before = zeros(y), now = slope0, derivative = slope0;
+  for (double& increment : now) increment *= h;
   for (double part = 1; part < parts; ++part) {
     slope(t + part * h, sum(y, now), derivative);
-    for (std::size_t i = 0; i < N; ++i) {
+    for (Place<State> i = 0; i < y.size(); ++i) {
       const double next = before[i] + 2 * h * derivative[i];
       before[i] = now[i];
       now[i] = next;
@@ -59,20 +70,20 @@ Vector<N> midpoint_increment(RightHandSide& slope, double t, const Vector<N>& y,
 
 // Adds a row to the tableau in place (Neville) and returns how far its best value lies from that of the row before.
 // Beyond the stability of the midpoint rule the last column alone would change too little: it is divided by up to 80.
-template <std::size_t N>
-Vector<N> extrapolate(std::array<Vector<N>, max_rows>& tableau, const Vector<N>& increment, std::size_t row) {
-  const Vector<N> before = row > 0 ? tableau[row - 1] : Vector<N>{};
-  Vector<N> value = increment, change;
+template <class State>
+State extrapolate(std::array<State, max_rows>& tableau, const State& increment, std::size_t row) {
+  const State before = row > 0 ? tableau[row - 1] : zeros(increment);
+  State value = increment, change = increment;
   for (std::size_t column = 0; column < row; ++column) {
     const double ratio = substeps(row) / substeps(row - column - 1);
-    for (std::size_t i = 0; i < N; ++i) {
+    for (Place<State> i = 0; i < value.size(); ++i) {
       const double correction = (value[i] - tableau[column][i]) / (ratio * ratio - 1);
       tableau[column][i] = value[i];
       value[i] += correction;
     }
   }
   tableau[row] = value;
-  for (std::size_t i = 0; i < N; ++i) change[i] = value[i] - before[i];
+  for (Place<State> i = 0; i < value.size(); ++i) change[i] = value[i] - before[i];
   return change;
 }
 
@@ -81,13 +92,13 @@ Vector<N> extrapolate(std::array<Vector<N>, max_rows>& tableau, const Vector<N>&
 // One step of y' = slope(t, y), as slope(t, y, derivative), from (t, y). A component's error may reach tolerance times
 // the greater of its magnitudes at the two ends, plus its `floor`: what rounding inside the right-hand side makes of
 // the step. A tolerance of 1e-14 is attainable.
-template <std::size_t N, class RightHandSide>
-ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vector<N>& y, double step,
-                                      double tolerance, const Vector<N>& floor = {}) {
-  Vector<N> slope0;
+template <class State, class RightHandSide>
+ExtrapolatedStep<State> extrapolated_step(RightHandSide&& slope, double t, const State& y, double step,
+                                          double tolerance, const std::type_identity_t<State>& floor) {
+  State slope0 = y;
   slope(t, y, slope0);
-  std::array<Vector<N>, detail::max_rows> tableau;
-  ExtrapolatedStep<N> result;
+  std::array<State, detail::max_rows> tableau;
+  ExtrapolatedStep<State> result;
   double best_work = 0;
   for (std::size_t row = 0; row < detail::max_rows; ++row) {
     const auto increment = detail::midpoint_increment(slope, t, y, slope0, step, detail::substeps(row));
@@ -95,7 +106,7 @@ ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vec
     if (row < 2) continue;
     result.state = detail::sum(y, tableau[row]);
     double error = 0;
-    for (std::size_t i = 0; i < N; ++i) {
+    for (detail::Place<State> i = 0; i < y.size(); ++i) {
       const double scale = floor[i] + tolerance * std::max(std::abs(y[i]), std::abs(result.state[i]));
       if (change[i] != 0) error = std::max(error, std::abs(change[i]) / scale);
       if (!std::isfinite(result.state[i])) error = std::numeric_limits<double>::infinity();
@@ -124,18 +135,24 @@ ExtrapolatedStep<N> extrapolated_step(RightHandSide&& slope, double t, const Vec
   return result;
 }
 
-template <std::size_t N>
+template <class State, class RightHandSide>
+ExtrapolatedStep<State> extrapolated_step(RightHandSide&& slope, double t, const State& y, double step,
+                                          double tolerance) {
+  return extrapolated_step(slope, t, y, step, tolerance, detail::zeros(y));
+}
+
+template <class State>
 struct Integration {
-  Vector<N> state{};
+  State state{};
   int steps = 0;
 };
 
 // Integrates from t to exactly `end` with adaptive steps, the first of which is at most first_step (positive). Throws
 // std::runtime_error when the step falls below the resolution of t.
-template <std::size_t N, class RightHandSide>
-Integration<N> integrate(RightHandSide&& slope, double t, const Vector<N>& y, double end, double first_step,
-                         double tolerance) {
-  Integration<N> result{y, 0};
+template <class State, class RightHandSide>
+Integration<State> integrate(RightHandSide&& slope, double t, const State& y, double end, double first_step,
+                             double tolerance) {
+  Integration<State> result{y, 0};
   double step = std::copysign(first_step, end - t);
   while (t != end) {
     const bool last = std::abs(step) >= std::abs(end - t);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace breakaway::integrators {
 
@@ -39,6 +40,30 @@ double first_true(Predicate&& predicate, double low, double high) {
     if (middle <= low || middle >= high) return high;
     (predicate(middle) ? high : low) = middle;
   }
+}
+
+struct Sample {
+  double argument;
+  double value;
+};
+
+// The first argument in (low, high] at which a function whose slope is at most `steepest` in size is positive; infinity
+// if it is nowhere. Not positive at low. Intervals are ruled out by the slope and else halved, `depth` times at most: a
+// maximum above zero that is narrower than that may be passed over.
+template <class Function>
+double first_excess(Function&& function, Sample low, Sample high, double steepest, int depth) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  // Between the samples the function lies below two lines of the steepest slope, which meet at this height.
+  const double ceiling = 0.5 * (low.value + high.value + steepest * (high.argument - low.argument));
+  if (ceiling <= 0 && high.value <= 0) return never;
+  if (depth == 0) {
+    if (high.value <= 0) return never;
+    return first_true([&](double argument) { return function(argument) > 0; }, low.argument, high.argument);
+  }
+  const double at = 0.5 * (low.argument + high.argument);
+  const Sample middle{at, function(at)};
+  const double first = first_excess(function, low, middle, steepest, depth - 1);
+  return first < never || middle.value > 0 ? first : first_excess(function, middle, high, steepest, depth - 1);
 }
 
 }  // namespace breakaway::integrators
