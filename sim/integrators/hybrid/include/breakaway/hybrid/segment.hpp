@@ -29,9 +29,6 @@ inline double safe_step(double value, double slope, double bound) {
   return half + std::sqrt(half * half + 2 * (value / bound));
 }
 
-// |c'|, |c''| below this share of its own terms is rounding.
-inline constexpr double significance = 1e-12;
-
 template <int N>
 struct Watch {
   const Line<N>* line;

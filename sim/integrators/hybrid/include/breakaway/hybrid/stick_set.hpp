@@ -15,6 +15,9 @@ using DirectionSet = std::uint32_t;  // bit i: column i of W_T
 constexpr bool contains(DirectionSet set, Eigen::Index i) { return (set >> i & 1U) != 0; }
 constexpr DirectionSet only(Eigen::Index i) { return DirectionSet{1} << i; }
 
+// A sum below this share of its own terms is rounding.
+inline constexpr double significance = 1e-12;
+
 constexpr int twice(int size) { return size == Eigen::Dynamic ? Eigen::Dynamic : 2 * size; }
 
 // A linear form of the motion, value = integral . Y + now . x with Y the integral of x, and its derivatives.
