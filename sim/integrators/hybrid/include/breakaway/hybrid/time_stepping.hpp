@@ -116,21 +116,23 @@ class TimeStepping {
     outcome.end = start;
     Memory memory = this->memory();
     const double begin_s = outcome.end.time_s;
-    Vector before = outcome.end.v;
+    bool stood = outcome.end.v.isZero(0);
     if (observer) observer(outcome.end);
     while (outcome.verdict == Verdict::undecided && outcome.end.time_s < end_time_s) {
       if (decision_) outcome.verdict = decision_(outcome.end);
       if (outcome.verdict != Verdict::undecided) break;
-      before = outcome.end.v;
+      const Vector before = outcome.end.v;
       step(outcome.end, memory);
       ++outcome.steps;
       outcome.end.time_s = begin_s + static_cast<double>(outcome.steps) * step_s_;  // h summed up would drift
-      note_events(before, outcome, log);
+      if (log != nullptr) note_events(before, outcome, *log);
       if (observer) observer(outcome.end);
-      if (before.isZero(0) && outcome.end.v.isZero(0)) {
+      const bool stands = memory.sticks && outcome.end.v.isZero(0);
+      if (stood && stands) {
         outcome.verdict = Verdict::at_rest;
         outcome.settling_time_s = outcome.end.time_s - step_s_;
       }
+      stood = stands;
     }
     if (outcome.verdict != Verdict::at_rest) outcome.settling_time_s = outcome.end.time_s;
     return outcome;
@@ -153,16 +155,19 @@ class TimeStepping {
   }
 
   // Projected Gauss-Seidel on p_i in -limit_i Sign(sliding_i + (G p)_i), from the impulses of the step before. G is
-  // close to W^T M^-1 W; a sweep that changes no impulse by more than rounding ends it: the second one while all
-  // directions slide.
+  // close to W^T M^-1 W; a sweep that changes no impulse by more than rounding ends it. While all directions slide on,
+  // the impulses are not written at all, so that a processor need not wait for them.
   void solve(const Impulses& sliding_m_s, Memory& memory) const {
     Impulses& p = memory.impulse_Ns;
+    if (slides_on(sliding_m_s, p)) {
+      memory.sticks = p.size() == 0;
+      return;
+    }
     for (int sweep = 0; sweep < max_sweeps; ++sweep) {
       bool changed = false;
       memory.sticks = true;
       for (Eigen::Index i = 0; i < p.size(); ++i) {
-        const double slides = sliding_m_s[i] + coupling_.row(i).dot(p);
-        const double wanted = p[i] - own_mass_kg_[i] * slides;
+        const double wanted = wanted_Ns(sliding_m_s, p, i);
         const double next = std::clamp(wanted, -limit_Ns_[i], limit_Ns_[i]);
         changed |= std::fabs(next - p[i]) > 4e-16 * limit_Ns_[i];
         memory.sticks &= std::fabs(wanted) <= tie * limit_Ns_[i];
@@ -172,8 +177,22 @@ class TimeStepping {
     }
   }
 
-  void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>* log) const {
-    if (log == nullptr) return;
+  // That which would stop direction i.
+  double wanted_Ns(const Impulses& sliding_m_s, const Impulses& p, Eigen::Index i) const {
+    return p[i] - own_mass_kg_[i] * (sliding_m_s[i] + coupling_.row(i).dot(p));
+  }
+
+  // Whether friction at its limits, as in the step before, stops no direction.
+  bool slides_on(const Impulses& sliding_m_s, const Impulses& p) const {
+    bool on = true;
+    for (Eigen::Index i = 0; i < p.size(); ++i) {
+      const double along = p[i] < 0 ? -wanted_Ns(sliding_m_s, p, i) : wanted_Ns(sliding_m_s, p, i);
+      on &= std::fabs(p[i]) == limit_Ns_[i] && along > tie * limit_Ns_[i];
+    }
+    return on;
+  }
+
+  void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const {
     const auto sign = [](double rate, double scale) {
       return std::fabs(rate) <= 1e-14 * scale ? 0 : rate > 0 ? 1 : -1;
     };
@@ -183,7 +202,7 @@ class TimeStepping {
       const int is = sign(direction.dot(outcome.end.v), direction.norm() * outcome.end.v.norm());
       if (was == is) continue;
       const EventKind kind = is == 0 ? EventKind::stick : was == 0 ? EventKind::slip : EventKind::reversal;
-      log->push_back({outcome.end.time_s, kind, static_cast<int>(i)});
+      log.push_back({outcome.end.time_s, kind, static_cast<int>(i)});
       ++outcome.events;
     }
   }
