@@ -1,0 +1,61 @@
+// Vector table and reset of the STM32F405 (RM0090, 12.2).
+#include <array>
+#include <cstdint>
+
+#include "breakaway/bare_metal/memory_image.hpp"
+#include "breakaway/bare_metal/mmio.hpp"
+
+void run_image();  // of each image; ISO C++ does not let anyone call main
+
+extern "C" {
+
+extern std::uint32_t image_stack_top[];
+
+// A fault or an interrupt that nobody serves ends here: the bus falls silent, and the drives' command deadline and
+// heartbeat consumer take the torque off.
+[[noreturn]] void halt() {
+  asm volatile("cpsid i");
+  for (;;) asm volatile("wfi");
+}
+
+[[gnu::weak]] void systick_handler() { halt(); }
+[[gnu::weak]] void can1_transmit_handler() { halt(); }
+[[gnu::weak]] void can1_receive_handler() { halt(); }
+[[gnu::weak]] void usart1_handler() { halt(); }
+
+[[noreturn]] void reset_handler() {
+  constexpr std::uintptr_t coprocessor_access = 0xE000ED88;
+  breakaway::bare_metal::set_bits(coprocessor_access, 0xFU << 20);  // the FPU, before the first float
+  asm volatile("dsb\n isb" ::: "memory");
+  breakaway::bare_metal::prepare_memory();
+  run_image();
+  halt();
+}
+
+}  // extern "C"
+
+namespace {
+
+using Handler = void (*)();
+
+struct VectorTable {
+  std::uint32_t* stack_top;
+  std::array<Handler, 15> exceptions;  // exception number n at n - 1
+  std::array<Handler, 82> interrupts;
+};
+
+constexpr VectorTable make_vectors() {
+  VectorTable table{image_stack_top, {}, {}};
+  table.exceptions.fill(halt);
+  table.interrupts.fill(halt);
+  table.exceptions[0] = reset_handler;
+  table.exceptions[14] = systick_handler;
+  table.interrupts[19] = can1_transmit_handler;
+  table.interrupts[20] = can1_receive_handler;
+  table.interrupts[37] = usart1_handler;
+  return table;
+}
+
+[[gnu::section(".vectors"), gnu::used]] constinit const VectorTable vectors = make_vectors();
+
+}  // namespace

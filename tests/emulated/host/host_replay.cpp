@@ -1,0 +1,112 @@
+// Records 5000 steps of sim/scenarios/can_axis.toml in closed loop (float, one sample in 97 lost), and replays them
+// here:
+//   host_replay FOLDER   writes FOLDER/axis.tape, axis.results and pid.results
+// Under callgrind every replayed update leaves its count, labelled with the controller and the kind of step.
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "callgrind_count.hpp"
+#include "recording.hpp"
+#include "replay.hpp"
+
+namespace breakaway::emulated {
+namespace {
+
+constexpr std::size_t steps_to_record = 5000;
+
+std::vector<TapeStep> record_tape(const scenario::Scenario& s, const law::AxisController<float>& controller) {
+  const auto r = bench::record<float>(s, controller, 1, (steps_to_record + 0.5) * s.loop->period_s);
+  const auto resolution_m = static_cast<float>(s.drive->encoder_resolution_m);
+  std::vector<TapeStep> tape;
+  for (std::size_t i = 0; i < steps_to_record; ++i) {
+    const std::size_t k = r.first_running + i;
+    const std::int32_t shift = r.steps[k].target_counts - r.steps[k - 1].target_counts;
+    tape.push_back({static_cast<float>(shift) * resolution_m, r.measurements.at(i).position_error_m,
+                    r.measurements[i].fresh ? 1U : 0U});
+  }
+  return tape;
+}
+
+// The kind of a step is known after it only, so a first replay finds the labels.
+template <class Controller>
+std::vector<StepResult> replay_tape(const std::vector<TapeStep>& tape, const Controller& initial,
+                                    const std::string& name) {
+  using Sample = law::Measurement<float>;
+  Controller controller = initial;
+  std::vector<StepResult> results;
+  for (const TapeStep& step : tape)
+    results.push_back(replay_step(controller, step, [](Controller& c, const Sample& z) { return c.update(z); }));
+  controller = initial;
+  bench::start_counting();
+  for (std::size_t i = 0; i < tape.size(); ++i) {
+    const std::string label = name + "/" + std::to_string(static_cast<int>(results[i].kind));
+    replay_step(controller, tape[i], [&](Controller& c, const Sample& z) {
+      law::ControlOutput<float> output;
+      bench::count(label, [&] { output = c.update(z); });
+      return output;
+    });
+  }
+  bench::stop_counting();
+  return results;
+}
+
+template <class Item>
+void write_file(const std::string& path, const std::vector<Item>& items) {
+  std::ofstream file{path, std::ios::binary};
+  file.write(reinterpret_cast<const char*>(items.data()), static_cast<std::streamsize>(items.size() * sizeof(Item)));
+  if (!file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+// Hexadecimal floats are exact.
+void write_config(const std::string& path, const law::AxisParameters<float>& p, const law::K3Table<float>& table) {
+  std::ofstream file{path};
+  const auto number = [](float value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%aF", static_cast<double>(value));
+    return std::string{text};
+  };
+  file << "#pragma once\n#include \"breakaway/law/axis_parameters.hpp\"\n#include \"breakaway/law/k3_table.hpp\"\n"
+          "namespace breakaway::config {\ninline constexpr law::AxisParameters<float> parameters{";
+  for (const float value : {p.mass_kg, p.stiffness_N_per_m, p.approach_damping_Ns_per_m, p.kick_damping_Ns_per_m,
+                            p.friction_lower_N, p.friction_upper_N, p.max_force_N, p.max_approach_speed_m_s,
+                            p.position_tolerance_m, p.encoder_resolution_m, p.period_s})
+    file << number(value) << ", ";
+  file << static_cast<int>(p.latency_periods) << "};\ninline constexpr law::K3Table<float> k3_table{"
+       << number(table.root_max) << ", " << number(table.nodes_per_root) << ", {{\n";
+  for (const auto& node : table.nodes) file << "  {" << number(node.value) << ", " << number(node.slope) << "},\n";
+  file << "}}};\n}\n";
+  if (!file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+void run(const std::string& folder) {
+  const scenario::Scenario s = bench::axis_scenario();
+  const auto parameters = scenario::axis_parameters<float>(s);
+  const auto table = bench::build_table<float>(s).table;
+  const law::AxisController<float> controller{parameters, table};
+  const std::vector<TapeStep> tape = record_tape(s, controller);
+  write_file(folder + "/axis.tape", tape);
+  write_config(folder + "/axis_config.hpp", parameters, table);
+  write_file(folder + "/axis.results", replay_tape(tape, controller, "AxisController"));
+  write_file(folder + "/pid.results",
+             replay_tape(tape, law::PidController<float>{pid_parameters(parameters)}, "PidController"));
+}
+
+}  // namespace
+}  // namespace breakaway::emulated
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: host_replay FOLDER\n", stderr);
+    return 2;
+  }
+  try {
+    breakaway::emulated::run(argv[1]);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "host_replay: %s\n", error.what());
+    return 1;
+  }
+}

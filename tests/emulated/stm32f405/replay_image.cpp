@@ -1,0 +1,58 @@
+// Replays axis.tape through the impulsive law and through a PID, and writes what they did to axis.results and
+// pid.results. Between the two marks an emulator counts instructions; the first pair of marks has nothing in between.
+#include <array>
+
+#include "axis_config.hpp"
+#include "replay.hpp"
+#include "semihosting.hpp"
+
+namespace {
+
+using namespace breakaway;
+using namespace breakaway::emulated;
+
+}  // namespace
+
+extern "C" {
+[[gnu::noinline]] void count_begin() { asm volatile("" ::: "memory"); }
+[[gnu::noinline]] void count_end() { asm volatile("" ::: "memory"); }
+}
+
+namespace {
+
+enum ExitCode : std::uint32_t { done = 0, no_tape = 1, cannot_write = 2 };
+
+template <class Controller>
+ExitCode replay_file(Controller& controller, std::string_view results_name) {
+  HostFile tape{"axis.tape", OpenMode::read_binary};
+  HostFile results{results_name, OpenMode::write_binary};
+  if (!tape.is_open()) return no_tape;
+  if (!results.is_open()) return cannot_write;
+  std::array<TapeStep, 64> steps;
+  std::array<StepResult, 64> outcomes;
+  while (const std::size_t count = tape.read(steps.data(), sizeof steps) / sizeof(TapeStep)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      outcomes[i] = replay_step(controller, steps[i], [](Controller& c, const law::Measurement<float>& z) {
+        count_begin();
+        const law::ControlOutput<float> output = c.update(z);
+        count_end();
+        return output;
+      });
+    }
+    if (!results.write(outcomes.data(), count * sizeof(StepResult))) return cannot_write;
+  }
+  return done;
+}
+
+law::AxisController<float> axis_controller{config::parameters, config::k3_table};
+law::PidController<float> pid_controller{pid_parameters(config::parameters)};
+
+}  // namespace
+
+void run_image() {
+  count_begin();
+  count_end();
+  ExitCode code = replay_file(axis_controller, "axis.results");
+  if (code == done) code = replay_file(pid_controller, "pid.results");
+  exit_emulator(code);
+}
