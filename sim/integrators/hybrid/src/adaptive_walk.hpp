@@ -1,0 +1,74 @@
+// What Adaptive knows on its way: the state at the last step, and which directions stick.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "breakaway/hybrid/adaptive.hpp"
+#include "breakaway/hybrid/stick_set.hpp"
+
+namespace breakaway::hybrid {
+
+// The motions that are left while some directions stick, q' = basis u with basis^T M basis = 1, and the limits of what
+// static friction can bear.
+struct HeldSet {
+  DirectionSet sticking;       // with all that cannot slide while these stick
+  Eigen::MatrixXd basis;       // n x k
+  Eigen::MatrixXd to_reduced;  // u = to_reduced q'
+  Eigen::MatrixXd sliding;     // g = sliding u
+  std::vector<Facet<Eigen::Dynamic, Eigen::Dynamic>> facets;
+
+  Eigen::Index motions() const { return basis.cols(); }
+};
+
+HeldSet make_held_set(const LinearMachine<>& machine, DirectionSet sticking);
+
+// A static limit: one of the two sides of a facet.
+struct Limit {
+  std::size_t facet;
+  int side;  // -1, +1
+};
+
+struct AdaptiveWalk {
+  using Vector = Eigen::VectorXd;
+
+  const LinearMachine<>& machine;
+  Adaptive::Laws& laws;
+  std::function<const HeldSet&(DirectionSet)> held_set;
+
+  Vector q, v;
+  double time_s = 0, time_rest_s = 0;  // the exact time is their sum
+  std::vector<int> signs;              // of sliding; 0 while sticking
+  Vector shift_m;                      // position in the law = w_i^T q + shift_m: what rounding lacks at an edge
+  const HeldSet* held = nullptr;
+  double step_s = 0;  // suggested for the next step
+
+  double time_after(double tau_s) const { return time_s + (time_rest_s + tau_s); }
+  double until(double end_s) const { return (end_s - time_s) - time_rest_s; }
+  double position_m(Eigen::Index i) const { return machine.directions.col(i).dot(q) + shift_m[i]; }
+  bool all_stick() const;
+  bool varies_with_time() const;
+  double next_change_s() const;
+
+  // All forces but those of sticking directions and of inertia, at the present place and tau_s later. `exchanged` >= 0
+  // slides at exactly speed_m_s.
+  Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
+  // What static friction bears beyond this force; negative once it gives way.
+  double margin_N(Limit limit, const Vector& force, double time_s);
+  // Whether the limits that hold whatever the laws do with time are kept.
+  bool held_for_ever(const Vector& force) const;
+
+  void pass_time(double duration_s);
+
+  // Decides which of the stopped directions stick and which slide, and how, and tells the laws.
+  void choose_mode(DirectionSet stopped);
+  // A limit is exceeded: its directions slide.
+  void give_way(Limit limit);
+
+ private:
+  void face_laws();
+  bool holds();
+  DirectionSet release(DirectionSet stopped, DirectionSet told);
+};
+
+}  // namespace breakaway::hybrid
