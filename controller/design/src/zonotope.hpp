@@ -67,6 +67,17 @@ inline void facet_directions(const SpannedSpace& space, const std::function<void
   choose(0, 0);
 }
 
+// The corners v of { v in the spanned space : h(v) <= 1 }, one of each opposite pair: n x how many. `pushes` are the
+// generators as they were given to spanned_space().
+inline Eigen::MatrixXd unit_corners(const SpannedSpace& space, const Eigen::MatrixXd& pushes) {
+  std::vector<Eigen::VectorXd> found;
+  facet_directions(space,
+                   [&](const Eigen::VectorXd& u) { found.push_back(u / (u.transpose() * pushes).cwiseAbs().sum()); });
+  Eigen::MatrixXd corners(pushes.rows(), static_cast<Eigen::Index>(found.size()));
+  for (Eigen::Index j = 0; j < corners.cols(); ++j) corners.col(j) = found[static_cast<std::size_t>(j)];
+  return corners;
+}
+
 constexpr double most_facet_candidates = 1e6;  // about a second
 
 }  // namespace breakaway::design

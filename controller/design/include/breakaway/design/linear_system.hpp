@@ -6,6 +6,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+
+#include "breakaway/design/expected.hpp"
 
 namespace breakaway::design {
 
@@ -16,5 +19,15 @@ struct LinearSystem {
   Eigen::MatrixXd directions;  // W: n x m, dependent columns allowed
   Eigen::VectorXd friction_N;  // p: m, >= 0
 };
+
+// What is wrong with K, W and p, which make the equilibrium set: sizes, entries that are no numbers, negative friction.
+std::optional<Error> statics_error(const LinearSystem& system);
+
+// The same for all matrices, and whether M and K are symmetric. Whether they are positive definite is condition 1 of
+// Theorem 1.
+std::optional<Error> system_error(const LinearSystem& system);
+
+// To rounding: 1e-14 of the largest entry.
+bool symmetric(const Eigen::MatrixXd& matrix);
 
 }  // namespace breakaway::design
