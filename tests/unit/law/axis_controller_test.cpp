@@ -142,6 +142,15 @@ TEST_F(AxisControllerTest, LatchesAFaultOnAMeasurementThatIsNoNumber) {
   }
 }
 
+TEST_F(AxisControllerTest, LatchesAFaultWhenTheVelocityOverflows) {
+  controller.update({0.01F});
+  EXPECT_EQ(controller.update({3e38F}).force_N, 0);
+  EXPECT_EQ(controller.fault(), ControlFault::not_a_number);
+  controller.reset();
+  controller.update({0.01F});
+  EXPECT_EQ(controller.update({0.01F}).mode, Mode::approach) << "nothing of the overflow is left";
+}
+
 TEST_F(AxisControllerTest, NeverExceedsTheForceLimitForAnyInputBits) {
   std::mt19937 random{11};
   const auto any_float = [&] { return std::bit_cast<float>(static_cast<std::uint32_t>(random())); };

@@ -43,13 +43,11 @@ class AxisController {
   // Once a period. Bounded work, no state outside this object.
   ControlOutput<Scalar> update(const Measurement<Scalar>& z) noexcept {
     if (!z.fresh) return without_sample();
-    if (!(std::abs(z.position_error_m) <= largest) || (exact() && !(std::abs(z.velocity_m_s) <= largest))) {
-      fault_ = ControlFault::not_a_number;
-      mode_ = Mode::fault;
-    }
+    if (!(std::abs(z.position_error_m) <= largest)) return fail(ControlFault::not_a_number);
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     const Scalar x = z.position_error_m;
     const Scalar v = exact() ? z.velocity_m_s : velocity_.update(x);
+    if (!(std::abs(v) <= largest)) return fail(ControlFault::not_a_number);
     return mode_ == Mode::kick ? continue_kick(x, v) : flow(x, v);
   }
 
@@ -93,6 +91,12 @@ class AxisController {
   bool exact() const noexcept { return !(p_.encoder_resolution_m > 0); }
   bool ideal() const noexcept { return !(p_.period_s > 0); }
 
+  ControlOutput<Scalar> fail(ControlFault fault) noexcept {
+    fault_ = fault;
+    mode_ = Mode::fault;
+    return {Scalar{0}, Scalar{0}, mode_, false};
+  }
+
   // A period whose sample was lost: a pulse goes on and ends on time, everything else holds its force and concludes
   // nothing.
   ControlOutput<Scalar> without_sample() noexcept {
@@ -108,21 +112,27 @@ class AxisController {
       mode_ = std::abs(x) > p_.stick_radius_upper_m() ? Mode::approach : Mode::coast;
       sighted_ = 0;
     }
-    if (at_rest(x, v)) return std::abs(x) > p_.position_tolerance_m ? start_kick(x, Scalar{0}) : enter_hold(x, v);
-    if (falls_short(x, v)) return start_kick(x, v);
-    return output(feedback(x, v));
+    if (at_rest(x, v)) {
+      if (!(std::abs(x) > p_.position_tolerance_m)) return enter_hold(x, v);
+      return start_kick(x, Scalar{0}, std::abs(table_->impulse_Ns(x)));
+    }
+    const Scalar impulse_Ns = impulse_against_creeping_Ns(x, v);
+    return impulse_Ns > 0 ? start_kick(x, v, impulse_Ns) : output(feedback(x, v));
   }
 
   // Creeping: inside the maximal stick set, closing in far slower than the k3 curve allows, so that the axis will stop,
   // or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper counts the
-  // speed in. Near the target, where a few counts of speed error matter, only certified rest will do.
-  bool falls_short(Scalar x, Scalar v) const noexcept {
+  // speed in. Near the target, where a few counts of speed error matter, only certified rest will do. Returns |k3(x)|
+  // for an axis that creeps, else zero.
+  Scalar impulse_against_creeping_Ns(Scalar x, Scalar v) const noexcept {
     const Scalar distance = std::abs(x);
     if (exact() || sighted_ <= p_.latency_periods + 1 || distance > p_.stick_radius_upper_m() ||
         distance < creep_radius_m_)
-      return false;
+      return 0;
     const Scalar closing = x > 0 ? -v : v;
-    return closing >= 0 && closing * p_.mass_kg < creep_share * std::abs(table_->impulse_Ns(x));
+    if (!(closing >= 0)) return 0;
+    const Scalar impulse_Ns = std::abs(table_->impulse_Ns(x));
+    return closing * p_.mass_kg < creep_share * impulse_Ns ? impulse_Ns : Scalar{0};
   }
 
   bool at_rest(Scalar x, Scalar v) noexcept {
@@ -141,7 +151,8 @@ class AxisController {
     return output(feedback(x, v));
   }
 
-  ControlOutput<Scalar> start_kick(Scalar x, Scalar v) noexcept {
+  // impulse_Ns: |k3(x)|.
+  ControlOutput<Scalar> start_kick(Scalar x, Scalar v, Scalar impulse_Ns) noexcept {
     judge_last_kick(x);
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     ++kicks_;
@@ -150,14 +161,14 @@ class AxisController {
     if (ideal()) {
       mode_ = Mode::coast;
       ControlOutput<Scalar> kick = output(-p_.stiffness_N_per_m * x);
-      kick.impulse_Ns = table_->impulse_Ns(x);
+      kick.impulse_Ns = x > 0 ? -impulse_Ns : impulse_Ns;
       kick.kicked = true;
       return kick;
     }
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     const Scalar least_N =
         futile_ > 0 ? p_.friction_upper_N * (1 + escalation * static_cast<Scalar>(futile_)) : Scalar{0};
-    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), std::max(v * towards, Scalar{0}), least_N);
+    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
     kick_force_N_ = kick.force_N * towards;
     periods_left_ = kick.periods;
     mode_ = Mode::kick;

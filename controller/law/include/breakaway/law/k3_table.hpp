@@ -34,10 +34,22 @@ struct K3Table {
 
   // R(s) = |k3| / s [N s / sqrt(m)] at root s = sqrt|position error| [sqrt(m)], by cubic Hermite interpolation. `root`
   // is clamped to [0, root_max]; NaN counts as zero.
-  Scalar reduced(Scalar root) const noexcept {
+  Scalar reduced(Scalar root) const noexcept { return interpolated(clamped(root, root_max)); }
+
+  // k3(y) [N s] for the position error y = position - target [m]: opposite in sign to y, and odd. Beyond the table the
+  // answer stays at its end value: a kick that stops short is safe, one for an untested distance is not. NaN gives
+  // zero.
+  Scalar impulse_Ns(Scalar position_error_m) const noexcept {
+    // std::sqrt is one hardware instruction; the branch to libm for negative arguments is never taken.
+    const Scalar root = clamped(std::sqrt(std::fabs(position_error_m)), root_max);
+    const Scalar size = root * interpolated(root);
+    return position_error_m > 0 ? -size : size;
+  }
+
+ private:
+  Scalar interpolated(Scalar root) const noexcept {
     constexpr auto last = static_cast<Scalar>(Nodes - 1);
-    const Scalar x = clamped(root, root_max) * nodes_per_root;
-    const Scalar place = clamped(x, last);
+    const Scalar place = clamped(root * nodes_per_root, last);
     auto index = static_cast<std::int32_t>(place);
     if (index > static_cast<std::int32_t>(Nodes) - 2) index = static_cast<std::int32_t>(Nodes) - 2;
     const Node& left = nodes[static_cast<std::size_t>(index)];
@@ -50,17 +62,6 @@ struct K3Table {
     return left.value + t * (left.slope + t * (square + t * cubic));
   }
 
-  // k3(y) [N s] for the position error y = position - target [m]: opposite in sign to y, and odd. Beyond the table the
-  // answer stays at its end value: a kick that stops short is safe, one for an untested distance is not. NaN gives
-  // zero.
-  Scalar impulse_Ns(Scalar position_error_m) const noexcept {
-    // std::sqrt is one hardware instruction; the branch to libm for negative arguments is never taken.
-    const Scalar root = clamped(std::sqrt(std::fabs(position_error_m)), root_max);
-    const Scalar size = root * reduced(root);
-    return position_error_m > 0 ? -size : size;
-  }
-
- private:
   // x within [0, most]; zero when x is NaN.
   static constexpr Scalar clamped(Scalar x, Scalar most) noexcept {
     if (!(x > 0)) return 0;

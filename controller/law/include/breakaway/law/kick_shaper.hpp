@@ -47,8 +47,13 @@ class KickShaper {
   // start that the kick must have at least. The total force never exceeds max_force_N.
   Kick<Scalar> plan(const K3Table<Scalar>& table, Scalar distance_m, Scalar speed_m_s,
                     Scalar least_force_N) const noexcept {
+    return plan(table, distance_m, -table.impulse_Ns(distance_m), speed_m_s, least_force_N);
+  }
+
+  // The same for a caller who has looked up impulse_Ns = |k3(distance_m)| before.
+  Kick<Scalar> plan(const K3Table<Scalar>& table, Scalar distance_m, Scalar impulse_Ns, Scalar speed_m_s,
+                    Scalar least_force_N) const noexcept {
     const Scalar feedback_N = std::min(p_.stiffness_N_per_m * distance_m, p_.max_force_N);
-    const Scalar impulse_Ns = -table.impulse_Ns(distance_m);
     const Scalar room_N = std::max(p_.max_force_N - p_.friction_lower_N, Scalar{0});
     const std::uint8_t n = periods_for(impulse_Ns / (room_N * p_.period_s));
     const Scalar net_N = p_.kick_shape == KickShape::naive
