@@ -13,8 +13,10 @@ namespace breakaway::emulated {
 struct TapeStep {
   float shift_m;  // of the target, before the sample is taken
   float position_error_m;
-  std::uint32_t fresh;  // 0: the sample was lost
+  std::uint32_t flags;
 };
+inline constexpr std::uint32_t fresh_flag = 1;  // not set: the sample was lost
+inline constexpr std::uint32_t reset_flag = 2;  // the controller is reset before the sample is taken
 static_assert(sizeof(TapeStep) == 12);
 
 // The kinds of step that differ in their work.
@@ -53,9 +55,10 @@ constexpr StepKind kind_of(law::Mode before, law::Mode after, const law::Control
 // update(controller, measurement) is to call controller.update(measurement), and may count what that costs.
 template <class Controller, class Update>
 StepResult replay_step(Controller& controller, const TapeStep& step, const Update& update) {
+  if ((step.flags & reset_flag) != 0) controller.reset();
   if (step.shift_m < 0 || step.shift_m > 0) controller.shift_target(step.shift_m);
   const law::Mode before = controller.mode();
-  const law::Measurement<float> measurement{step.position_error_m, 0.0F, step.fresh != 0};
+  const law::Measurement<float> measurement{step.position_error_m, 0.0F, (step.flags & fresh_flag) != 0};
   const law::ControlOutput<float> output = update(controller, measurement);
   const StepKind kind = kind_of(before, controller.mode(), output, measurement.fresh);
   return {output.force_N,

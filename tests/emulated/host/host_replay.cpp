@@ -2,9 +2,12 @@
 // here:
 //   host_replay FOLDER   writes FOLDER/axis.tape, axis.results and pid.results
 // Under callgrind every replayed update leaves its count, labelled with the controller and the kind of step.
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -25,7 +28,33 @@ std::vector<TapeStep> record_tape(const scenario::Scenario& s, const law::AxisCo
     const std::size_t k = r.first_running + i;
     const std::int32_t shift = r.steps[k].target_counts - r.steps[k - 1].target_counts;
     tape.push_back({static_cast<float>(shift) * resolution_m, r.measurements.at(i).position_error_m,
-                    r.measurements[i].fresh ? 1U : 0U});
+                    r.measurements[i].fresh ? fresh_flag : 0U});
+  }
+  return tape;
+}
+
+// Samples that no axis would give: stops, creeping and leaps at all scales, target changes, losses, what is not a
+// number.
+std::vector<TapeStep> hostile_tape(const law::AxisParameters<float>& p, std::size_t steps) {
+  std::mt19937 random{7};  // NOLINT: the same tape every time
+  const auto chance = [&](unsigned one_in) { return random() % one_in == 0; };
+  const auto leap = [&] {
+    const float size = std::ldexp(1.0F, -static_cast<int>(random() % 24)) * 4 * p.stick_radius_upper_m();
+    return chance(2) ? size : -size;
+  };
+  const std::array<float, 5> oddities{NAN, INFINITY, -INFINITY, 1e-42F, 3e38F};
+  std::vector<TapeStep> tape;
+  float x = 0, per_step = 0;
+  for (std::size_t i = 0; i < steps; ++i) {
+    if (chance(30)) x = leap();
+    if (chance(12)) per_step = chance(2) ? 0.0F : leap() / 64;
+    x += per_step;
+    const float counts = std::nearbyint(x / p.encoder_resolution_m);
+    TapeStep step{0, counts * p.encoder_resolution_m, chance(40) ? 0U : fresh_flag};
+    if (chance(100)) step.shift_m = leap();
+    if (chance(500)) step.position_error_m = oddities[random() % oddities.size()];
+    if (chance(100)) step.flags |= reset_flag;
+    tape.push_back(step);
   }
   return tape;
 }
@@ -88,6 +117,9 @@ void run(const std::string& folder) {
   const law::AxisController<float> controller{parameters, table};
   const std::vector<TapeStep> tape = record_tape(s, controller);
   write_file(folder + "/axis.tape", tape);
+  const std::vector<TapeStep> hostile = hostile_tape(parameters, 20000);
+  write_file(folder + "/hostile.tape", hostile);
+  write_file(folder + "/hostile.results", replay_tape(hostile, controller, "hostile"));
   write_config(folder + "/axis_config.hpp", parameters, table);
   write_file(folder + "/axis.results", replay_tape(tape, controller, "AxisController"));
   write_file(folder + "/pid.results",

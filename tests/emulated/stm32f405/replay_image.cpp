@@ -23,13 +23,13 @@ namespace {
 enum ExitCode : std::uint32_t { done = 0, no_tape = 1, cannot_write = 2 };
 
 template <class Controller>
-ExitCode replay_file(Controller& controller, std::string_view results_name) {
-  HostFile tape{"axis.tape", OpenMode::read_binary};
+ExitCode replay_file(Controller controller, std::string_view tape_name, std::string_view results_name) {
+  HostFile tape{tape_name, OpenMode::read_binary};
   HostFile results{results_name, OpenMode::write_binary};
   if (!tape.is_open()) return no_tape;
   if (!results.is_open()) return cannot_write;
-  std::array<TapeStep, 64> steps;
-  std::array<StepResult, 64> outcomes;
+  std::array<TapeStep, 16> steps;
+  std::array<StepResult, 16> outcomes;
   while (const std::size_t count = tape.read(steps.data(), sizeof steps) / sizeof(TapeStep)) {
     for (std::size_t i = 0; i < count; ++i) {
       outcomes[i] = replay_step(controller, steps[i], [](Controller& c, const law::Measurement<float>& z) {
@@ -44,15 +44,15 @@ ExitCode replay_file(Controller& controller, std::string_view results_name) {
   return done;
 }
 
-law::AxisController<float> axis_controller{config::parameters, config::k3_table};
-law::PidController<float> pid_controller{pid_parameters(config::parameters)};
-
 }  // namespace
 
 void run_image() {
   count_begin();
   count_end();
-  ExitCode code = replay_file(axis_controller, "axis.results");
-  if (code == done) code = replay_file(pid_controller, "pid.results");
+  const law::AxisController<float> axis{config::parameters, config::k3_table};
+  const law::PidController<float> pid{pid_parameters(config::parameters)};
+  ExitCode code = replay_file(axis, "axis.tape", "axis.results");
+  if (code == done) code = replay_file(axis, "hostile.tape", "hostile.results");
+  if (code == done) code = replay_file(pid, "axis.tape", "pid.results");
   exit_emulator(code);
 }
