@@ -1,0 +1,209 @@
+// A CanPort over a serial adapter that speaks slcan.
+//
+//   each period: poll(now); receive(...); send(...); flush(now)
+//
+// The port opens the adapter, and opens it again whenever it stopped answering: until then bus_state() is bus_off,
+// sends are refused and what waited is forgotten. flush() asks for the status flags once a period, so that an adapter
+// which vanished is noticed. All calls are the loop's; none is safe in an interrupt.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "breakaway/hal/can_port.hpp"
+#include "breakaway/slcan/codec.hpp"
+
+namespace breakaway::slcan {
+
+// read: the oldest received byte; false when there is none. write: hands all bytes over, or none of them and false;
+// bytes that were handed over leave on their own within a fraction of a period.
+template <class S>
+concept ByteStream = requires(S& stream, char& character, std::span<const char> text) {
+  { stream.read(character) }
+  noexcept->std::same_as<bool>;
+  { stream.write(text) }
+  noexcept->std::same_as<bool>;
+};
+
+struct Counters {
+  std::uint32_t stale = 0;      // frames dropped at their deadline
+  std::uint32_t overflows = 0;  // frames that a queue had no room for, here or in the adapter
+  std::uint32_t malformed = 0;  // lines that made no sense
+  std::uint32_t openings = 0;   // times that the adapter was opened
+};
+
+template <ByteStream Stream>
+class Port {
+ public:
+  // The adapter must answer within this, or it counts as gone. One lost byte must not do that: 20 periods of 1 ms ask
+  // 20 times.
+  static constexpr hal::Duration answer_timeout = std::chrono::milliseconds{20};
+  // What an adapter may still say after it was closed is over by then.
+  static constexpr hal::Duration settle_time = std::chrono::milliseconds{10};
+
+  // bit_rate: one that bit_rate_digit knows; with another the adapter is never opened.
+  Port(Stream& stream, std::uint32_t bit_rate) noexcept : stream_{&stream}, rate_digit_{bit_rate_digit(bit_rate)} {}
+
+  // Takes in what came. Frames get the time `now`: the serial line tells no better.
+  void poll(hal::Time now) noexcept {
+    char character = 0;
+    for (std::size_t i = 0; i < most_characters && stream_->read(character); ++i) {
+      if (const auto message = decoder_.take(character)) on_message(*message, now);
+    }
+    if (state_ == State::closing && now - asked_at_ >= settle_time) ask_rate(now);
+    if (awaits_answer() && now - asked_at_ > answer_timeout) give_up();
+  }
+
+  // Hands over what waits and is not stale, then asks for the flags; opens an adapter that is closed.
+  void flush(hal::Time now) noexcept {
+    if (state_ == State::closed && rate_digit_) ask(State::closing, "\r\r\rC\r", now);
+    if (state_ != State::open) return;
+    for (; !transmit_.empty(); transmit_.pop()) {
+      const Queued& next = transmit_.front();
+      if (next.deadline < now) {
+        ++counters_.stale;
+      } else if (!stream_->write(EncodedFrame{next.frame}.text())) {
+        break;
+      }
+    }
+    if (stream_->write(std::span{"F\r", 2}) && !awaits_status_) {
+      awaits_status_ = true;
+      asked_at_ = now;
+    }
+  }
+
+  // CanPort
+
+  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
+  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
+    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
+    if (state_ != State::open) return {hal::StatusCode::bus_off};
+    if (transmit_.push({frame, deadline})) return {};
+    ++counters_.overflows;
+    return {hal::StatusCode::queue_full};
+  }
+  bool receive(hal::ReceivedFrame& received) noexcept {
+    if (receive_.empty()) return false;
+    received = receive_.front();
+    receive_.pop();
+    return true;
+  }
+  void purge_transmit_queue() noexcept { transmit_.clear(); }
+  hal::BusState bus_state() const noexcept {
+    if (state_ != State::open) return hal::BusState::bus_off;
+    if ((flags_ & status_flag::error_passive) != 0) return hal::BusState::error_passive;
+    if ((flags_ & (status_flag::error_warning | status_flag::bus_error)) != 0) return hal::BusState::error_warning;
+    return hal::BusState::error_active;
+  }
+
+  bool awaits_answer() const noexcept {
+    return state_ == State::rating || state_ == State::opening || (state_ == State::open && awaits_status_);
+  }
+  const Counters& counters() const noexcept { return counters_; }
+
+ private:
+  enum class State : std::uint8_t {
+    closed,
+    closing,  // C was sent: what comes is passed over until settle_time is over
+    rating,   // S was sent
+    opening,  // O was sent
+    open,
+  };
+  struct Queued {
+    hal::CanFrame frame;
+    hal::Time deadline{};
+  };
+  template <class Item, std::size_t Capacity>
+  class Queue {
+   public:
+    bool empty() const noexcept { return size_ == 0; }
+    bool push(const Item& item) noexcept {
+      if (size_ == Capacity) return false;
+      items_[(first_ + size_++) % Capacity] = item;
+      return true;
+    }
+    const Item& front() const noexcept { return items_[first_]; }
+    void pop() noexcept {
+      first_ = (first_ + 1) % Capacity;
+      --size_;
+    }
+    void clear() noexcept { size_ = 0; }
+
+   private:
+    std::array<Item, Capacity> items_{};
+    std::size_t first_ = 0, size_ = 0;
+  };
+
+  // In one poll: what a line of 3 Mbaud brings in a millisecond; the rest waits in the stream.
+  static constexpr std::size_t most_characters = 512;
+
+  void on_message(const Message& message, hal::Time now) noexcept {
+    using Kind = Message::Kind;
+    if (message.kind == Kind::malformed) ++counters_.malformed;
+    switch (state_) {
+      case State::closed:
+      case State::closing:
+        return;
+      case State::rating:
+        if (message.kind == Kind::done) ask(State::opening, "O\r", now);
+        if (message.kind == Kind::refused) give_up();
+        return;
+      case State::opening:
+        if (message.kind == Kind::done) open();
+        if (message.kind == Kind::refused) give_up();
+        return;
+      case State::open:
+        break;
+    }
+    if (message.kind == Kind::refused) ++counters_.overflows;
+    if (message.kind == Kind::frame && !receive_.push({message.frame, now})) ++counters_.overflows;
+    if (message.kind != Kind::status) return;
+    flags_ = message.status;
+    awaits_status_ = false;
+  }
+
+  void ask_rate(hal::Time now) noexcept {
+    const std::array<char, 4> command{'S', *rate_digit_, carriage_return, '\0'};
+    ask(State::rating, command.data(), now);
+  }
+
+  // A stream that has no room for a command does not move: the answer's time-out will show it.
+  void ask(State next, const char* command, hal::Time now) noexcept {
+    const std::string_view text{command};
+    static_cast<void>(stream_->write({text.data(), text.size()}));
+    state_ = next;
+    asked_at_ = now;
+  }
+
+  void open() noexcept {
+    state_ = State::open;
+    flags_ = 0;
+    awaits_status_ = false;
+    ++counters_.openings;
+  }
+
+  void give_up() noexcept {
+    state_ = State::closed;
+    transmit_.clear();
+    decoder_.reset();
+  }
+
+  Stream* stream_;
+  std::optional<char> rate_digit_;
+  Decoder decoder_;
+  Queue<hal::ReceivedFrame, 32> receive_;
+  Queue<Queued, 16> transmit_;
+  hal::Time asked_at_{};
+  Counters counters_;
+  State state_ = State::closed;
+  std::uint8_t flags_ = 0;
+  bool awaits_status_ = false;
+};
+
+}  // namespace breakaway::slcan
