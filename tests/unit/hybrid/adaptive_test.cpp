@@ -99,4 +99,61 @@ TEST(Adaptive, ConstantForcesShiftTheMachine) {
   EXPECT_LT(difference(machine, {1, Eigen::Vector2d{2, -1.5}, Eigen::Vector2d{0.5, 1}}, 60), tolerance);
 }
 
+struct NamedShape {
+  const char* name;
+  friction::ShapePtr (*make)();
+};
+
+friction::ShapePtr of_the_example() {
+  std::vector<friction::ShapePtr> parts;
+  parts.push_back(friction::stribeck(2));
+  parts.push_back(friction::sine_in_time(4));
+  return friction::mean({0.5, 0.5}, std::move(parts));
+}
+
+class OneCoordinate : public ::testing::TestWithParam<NamedShape> {};
+
+// Both integrate to rounding by themselves, one on closed forms and its own flights, the other as any machine.
+TEST_P(OneCoordinate, MovesAsTheSlideDoes) {
+  const friction::FrictionLaw law{friction::FrictionBounds{0.5, 1.5}, GetParam().make()};
+  LinearMachine<> machine;
+  machine.mass = machine.directions = MatrixXd::Identity(1, 1);
+  machine.damping = MatrixXd::Constant(1, 1, 0.05);
+  machine.stiffness = MatrixXd::Constant(1, 1, 4);
+  machine.friction_N = VectorXd::Zero(1);
+  plant::Slide slide(1, law, {0, 3, -1});
+  plant::AppliedForce force;
+  force.stiffness_N_per_m = 4;
+  force.damping_Ns_per_m = 0.05;
+  const Adaptive adaptive(machine, {law});
+  std::vector<Event> log;
+  adaptive.run({0, VectorXd::Constant(1, 3), VectorXd::Constant(1, -1)}, 20, &log);
+  for (const double time_s : {0.3, 1.0, 2.5, 4.0, 7.0, 20.0}) {
+    slide.advance_to(time_s, force);
+    const auto outcome = adaptive.run({0, VectorXd::Constant(1, 3), VectorXd::Constant(1, -1)}, time_s);
+    EXPECT_NEAR(outcome.end.q[0], slide.state().position_m, 1e-11) << time_s;
+    EXPECT_NEAR(outcome.end.v[0], slide.state().velocity_m_s, 1e-11) << time_s;
+  }
+  const auto& counters = slide.counters();
+  EXPECT_EQ(log.size(), counters.sticks + counters.slips - counters.reversals);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, OneCoordinate,
+    ::testing::Values(
+        NamedShape{"constant", [] { return friction::constant(0.3); }},
+        NamedShape{"static_kinetic", [] { return friction::static_kinetic(1, 0.1); }},
+        NamedShape{"stribeck", [] { return friction::stribeck(0.2); }},
+        NamedShape{"stribeck_gaussian", [] { return friction::stribeck_gaussian(0.2); }},
+        NamedShape{"sine_in_time", [] { return friction::sine_in_time(4); }},
+        NamedShape{"sine_in_position", [] { return friction::sine_in_position(0.7, 0.2); }},
+        NamedShape{"position_table",
+                   [] {
+                     return friction::position_table({-0.5, 0.25, 1}, {0.2, 1, 0, 0.7});
+                   }},
+        NamedShape{"random_dwell",
+                   [] { return friction::random_dwell({.seed = 7, .shortest_dwell_s = 0.05, .longest_dwell_s = 1}); }},
+        NamedShape{"example", of_the_example}),
+    [](const auto& shape) { return shape.param.name; });
+
 }  // namespace
