@@ -208,12 +208,16 @@ void DriveNode::start_node(hal::Time now) noexcept {
   last_command_ = now;
 }
 
+bool DriveNode::stopped_operating(hal::Time now) noexcept {
+  if (heartbeat_.state() == NmtState::operational) return false;
+  sdo_.cancel();
+  transfer_running_ = false;
+  begin_start(now);
+  return true;
+}
+
 void DriveNode::verify_mode(hal::Time now) noexcept {
-  if (heartbeat_.state() != NmtState::operational) {
-    sdo_.cancel();
-    transfer_running_ = false;
-    return begin_start(now);
-  }
+  if (stopped_operating(now)) return;
   if (transfer_running_) {
     const hal::Status result = sdo_.poll(now);
     if (result.code == StatusCode::would_block) return;
@@ -239,11 +243,7 @@ void DriveNode::on_mode_transfer(hal::Status result, hal::Time now) noexcept {
 }
 
 void DriveNode::watch(hal::Time now) noexcept {
-  if (heartbeat_.state() != NmtState::operational) {
-    sdo_.cancel();
-    transfer_running_ = false;
-    return begin_start(now);
-  }
+  if (stopped_operating(now)) return;
   if (transfer_running_) {
     const hal::Status result = sdo_.poll(now);
     if (result.code == StatusCode::would_block) return;

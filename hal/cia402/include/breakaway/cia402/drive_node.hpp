@@ -78,6 +78,7 @@ class DriveNode {
   void on_step_failed(const SetupStep& step, hal::Status result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
   void begin_start(hal::Time now) noexcept;
+  bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(hal::Status result, hal::Time now) noexcept;
