@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "breakaway/design/attractivity.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 
 namespace breakaway::design {
@@ -90,6 +91,24 @@ std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport&
           std::move(exact)};
 }
 
+// The approach is a machine of one coordinate: [A] says whether it comes to rest, and from where.
+Check rest_check(const AxisDesign& axis) {
+  const double damping = axis.approach_damping_Ns_per_m + axis.smooth_friction_slope_Ns_per_m;
+  const auto scalar = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  const Attractivity rest = certify_attractivity({scalar(axis.mass_kg), scalar(damping), scalar(axis.stiffness_N_per_m),
+                                                  scalar(1), Eigen::VectorXd::Constant(1, axis.friction.lower_N)});
+  const bool from_everywhere = rest.certified && std::isinf(rest.rho_star_J);
+  return {"approach_comes_to_rest",
+          true,
+          from_everywhere,
+          damping,
+          "[A] Theorem 1 and remark 4",
+          "k21 + smooth friction slope = " + brief(damping) + " N s/m" +
+              (from_everywhere ? ": the approach comes to rest from everywhere"
+                               : ", so the approach comes to rest from within " + brief(rest.rho_star_J) +
+                                     " J only; raise the approach damping k21")};
+}
+
 Check encoder_check(const AxisDesign& axis) {
   return below("tolerance_above_encoder_resolution", "one encoder count is the least error that can be seen",
                axis.encoder_resolution_m, axis.position_tolerance_m,
@@ -123,6 +142,7 @@ std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& r
 
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report) {
   std::vector<Check> checks = assumption_checks(axis, report);
+  checks.push_back(rest_check(axis));
   checks.push_back(table_check(report));
   if (axis.encoder_resolution_m > 0) checks.push_back(encoder_check(axis));
   if (axis.period_s > 0) {
