@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "../scratch_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,24 +26,8 @@ struct Ended {
   std::string out, err;
 };
 
-class Command : public testing::Test {
+class Command : public breakaway::testing::ScratchFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "breakaway-cli-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const char* name) const { return (folder_ / name).string(); }
-
-  static std::string content(const std::string& path) {
-    std::ifstream in{path};
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
-
   Ended run(const std::string& arguments, const std::string& environment = "") const {
     const std::string command =
         environment + " '" BREAKAWAY_COMMAND "' " + arguments + " > " + path("out") + " 2> " + path("err");
@@ -61,8 +47,6 @@ class Command : public testing::Test {
     std::ofstream{path("axis.toml")} << text;
     return path("axis.toml");
   }
-
-  fs::path folder_;
 };
 
 // The number after the first "name": in JSON text; NaN if it is not there.
@@ -333,7 +317,7 @@ TEST_F(Command, KeepsTheContractOfASimulatedMachine) {
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   expect_keys(ended.out, {"modes", "events", "time_s", "kind", "dof", "settled", "settling_time_s", "q_end", "v_end"});
   EXPECT_NE(ended.out.find("\"settled\": true"), std::string::npos);
-  expect_refused("simulate " + two_masses + " --report " + path("a.html"), {"--report", "--json"});
+  expect_refused("simulate " + two_masses + " --candump " + path("a.log"), {"--candump", "bus"});
 }
 
 TEST_F(Command, KeepsTheContractOfBasin) {

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 
+#include "../scratch_folder.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/machine/basin_picture.hpp"
 #include "breakaway/machine/basin_table.hpp"
@@ -46,22 +47,12 @@ std::string table(const Basin& basin) {
   return text;
 }
 
-class BasinFiles : public testing::Test {
+class BasinFiles : public breakaway::testing::ScratchFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "breakaway-basin-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string written(const std::string& name, const std::string& text) const {
     report::write_output(path(name), text);
     return path(name);
   }
-
-  fs::path folder_;
 };
 
 // 106.372 is the area by a fine grid of an independent simulation. Along the two straight borders of 8.5 each the

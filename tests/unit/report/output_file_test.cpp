@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "../scratch_folder.hpp"
 #include "breakaway/scenario/input_error.hpp"
 
 namespace {
@@ -15,25 +16,9 @@ using breakaway::report::write_output;
 using breakaway::scenario::InputError;
 namespace fs = std::filesystem;
 
-class OutputFile : public testing::Test {
+class OutputFile : public breakaway::testing::ScratchFolder {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "breakaway-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const char* name) const { return (folder_ / name).string(); }
-  static std::string content(const std::string& path) {
-    std::ifstream in{path};
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-  }
   std::ptrdiff_t files() const { return std::distance(fs::directory_iterator{folder_}, fs::directory_iterator{}); }
-
-  fs::path folder_;
 };
 
 TEST_F(OutputFile, ReplacesAnOlderFileAndLeavesNothingElse) {
