@@ -21,7 +21,7 @@ std::optional<Error> symmetry_error(const char* name, const Eigen::MatrixXd& mat
 }  // namespace
 
 bool symmetric(const Eigen::MatrixXd& matrix) {
-  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-14 * matrix.cwiseAbs().maxCoeff();
+  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * matrix.cwiseAbs().maxCoeff();
 }
 
 std::optional<Error> statics_error(const LinearSystem& s) {

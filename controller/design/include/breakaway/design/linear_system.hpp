@@ -27,7 +27,7 @@ std::optional<Error> statics_error(const LinearSystem& system);
 // Theorem 1.
 std::optional<Error> system_error(const LinearSystem& system);
 
-// To rounding: 1e-14 of the largest entry.
+// To rounding: 1e-12 of the largest entry, as a closed loop K + S F may have entries far larger than their sum.
 bool symmetric(const Eigen::MatrixXd& matrix);
 
 }  // namespace breakaway::design
