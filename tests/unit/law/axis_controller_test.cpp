@@ -120,6 +120,8 @@ TEST_F(AxisControllerTest, GivesUpByNameOnAJammedAxis) {
   EXPECT_EQ(controller.mode(), Mode::fault);
   EXPECT_EQ(controller.fault(), ControlFault::jammed);
   EXPECT_EQ(stand_still(-2e-6F, 1).force_N, 0);
+  EXPECT_EQ(controller.update({std::nanf("")}).force_N, 0);
+  EXPECT_EQ(controller.fault(), ControlFault::jammed) << "the first fault is the one to know";
   controller.reset();
   EXPECT_EQ(stand_still(-2e-6F, 1).mode, Mode::approach);
 }

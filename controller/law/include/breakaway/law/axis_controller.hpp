@@ -91,8 +91,9 @@ class AxisController {
   bool exact() const noexcept { return !(p_.encoder_resolution_m > 0); }
   bool ideal() const noexcept { return !(p_.period_s > 0); }
 
+  // The first fault is the one to know.
   ControlOutput<Scalar> fail(ControlFault fault) noexcept {
-    fault_ = fault;
+    if (mode_ != Mode::fault) fault_ = fault;
     mode_ = Mode::fault;
     return {Scalar{0}, Scalar{0}, mode_, false};
   }
