@@ -144,6 +144,7 @@ Attractivity certify_attractivity(const LinearSystem& system) {
   for (const Condition& condition : a.conditions) {
     if (!condition.holds) return refused(a, condition.reason);
   }
+  a.definite = true;
   const MatrixXd rest = rest_energy_form(system);
   a.greatest_rest_J = greatest_rest_energy_J(rest);
   a.remark_3_J = rest.sum() / 2;

@@ -1,19 +1,17 @@
 #include "breakaway/design/equilibrium_set.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 
 #include "zonotope.hpp"
+#include "zonotope_vertices.hpp"
 
 namespace breakaway::design {
 namespace {
 
-Eigen::VectorXd extent_of(const LinearSystem& system, const Eigen::MatrixXd& pushes) {
-  const Eigen::FullPivLU<Eigen::MatrixXd> stiffness(system.stiffness);
-  if (!stiffness.isInvertible())
-    return Eigen::VectorXd::Constant(system.stiffness.rows(), std::numeric_limits<double>::infinity());
-  return stiffness.solve(pushes).cwiseAbs().rowwise().sum();
-}
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double most_vertex_candidates = 4e6;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -43,6 +41,7 @@ Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& normal, double bo
 }
 
 Expected<EquilibriumSet> EquilibriumSet::make(const LinearSystem& system) {
+  if (auto error = statics_error(system)) return *error;
   const Eigen::MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
   const SpannedSpace space = spanned_space(pushes);
   if (facet_candidates(space) > most_facet_candidates) {
@@ -61,8 +60,67 @@ Expected<EquilibriumSet> EquilibriumSet::make(const LinearSystem& system) {
   }
   set.unheld_ = space.complement.transpose() * system.stiffness;
   set.unheld_row_ = set.unheld_.rowwise().norm();
-  set.extent_ = extent_of(system, pushes);
+  set.stiffness_ = system.stiffness;
+  set.pushes_ = pushes;
+  const Eigen::FullPivLU<Eigen::MatrixXd> stiffness(system.stiffness);
+  if (stiffness.isInvertible()) {
+    set.reach_ = stiffness.solve(pushes);
+    set.extent_ = set.reach_.cwiseAbs().rowwise().sum();
+  } else {
+    set.slack_ = stiffness.kernel().col(0).stableNormalized();
+    set.extent_ = Eigen::VectorXd::Constant(pushes.rows(), infinite);
+  }
   return set;
+}
+
+Error EquilibriumSet::unbounded() const {
+  std::string along;
+  for (const double entry : slack_) along += (along.empty() ? "" : ", ") + to_text(entry);
+  return Error{"stiffness is singular: the equilibrium set is unbounded along (" + along +
+               "); give that motion a spring, or ask for a cross-section"};
+}
+
+double EquilibriumSet::gauge(const Eigen::VectorXd& q, double tolerance) const {
+  if (((unheld_ * q).cwiseAbs().array() > tolerance * q.norm() * unheld_row_.array()).any()) return infinite;
+  double share = 0;
+  for (Eigen::Index i = 0; i < facets_.rows(); ++i)
+    share = std::max(share, std::abs(facets_.row(i).dot(q)) / bounds_[i]);
+  return share;
+}
+
+Expected<Eigen::MatrixXd> EquilibriumSet::vertices() const {
+  if (slack_.size() > 0) return unbounded();
+  const Eigen::Index n = stiffness_.rows();
+  if (vertex_candidates(pushes_) > most_vertex_candidates) {
+    return Error{"the equilibrium set of " + std::to_string(pushes_.cols()) + " frictions in " + std::to_string(n) +
+                 " coordinates has too many corners; merge frictions"};
+  }
+  std::vector<Eigen::VectorXd> corners;
+  if (n == 2) {
+    for (const Eigen::Vector2d& corner : zonogon(reach_)) corners.push_back(corner);
+  } else {
+    for (const Signs& signs : vertex_signs(pushes_)) {
+      corners.push_back(reach_ * Eigen::Map<const Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>>(
+                                     signs.data(), static_cast<Eigen::Index>(signs.size()))
+                                     .cast<double>());
+    }
+  }
+  Eigen::MatrixXd columns(n, static_cast<Eigen::Index>(corners.size()));
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = corners[static_cast<std::size_t>(i)];
+  return columns;
+}
+
+double EquilibriumSet::support(const Eigen::VectorXd& u) const {
+  if (slack_.size() == 0) return (u.transpose() * reach_).cwiseAbs().sum();
+  const Eigen::FullPivLU<Eigen::MatrixXd> transposed(stiffness_.transpose());
+  const Eigen::VectorXd force = transposed.solve(u);
+  if (!(stiffness_.transpose() * force).isApprox(u, 1e-12)) return infinite;
+  return (force.transpose() * pushes_).cwiseAbs().sum();
+}
+
+Expected<Polygon> EquilibriumSet::projection(const Eigen::Matrix2Xd& onto) const {
+  if (slack_.size() > 0) return unbounded();
+  return zonogon(onto * reach_);
 }
 
 bool EquilibriumSet::contains(const Eigen::VectorXd& q, double tolerance) const {

@@ -27,6 +27,7 @@ struct Condition {
 struct Attractivity {
   bool certified = false;             // conditions 1 and 2 hold, so that rho_star > 0
   std::string reason;                 // why not, and the remedy; empty when certified
+  bool definite = false;              // condition 1 holds, so that V is an energy: level_J and what follows are known
   std::vector<Condition> conditions;  // all three, as far as they could be examined; none for a malformed system
   Eigen::MatrixXd eigencolumns;       // U_c; of repeated eigenvalues those that make rho* large
   Eigen::VectorXd eigenvalues;        // the diagonal of Omega_c, ascending: the first n_q are not positive
