@@ -6,6 +6,7 @@
 #include <memory>
 #include <variant>
 
+#include "breakaway/machine/machine_report.hpp"
 #include "breakaway/machine/run_machine.hpp"
 #include "breakaway/report/formats.hpp"
 #include "breakaway/report/html.hpp"
@@ -53,15 +54,13 @@ void report_progress(const char* what) {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
 }
 
-void check_outputs(const Options& options, const Scenario& scene) {
+void check_outputs(const Options& options, const char* no_bus) {
   for (const std::string& path : options.outputs()) {
     if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
       throw scenario::InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
     }
   }
-  if (!options.candump.empty() && scene.ideal()) {
-    throw scenario::InputError{"--candump: the scene has no bus; give it a [loop] and a [drive], or leave this out"};
-  }
+  if (!options.candump.empty() && no_bus != nullptr) throw scenario::InputError{fmt::format("--candump: {}", no_bus)};
 }
 
 void print_summary(const scenario::MachineScenario& s, const machine::MachineResult& r) {
@@ -79,18 +78,22 @@ void print_summary(const scenario::MachineScenario& s, const machine::MachineRes
 }
 
 int simulate_machine(const Options& options, const scenario::MachineScenario& s) {
-  if (!options.csv.empty() || !options.candump.empty() || !options.report.empty()) {
-    throw scenario::InputError{"--csv, --candump and --report are for axes; a [machine] gives --json"};
-  }
-  const machine::MachineResult result = machine::run_machine(s);
+  check_outputs(options, "a [machine] has no bus; leave this out");
+  const bool trace = !options.csv.empty() || !options.report.empty();
+  const machine::MachineResult result = machine::run_machine(s, trace);
   if (!result.warning.empty()) fmt::print(stderr, "breakaway: warning: {}\n", result.warning);
+  // As for an axis: an error here leaves no file behind.
+  const std::string html = options.report.empty() ? "" : machine::to_html(s, result);
   if (!options.json.empty()) report::write_output(options.json, machine::to_json(s, result));
+  if (!options.csv.empty()) report::write_output(options.csv, machine::to_csv(s, result));
+  if (!options.report.empty()) report::write_output(options.report, html);
   if (!options.quiet()) print_summary(s, result);
   return result.settled() ? done : failed_check;
 }
 
 int simulate_axis(const Options& options, const Scenario& scene) {
-  check_outputs(options, scene);
+  check_outputs(options,
+                scene.ideal() ? "the scene has no bus; give it a [loop] and a [drive], or leave this out" : nullptr);
   report_progress("simulating");
   const bool trace = !options.csv.empty() || !options.report.empty();
   const Result result = scenario::run_scene(scene, {.trace = trace, .frames = !options.candump.empty()});

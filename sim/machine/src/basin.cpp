@@ -58,6 +58,17 @@ plant::LinearMachine<N, M> sized(const plant::LinearMachine<>& machine) {
   return fixed;
 }
 
+// What a picture of starts in one plane can show, and what the certificates drawn into it are about.
+void require_autonomous(const MachineScenario& s) {
+  const char* extra = !s.laws.empty()                               ? "[[machine.friction]] with a law"
+                      : !s.impulses.empty()                         ? "[[impulse]]"
+                      : !plant::constant_force(s.machine).isZero(0) ? "[machine] force_N"
+                                                                    : nullptr;
+  if (extra == nullptr) return;
+  throw scenario::InputError{fmt::format(
+      "{}: a region of attraction is for constant friction and no other force; leave out {}", s.file, extra)};
+}
+
 template <int N, class Run>
 std::size_t decide_row(Basin& basin, int row, Eigen::Index coordinates, const Run& run) {
   const Grid& grid = basin.grid();
@@ -175,6 +186,7 @@ double horizon_s(const MachineScenario& s, const Certificates& certificates) {
 }
 
 std::size_t decide_pending(Basin& basin, const MachineScenario& s, int threads, const RowDone& done) {
+  require_autonomous(s);
   try {
     // Sizes that are known to the compiler are several times faster.
     const auto n = s.machine.coordinates(), m = s.machine.frictions();

@@ -10,6 +10,7 @@
 
 #include "breakaway/design/k3.hpp"
 #include "breakaway/report/gnuplot.hpp"
+#include "breakaway/report/plot_style.hpp"
 #include "thin.hpp"
 
 namespace breakaway::report {
@@ -21,26 +22,6 @@ using scenario::Sample;
 using scenario::Scenario;
 
 constexpr int width_px = 900;
-
-constexpr const char* style = R"(
-set encoding utf8
-set border 3 linecolor '#888888'
-set tics nomirror out textcolor '#333333'
-set grid linecolor '#dcdfe2' linetype 1 linewidth 0.6
-set key above left Left reverse horizontal samplen 2 width 1 textcolor '#333333'
-set style line 1 linecolor '#1c5d99' linewidth 1.8
-set style line 2 linecolor '#c8553d' linewidth 1.8
-set style line 3 linecolor '#2a7f62' linewidth 1.8
-set style line 4 linecolor '#777777' linewidth 1.2 dashtype 2
-set style line 5 linecolor '#8f6bb3' linewidth 1.8
-set style line 6 linecolor '#f2c14e' linewidth 7
-set style line 7 linecolor '#e08e45' linewidth 7
-set style line 8 linecolor '#c8553d' pointtype 7 pointsize 0.5
-set lmargin 11
-unset mytics
-set rmargin 3
-set bmargin 3.5
-)";
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
 
@@ -108,7 +89,7 @@ Picture response(const Scenario& s, const Result& result) {
   const bool loop = result.loop.has_value();
   const int panels = loop ? 3 : 2;
   const int height_px = 230 * panels + 132;
-  std::string commands = style + series("target", result, &Sample::target_m) +
+  std::string commands = plot_style + series("target", result, &Sample::target_m) +
                          series("position", result, &Sample::position_m) +
                          series("velocity", result, &Sample::velocity_m_s) + series("force", result, &Sample::force_N) +
                          fmt::format(
@@ -137,7 +118,7 @@ bool ever_off_target(const Result& result) {
 // |error| on a logarithmic axis shows the last micrometres.
 Picture error_over_time(const Scenario& s, const Result& result) {
   const auto shown = [](double error_m) { return error_m == 0 ? std::nan("") : std::fabs(error_m); };
-  std::string commands = style +
+  std::string commands = plot_style +
                          series("error", result, [&](const Sample& x) { return shown(x.position_m - x.target_m); }) +
                          data("kicks", result.kicks,
                               [&](const KickRecord& k) {
@@ -198,7 +179,7 @@ std::string phase_plot(const Scenario& s, const Result& result, Window position_
                        const std::string& settings) {
   const auto [upper_m, lower_m] = stick_sets(s);
   const double target_m = result.trace.back().target_m;
-  return style + solution(result, position_m, velocity_m_s) +
+  return plot_style + solution(result, position_m, velocity_m_s) +
          fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
                      number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
          "set tmargin 3\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n" + settings +
@@ -255,7 +236,7 @@ Picture kick_law(const Scenario& s, const Result& result) {
   const double upper_m = s.friction.upper_N / gains.stiffness_N_per_m;
   std::vector<double> places;
   for (int i = -200; i <= 200; ++i) places.push_back(upper_m * i * std::abs(i) / 40000.0);
-  std::string commands = style +
+  std::string commands = plot_style +
                          data("law", places,
                               [&](double y) {
                                 return std::array{y, law->impulse_Ns(y)};
@@ -283,7 +264,7 @@ Picture friction_along(const Scenario& s, const Result& result) {
   const double lower = s.friction.lower_N / unit, upper = s.friction.upper_N / unit;
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
   const std::string commands =
-      style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
+      plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
       series("friction", result, [&](const Sample& x) { return x.friction_level_N / unit; }) + instants(result, true) +
       fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
       fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
@@ -303,7 +284,7 @@ Picture kicks(const Result& result) {
   int index = 0;
   const bool ideal = result.ideal.has_value();
   const std::string commands =
-      style +
+      plot_style +
       data("kicks", result.kicks,
            [&](const KickRecord& k) {
              const double strength = std::fabs(ideal ? k.impulse_Ns : k.force_N);
@@ -327,7 +308,7 @@ Picture kicks(const Result& result) {
 Picture bus_load(const Result& result) {
   // The first sample has no period before it.
   const auto share = [](const Sample& x) { return x.time_s > 0 ? 100 * x.bus_load : std::nan(""); };
-  const std::string commands = style + series("load", result, share) +
+  const std::string commands = plot_style + series("load", result, share) +
                                "set xlabel 'time [s]'\nset ylabel 'bus load [%]'\nset yrange [0:100]\n"
                                "plot $load using 1:2 with lines linestyle 5 notitle\n";
   return {"Bus load",

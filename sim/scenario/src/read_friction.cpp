@@ -137,7 +137,22 @@ ShapePtr read_shape(const Section& section) {
   section.fail("kind", fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : given, names));
 }
 
+void require_ordered(const Section& section, std::string_view lower, double low, std::string_view upper, double up) {
+  if (low <= up) return;
+  section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
+}
+
 }  // namespace
+
+friction::FrictionLaw read_friction_law(const Section& section) {
+  double lower_N = 0, upper_N = 0;
+  ShapePtr shape = friction::constant(1);
+  section.read({required("lower_N", number(lower_N, "N", positive)),
+                required("upper_N", number(upper_N, "N", positive)),
+                optional("law", table([&](const Section& law) { shape = read_shape(law); }))});
+  require_ordered(section, "lower_N", lower_N, "upper_N", upper_N);
+  return {friction::FrictionBounds{lower_N, upper_N}, std::move(shape)};
+}
 
 Friction read_friction(const Section& section, double mass_kg) {
   Friction f;
@@ -154,9 +169,7 @@ Friction read_friction(const Section& section, double mass_kg) {
   keys.push_back(required(upper, number(f.upper_N, unit, positive)));
   if (coefficients) keys.push_back(required("gravity_m_s2", number(gravity_m_s2, "m/s^2", positive)));
   section.read(keys);
-  if (f.lower_N > f.upper_N) {
-    section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", f.lower_N, upper, f.upper_N));
-  }
+  require_ordered(section, lower, f.lower_N, upper, f.upper_N);
   if (coefficients) {
     f.normal_force_N = mass_kg * gravity_m_s2;
     f.lower_N *= *f.normal_force_N;

@@ -9,6 +9,7 @@
 #include "breakaway/scenario/read_scenario.hpp"
 #include "file_contents.hpp"
 #include "parse_toml.hpp"
+#include "read_friction.hpp"
 #include "toml_section.hpp"
 
 namespace breakaway::scenario {
@@ -62,17 +63,42 @@ void require_valid(const Section& section, const plant::LinearMachine<>& machine
   section.fail(error.substr(0, key_end), error.substr(std::min(error.size(), key_end + (error[key_end] == ' '))));
 }
 
-plant::LinearMachine<> read_machine(const Section& section) {
-  plant::LinearMachine<> machine;
+// One for each direction. Only where a law is named do they stay; else friction is constant, at its upper bound.
+void read_frictions(const Section& section, MachineScenario& s) {
+  bool varies = false;
+  section.read(optional("friction", tables([&](const Section& entry) {
+                          varies |= entry.has("law");
+                          s.laws.push_back(read_friction_law(entry));
+                        })));
+  const auto m = static_cast<Index>(s.laws.size());
+  if (m != s.machine.directions.cols()) {
+    section.fail("friction", fmt::format("has {} entries, must have {}: one for each column of directions", m,
+                                         s.machine.directions.cols()));
+  }
+  s.machine.friction_N.resize(m);
+  for (Index i = 0; i < m; ++i) {
+    const auto& bounds = s.laws[static_cast<std::size_t>(i)].bounds();
+    s.machine.friction_N[i] = varies ? bounds.lower_N : bounds.upper_N;
+  }
+  if (!varies) s.laws.clear();
+}
+
+void read_machine(const Section& section, MachineScenario& s) {
+  plant::LinearMachine<>& machine = s.machine;
+  const bool each = section.has("friction");
+  if (each && section.has("friction_N")) section.fail("friction", "stands beside friction_N; give one of them");
+  const Value constants = vector(machine.friction_N, "N", {0, std::numeric_limits<double>::max()});
+  const Value later = tables([](const Section&) {});
   section.read({
       required("mass", matrix(machine.mass, "kg")),
       required("damping", matrix(machine.damping, "N s/m")),
       required("stiffness", matrix(machine.stiffness, "N/m")),
       required("directions", matrix(machine.directions, "")),
-      required("friction_N", vector(machine.friction_N, "N", {0, std::numeric_limits<double>::max()})),
+      each ? required("friction", later) : required("friction_N", constants),
+      optional("force_N", vector(machine.force_N, "N")),
   });
+  if (each) read_frictions(section, s);
   require_valid(section, machine);
-  return machine;
 }
 
 void require_size(const Section& section, std::string_view key, const MatrixXd& matrix, Index rows, Index columns) {
@@ -106,24 +132,57 @@ plant::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coo
   return start;
 }
 
+void require_integrator(const Section& section, std::string_view key, bool fits, const char* integrator) {
+  if (fits || !section.has(key)) return;
+  section.fail(key, fmt::format("needs integrator = \"{}\"; the others do not know it", integrator));
+}
+
+DampingSweep read_sweep(const Section& section, Index coordinates) {
+  DampingSweep sweep;
+  sweep.per_d1 = MatrixXd::Identity(coordinates, coordinates);
+  section.read({
+      required("damping", matrix(sweep.damping, "N s/m")),
+      optional("per_d1", matrix(sweep.per_d1, "")),
+      required("d1", numbers(sweep.d1, "N s/m")),
+  });
+  require_size(section, "damping", sweep.damping, coordinates, coordinates);
+  require_size(section, "per_d1", sweep.per_d1, coordinates, coordinates);
+  return sweep;
+}
+
 void read_run(const Section& section, MachineScenario& s) {
-  std::optional<double> step_s, theta;
   section.read({
       optional("duration_s", number(s.duration_s, "s", {0, 1e9, true})),
       optional("integrator", choice(s.integrator, {{"event_driven", Integrator::event_driven},
-                                                   {"time_stepping", Integrator::time_stepping}})),
-      optional("step_s", number(step_s, "s", {1e-9, 1e9})),
-      optional("theta", number(theta, "", {0, 1})),
+                                                   {"time_stepping", Integrator::time_stepping},
+                                                   {"adaptive", Integrator::adaptive}})),
+      optional("step_s", number(s.step_s, "s", {1e-9, 1e9})),
+      optional("theta", number(s.theta, "", {0, 1})),
+      optional("tolerance", number(s.tolerance, "", {1e-14, 1e-2})),
   });
-  if (s.integrator == Integrator::event_driven && (step_s || theta)) {
-    section.fail(step_s ? "step_s" : "theta",
-                 "needs integrator = \"time_stepping\"; the event-driven one has no steps");
+  const bool stepping = s.integrator == Integrator::time_stepping, adaptive = s.integrator == Integrator::adaptive;
+  if (!s.laws.empty() && !adaptive) {
+    section.fail("integrator", fmt::format("= \"{}\" knows constant friction only, and a friction of the machine has a "
+                                           "law; take \"adaptive\"",
+                                           stepping ? "time_stepping" : "event_driven"));
   }
-  s.step_s = step_s.value_or(s.step_s);
-  s.theta = theta.value_or(s.theta);
-  if (s.duration_s / s.step_s > 1e10 && s.integrator == Integrator::time_stepping) {
+  require_integrator(section, "step_s", stepping, "time_stepping");
+  require_integrator(section, "theta", stepping, "time_stepping");
+  require_integrator(section, "tolerance", adaptive, "adaptive");
+  if (stepping && s.duration_s / s.step_s > 1e10) {
     section.fail("step_s", "makes more than 1e10 steps in duration_s; raise it");
   }
+}
+
+void read_impulse(const Section& section, MachineScenario& s) {
+  MachineImpulse impulse;
+  section.read({required("time_s", number(impulse.time_s, "s", {0, s.duration_s})),
+                required("impulse_Ns", vector(impulse.impulse_Ns, "N s"))});
+  require_size(section, "impulse_Ns", impulse.impulse_Ns, s.machine.coordinates(), 1);
+  if (!s.impulses.empty() && impulse.time_s < s.impulses.back().time_s) {
+    section.fail("time_s", fmt::format("is {}, before that of the entry above; put them in order", impulse.time_s));
+  }
+  s.impulses.push_back(std::move(impulse));
 }
 
 MachineScenario read(const toml::table& document, const std::string& name) {
@@ -132,18 +191,24 @@ MachineScenario read(const toml::table& document, const std::string& name) {
   s.file = name;
   if (!root.has("machine"))
     root.fail("machine", "is missing; give it mass, damping, stiffness, directions and friction_N");
-  std::optional<Section> machine, feedback, start;
+  std::optional<Section> machine, feedback, start, run, sweep;
   root.read({
       optional("title", text(s.title)),
       required("machine", table([&](const Section& part) { machine = part; })),
+      optional("sweep", table([&](const Section& part) { sweep = part; })),
       optional("feedback", table([&](const Section& part) { feedback = part; })),
       optional("start", table([&](const Section& part) { start = part; })),
-      optional("run", table([&](const Section& part) { read_run(part, s); })),
+      optional("run", table([&](const Section& part) { run = part; })),
+      optional("impulse", tables([](const Section&) {})),
   });
-  s.machine = read_machine(*machine);
+  read_machine(*machine, s);
   if (feedback) s.machine = close_loop(*feedback, s.machine);
   require_valid(*machine, s.machine);
   if (start) s.start = read_start(*start, s.machine.coordinates());
+  if (!s.laws.empty()) s.integrator = Integrator::adaptive;
+  if (sweep) s.sweep = read_sweep(*sweep, s.machine.coordinates());
+  if (run) read_run(*run, s);
+  root.read(optional("impulse", tables([&](const Section& part) { read_impulse(part, s); })));
   return s;
 }
 

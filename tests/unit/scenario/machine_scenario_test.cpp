@@ -84,4 +84,55 @@ TEST(MachineScenario, RefusesBadInputByName) {
   expect_refused(machine + "[run]\nintegrator = \"time_stepping\"\nstep_s = 1e-9\nduration_s = 1e9\n", "step_s");
 }
 
+const std::string with_laws = replaced(machine, "friction_N = [0.5]", R"([[machine.friction]]
+lower_N = 0.25
+upper_N = 0.5
+law = { kind = "stribeck", velocity_m_s = 0.1 })");
+
+TEST(MachineScenario, ReadsTheLawsOfItsFrictions) {
+  const auto s = parse_machine_scenario(with_laws, "m.toml");
+  ASSERT_EQ(s.laws.size(), 1U);
+  EXPECT_EQ(s.laws[0].level_N(0, 0, 0.1), 0.375);
+  EXPECT_EQ(s.machine.friction_N[0], 0.25);
+  EXPECT_EQ(s.integrator, Integrator::adaptive);
+  EXPECT_EQ(parse_machine_scenario(with_laws + "[run]\ntolerance = 1e-9\n", "m.toml").tolerance, 1e-9);
+}
+
+TEST(MachineScenario, FrictionWithoutALawIsConstantAtItsUpperBound) {
+  const auto s = parse_machine_scenario(with_laws.substr(0, with_laws.find("law =")), "m.toml");
+  EXPECT_TRUE(s.laws.empty());
+  EXPECT_EQ(s.machine.friction_N[0], 0.5);
+  EXPECT_EQ(s.integrator, Integrator::event_driven);
+}
+
+TEST(MachineScenario, ReadsForcesAndImpulses) {
+  const auto s = parse_machine_scenario(replaced(machine, "friction_N", "force_N = [1, -2]\nfriction_N") +
+                                            "[[impulse]]\ntime_s = 1\nimpulse_Ns = [3, 0]\n"
+                                            "[[impulse]]\ntime_s = 1\nimpulse_Ns = [0, 4]\n",
+                                        "m.toml");
+  EXPECT_EQ(s.machine.force_N, (Eigen::Vector2d{1, -2}));
+  ASSERT_EQ(s.impulses.size(), 2U);
+  EXPECT_EQ(s.impulses[1].impulse_Ns, (Eigen::Vector2d{0, 4}));
+}
+
+TEST(MachineScenario, RefusesLawsForcesAndImpulsesByName) {
+  expect_refused(with_laws + "[run]\nintegrator = \"event_driven\"\n", "integrator = \"event_driven\" knows constant");
+  expect_refused(with_laws + "[run]\nintegrator = \"time_stepping\"\n",
+                 "integrator = \"time_stepping\" knows constant");
+  expect_refused(with_laws + "[[machine.friction]]\nlower_N = 1\nupper_N = 2\n", "friction has 2 entries, must have 1");
+  expect_refused(replaced(with_laws, "[[machine", "friction_N = [1]\n[[machine"), "friction stands beside friction_N");
+  expect_refused(replaced(with_laws, "0.25", "0.75"), "[machine.friction] lower_N is 0.75 and exceeds upper_N = 0.5");
+  expect_refused(replaced(with_laws, "stribeck", "stribek"), "stribek");
+  expect_refused(replaced(with_laws, "lower_N", "mu_lower"), "mu_lower is not a key");
+  expect_refused(machine + "[run]\ntolerance = 1e-9\n", "tolerance needs integrator = \"adaptive\"");
+  expect_refused(with_laws + "[run]\ntolerance = 1e-15\n", "tolerance");
+  expect_refused(replaced(machine, "friction_N", "force_N = [1]\nfriction_N"), "force_N is 1 x 1");
+  expect_refused(machine + "[[impulse]]\ntime_s = 1\nimpulse_Ns = [1]\n", "impulse_Ns is 1 x 1, must be 2 x 1");
+  expect_refused(machine + "[[impulse]]\ntime_s = 61\nimpulse_Ns = [1, 1]\n", "time_s is 61");
+  expect_refused(machine + "[[impulse]]\nimpulse_Ns = [1, 1]\n", "time_s is missing");
+  expect_refused(
+      machine + "[[impulse]]\ntime_s = 2\nimpulse_Ns = [1, 1]\n[[impulse]]\ntime_s = 1\nimpulse_Ns = [1, 1]\n",
+      "time_s is 1, before that of the entry above");
+}
+
 }  // namespace

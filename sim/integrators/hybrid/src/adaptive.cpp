@@ -221,7 +221,7 @@ Adaptive::Result Run::go_on(double end_s, const EarlyDecision<Eigen::Dynamic>& d
     const bool rests = stands_still();
     if (rests) walk_.v.setZero();
     if (observer) observer(state());
-    if (rests && walk_.held_for_ever(walk_.force())) return finish(Verdict::at_rest);
+    if (rests && walk_.holds(true)) return finish(Verdict::at_rest);
     if (decision) {
       if (const Verdict verdict = decision(state()); verdict != Verdict::undecided) return finish(verdict);
     }

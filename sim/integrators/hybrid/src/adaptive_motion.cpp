@@ -257,7 +257,7 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
   double step_s = walk_.step_s;
   for (bool outlasts = false; refusals_ < most_refusals; ++refusals_) {
     const double step = std::min({step_s, longest_s, duration_s});
-    if (!outlasts && wait_s <= 2 * step && wait_s <= 2 * longest_s) {
+    if (!outlasts && wait_s <= std::min(2 * step, longest_s)) {
       const Trial trial = step_to_stop(stopping);
       const bool falls = rates_[static_cast<std::size_t>(stopping)].greatest < 0;
       const bool taken = trial.converged && falls && keeps_signs(trial, stopping) && !looks_again(trial);

@@ -66,11 +66,6 @@ bool AdaptiveWalk::all_stick() const {
   return std::all_of(signs.begin(), signs.end(), [](int sliding) { return sliding == 0; });
 }
 
-bool AdaptiveWalk::varies_with_time() const {
-  return std::any_of(laws.begin(), laws.end(),
-                     [](const auto& law) { return law.varies_with_time() || std::isfinite(law.next_time_change_s()); });
-}
-
 double AdaptiveWalk::next_change_s() const {
   double next_s = std::numeric_limits<double>::infinity();
   for (const auto& law : laws) next_s = std::min(next_s, law.next_time_change_s());
@@ -89,26 +84,17 @@ VectorXd AdaptiveWalk::force(double tau_s, Index exchanged, double speed_m_s) co
   return sum;
 }
 
-double AdaptiveWalk::margin_N(Limit limit, const VectorXd& force, double at_s) {
+double AdaptiveWalk::margin_N(Limit limit, const VectorXd& force, double at_s, bool for_ever) {
   const auto& facet = held->facets[limit.facet];
   double most_N = 0;
   for (Index i = 0; i < machine.frictions(); ++i) {
     if (facet.share[i] == 0) continue;
     auto& law = laws[static_cast<std::size_t>(i)];
-    most_N += std::abs(facet.share[i]) * law.breakaway_N(at_s, position_m(i), slides(facet, limit, i));
+    const bool may_fall = for_ever && (law.varies_with_time() || std::isfinite(law.next_time_change_s()));
+    most_N += std::abs(facet.share[i]) *
+              (may_fall ? law.bounds().lower_N : law.breakaway_N(at_s, position_m(i), slides(facet, limit, i)));
   }
   return most_N * (1 + tie) + limit.side * facet.normal.dot(force);
-}
-
-bool AdaptiveWalk::held_for_ever(const VectorXd& force) const {
-  if (!varies_with_time()) return true;
-  return std::all_of(held->facets.begin(), held->facets.end(), [&](const auto& facet) {
-    double least_N = 0;
-    for (Index i = 0; i < machine.frictions(); ++i) {
-      least_N += std::abs(facet.share[i]) * laws[static_cast<std::size_t>(i)].bounds().lower_N;
-    }
-    return std::abs(facet.normal.dot(force)) <= least_N * (1 + tie);
-  });
 }
 
 void AdaptiveWalk::pass_time(double duration_s) {
@@ -124,12 +110,12 @@ void AdaptiveWalk::face_laws() {
 }
 
 // With a little more than the tie, so that a limit at which another gave way holds until it is left outwards.
-bool AdaptiveWalk::holds() {
+bool AdaptiveWalk::holds(bool for_ever) {
   const VectorXd applied = force();
   for (std::size_t k = 0; k < held->facets.size(); ++k) {
     const double rounding_N = 0.1 * tie * std::abs(held->facets[k].normal.dot(applied));
     for (const int side : {-1, 1}) {
-      if (margin_N({k, side}, applied, time_after(0)) < -rounding_N) return false;
+      if (margin_N({k, side}, applied, time_after(0), for_ever) < -rounding_N) return false;
     }
   }
   return true;

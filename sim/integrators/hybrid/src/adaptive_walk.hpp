@@ -47,16 +47,16 @@ struct AdaptiveWalk {
   double until(double end_s) const { return (end_s - time_s) - time_rest_s; }
   double position_m(Eigen::Index i) const { return machine.directions.col(i).dot(q) + shift_m[i]; }
   bool all_stick() const;
-  bool varies_with_time() const;
   double next_change_s() const;
 
   // All forces but those of sticking directions and of inertia, at the present place and tau_s later. `exchanged` >= 0
   // slides at exactly speed_m_s.
   Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
-  // What static friction bears beyond this force; negative once it gives way.
-  double margin_N(Limit limit, const Vector& force, double time_s);
-  // Whether the limits that hold whatever the laws do with time are kept.
-  bool held_for_ever(const Vector& force) const;
+  // What static friction bears beyond this force; negative once it gives way. `for_ever`: whatever the laws do with
+  // time.
+  double margin_N(Limit limit, const Vector& force, double time_s, bool for_ever = false);
+  // Whether static friction bears what the sticking directions need.
+  bool holds(bool for_ever = false);
 
   void pass_time(double duration_s);
 
@@ -67,7 +67,6 @@ struct AdaptiveWalk {
 
  private:
   void face_laws();
-  bool holds();
   DirectionSet release(DirectionSet stopped, DirectionSet told);
 };
 

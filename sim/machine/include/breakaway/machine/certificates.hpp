@@ -10,16 +10,22 @@
 #include "breakaway/design/escape.hpp"
 #include "breakaway/hybrid/types.hpp"
 #include "breakaway/plant/linear_machine.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
 
 namespace breakaway::machine {
 
 struct Certificates {
   design::Attractivity attractivity;
   std::vector<design::EscapeLevel> escapes;
+  Eigen::VectorXd centre;  // K^-1 f: the certificates are about q - centre, for which there is no constant force
 };
 
 design::LinearSystem linear_system(const plant::LinearMachine<>& machine);
 Certificates certify(const plant::LinearMachine<>& machine);
+
+// With friction laws: attractive by their lower bounds, for V falls the faster the stronger friction is; escaping by
+// their upper ones.
+Certificates certify(const scenario::MachineScenario& scenario);
 
 // An EarlyDecision: captured where V < rho* (Theorem 1), lost beyond a level of escape. Levels are drawn in by 1e-12,
 // more than the rounding of V and z.
@@ -27,7 +33,7 @@ template <int N>
 class ProvenFate {
  public:
   ProvenFate(const plant::LinearMachine<>& machine, const Certificates& certificates)
-      : mass_{machine.mass / 2}, stiffness_{machine.stiffness / 2} {
+      : mass_{machine.mass / 2}, stiffness_{machine.stiffness / 2}, centre_{certificates.centre} {
     rho_J_ = certificates.attractivity.rho_star_J * (1 - margin);
     const Eigen::Index n = machine.coordinates();
     for (const design::EscapeLevel& escape : certificates.escapes) {
@@ -37,12 +43,13 @@ class ProvenFate {
   }
 
   hybrid::Verdict operator()(const hybrid::MachineState<N>& state) const {
-    const double energy_J = state.v.dot(mass_.lazyProduct(state.v)) + state.q.dot(stiffness_.lazyProduct(state.q));
+    const Vector q = state.q - centre_;
+    const double energy_J = state.v.dot(mass_.lazyProduct(state.v)) + q.dot(stiffness_.lazyProduct(q));
     if (energy_J < rho_J_) return hybrid::Verdict::captured;
     for (const Mode& mode : modes_) {
-      const double size = std::hypot(mode.real_q.dot(state.q) + mode.real_v.dot(state.v),
-                                     mode.imaginary_q.dot(state.q) + mode.imaginary_v.dot(state.v));
-      const double rounding = margin * std::sqrt(state.q.squaredNorm() + state.v.squaredNorm());  // |w| = 1
+      const double size = std::hypot(mode.real_q.dot(q) + mode.real_v.dot(state.v),
+                                     mode.imaginary_q.dot(q) + mode.imaginary_v.dot(state.v));
+      const double rounding = margin * std::sqrt(q.squaredNorm() + state.v.squaredNorm());  // |w| = 1
       if (size > mode.level + rounding) return hybrid::Verdict::lost;
     }
     return hybrid::Verdict::undecided;
@@ -58,6 +65,7 @@ class ProvenFate {
   };
 
   Eigen::Matrix<double, N, N> mass_, stiffness_;  // halves, for V of (5)
+  Vector centre_;
   double rho_J_;
   std::vector<Mode> modes_;
 };

@@ -1,9 +1,13 @@
 // MachineScenario: any linear machine with dry friction, from where it starts and how long it is followed.
 //
-//   [machine]  mass, damping, stiffness, directions (matrices, row by row), friction_N
+//   [machine]  mass, damping, stiffness, directions (matrices, row by row), friction_N, force_N
+//   [[machine.friction]] instead of friction_N, one for each direction: lower_N, upper_N, law
 //   [feedback] actuators, position_gain, velocity_gain: u = -F1 q - F2 v through S, (28) of van de Wouw & Leine
 //   [start]    q, v
-//   [run]      duration_s, integrator ("event_driven" or "time_stepping"), step_s and theta of the latter
+//   [[impulse]] time_s, impulse_Ns
+//   [run]      duration_s, integrator ("event_driven", "time_stepping" or "adaptive"), step_s and theta of time
+//              stepping, tolerance of the adaptive method
+//   [sweep]    damping, per_d1, d1: the damping matrix as a function of a gain, Figure 4 of the same
 #pragma once
 
 #include <filesystem>
@@ -11,22 +15,40 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
+#include "breakaway/friction/friction_law.hpp"
 #include "breakaway/plant/linear_machine.hpp"
 #include "breakaway/scenario/scenario.hpp"
 
 namespace breakaway::scenario {
 
-enum class Integrator { event_driven, time_stepping };
+enum class Integrator { event_driven, time_stepping, adaptive };
+
+struct MachineImpulse {
+  double time_s;
+  Eigen::VectorXd impulse_Ns;  // on each coordinate
+};
+
+// C(d1) = damping + d1 per_d1: what certificates do when a derivative gain is raised.
+struct DampingSweep {
+  Eigen::MatrixXd damping, per_d1;  // n x n
+  std::vector<double> d1;           // N s/m, in the order given
+};
 
 struct MachineScenario {
   std::string file, title;
   plant::LinearMachine<> machine;                            // the closed loop (29) when there is feedback
+  std::vector<friction::FrictionLaw> laws;                   // by direction; empty: machine.friction_N is constant,
+                                                             // otherwise it holds their lower bounds
   std::optional<plant::MachineState<Eigen::Dynamic>> start;  // at time 0
+  std::vector<MachineImpulse> impulses;                      // in the order of their times, within duration_s
+  std::optional<DampingSweep> sweep;
   double duration_s = 60;
-  Integrator integrator = Integrator::event_driven;
+  Integrator integrator = Integrator::event_driven;  // adaptive where there are laws
   double step_s = 1e-3;
   double theta = 0.5;
+  double tolerance = 1e-12;
 };
 
 // Throw InputError: file not readable, TOML syntax, unknown or missing key, wrong type or size, a matrix that is no

@@ -54,8 +54,8 @@ class Adaptive {
                     EarlyDecision<Eigen::Dynamic> decision = {});
 
   // To rest, to a decision or to end_time_s, which is finite. The observer sees every step. at_rest is said when it is
-  // sure to last: the laws do not change with time, or what holds the machine is within their lower bounds. A machine
-  // that stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws
+  // sure to last: the machine is held even if every law that changes with time falls to its lower bound. One that
+  // stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws
   // std::invalid_argument for a start of the wrong size or with entries that are not finite, and std::runtime_error
   // when the directions switch without end at one instant.
   Result run(const State& start, double end_time_s, std::vector<Event>* log = nullptr,
