@@ -9,9 +9,11 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 
-# -fno-threadsafe-statics: there are no threads, and the guard would pull in the runtime of C++.
+# -fno-threadsafe-statics: there are no threads, and the guard would pull in the runtime of C++. The last two leave the call
+# graph with the stack use of every function beside its object, for toolchain/check_image.py.
 set(CMAKE_CXX_FLAGS_INIT
-  "${BREAKAWAY_CPU_FLAGS} -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections -fdata-sections")
+  "${BREAKAWAY_CPU_FLAGS} -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections -fdata-sections \
+-fstack-usage -fcallgraph-info=su")
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g -DNDEBUG" CACHE STRING "Flags of a release build")
 # No system calls are linked (no nosys.specs): a call of malloc ends in the undefined _sbrk, and so in no image.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles --specs=nano.specs -Wl,--gc-sections")

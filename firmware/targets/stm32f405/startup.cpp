@@ -5,7 +5,7 @@
 #include "breakaway/bare_metal/memory_image.hpp"
 #include "breakaway/bare_metal/mmio.hpp"
 
-void run_image();  // of each image; ISO C++ does not let anyone call main
+void run_image();  // of each image; ISO C++ does not let anyone call main. It returns when it cannot run.
 
 extern "C" {
 

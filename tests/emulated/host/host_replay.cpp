@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "axis_config_writer.hpp"
 #include "callgrind_count.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
@@ -89,27 +90,6 @@ void write_file(const std::string& path, const std::vector<Item>& items) {
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-// Hexadecimal floats are exact.
-void write_config(const std::string& path, const law::AxisParameters<float>& p, const law::K3Table<float>& table) {
-  std::ofstream file{path};
-  const auto number = [](float value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%aF", static_cast<double>(value));
-    return std::string{text};
-  };
-  file << "#pragma once\n#include \"breakaway/law/axis_parameters.hpp\"\n#include \"breakaway/law/k3_table.hpp\"\n"
-          "namespace breakaway::config {\ninline constexpr law::AxisParameters<float> parameters{";
-  for (const float value : {p.mass_kg, p.stiffness_N_per_m, p.approach_damping_Ns_per_m, p.kick_damping_Ns_per_m,
-                            p.friction_lower_N, p.friction_upper_N, p.max_force_N, p.max_approach_speed_m_s,
-                            p.position_tolerance_m, p.encoder_resolution_m, p.period_s})
-    file << number(value) << ", ";
-  file << static_cast<int>(p.latency_periods) << "};\ninline constexpr law::K3Table<float> k3_table{"
-       << number(table.root_max) << ", " << number(table.nodes_per_root) << ", {{\n";
-  for (const auto& node : table.nodes) file << "  {" << number(node.value) << ", " << number(node.slope) << "},\n";
-  file << "}}};\n}\n";
-  if (!file.flush()) throw std::runtime_error("cannot write " + path);
-}
-
 void run(const std::string& folder) {
   const scenario::Scenario s = bench::axis_scenario();
   const auto parameters = scenario::axis_parameters<float>(s);
@@ -120,7 +100,7 @@ void run(const std::string& folder) {
   const std::vector<TapeStep> hostile = hostile_tape(parameters, 20000);
   write_file(folder + "/hostile.tape", hostile);
   write_file(folder + "/hostile.results", replay_tape(hostile, controller, "hostile"));
-  write_config(folder + "/axis_config.hpp", parameters, table);
+  write_axis_config(folder + "/axis_config.hpp", s, table);
   write_file(folder + "/axis.results", replay_tape(tape, controller, "AxisController"));
   write_file(folder + "/pid.results",
              replay_tape(tape, law::PidController<float>{pid_parameters(parameters)}, "PidController"));

@@ -1,0 +1,98 @@
+// How another node on the bus commands a controller node, and what it is told: the controller's own first PDOs.
+//
+//   command, 200h + node id, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
+//   status,  180h + node id, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
+//
+// Little-endian. The reset acts on its rising edge, the rest as long as it is said. Nothing moves before a command.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/hal/can_port.hpp"
+
+namespace breakaway::firmware {
+
+struct MotionCommand {
+  std::uint8_t axis = 0;
+  bool enable = false;
+  bool reset_fault = false;
+  std::int32_t target_counts = 0;
+};
+
+inline std::optional<MotionCommand> decode_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
+  if (frame.id != 0x200U + node_id || frame.remote || frame.size != 8) return {};
+  const auto target = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
+  return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, target};
+}
+
+inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t node_id) noexcept {
+  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x200U + node_id), .size = 8};
+  frame.data[0] = command.axis;
+  frame.data[1] = static_cast<std::uint8_t>((command.enable ? 1U : 0U) | (command.reset_fault ? 2U : 0U));
+  canopen::store_little_endian(frame.data, command.target_counts, 4);
+  return frame;
+}
+
+// A CanPort that takes the commands for this node out of what another port receives. The newest command for an axis
+// counts.
+template <hal::CanPort Port, std::size_t MaxAxes>
+class CommandedPort {
+ public:
+  CommandedPort(Port& port, std::uint8_t node_id) noexcept : port_{&port}, node_id_{node_id} {}
+
+  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept { return port_->send(frame, deadline); }
+  bool receive(hal::ReceivedFrame& received) noexcept {
+    while (port_->receive(received)) {
+      const auto command = decode_command(received.frame, node_id_);
+      if (!command) return true;
+      if (command->axis < MaxAxes) commands_[command->axis] = command;
+    }
+    return false;
+  }
+  void purge_transmit_queue() noexcept { port_->purge_transmit_queue(); }
+  hal::BusState bus_state() const noexcept { return port_->bus_state(); }
+
+  // The newest command, if one came since the last call.
+  std::optional<MotionCommand> take_command(std::size_t axis) noexcept {
+    return std::exchange(commands_[axis], std::nullopt);
+  }
+
+ private:
+  Port* port_;
+  std::uint8_t node_id_;
+  std::array<std::optional<MotionCommand>, MaxAxes> commands_{};
+};
+
+// Carries commands out on a ControlLoop, and tells its status. One object for each axis.
+class RemoteAxis {
+ public:
+  template <class Loop>
+  void apply(Loop& loop, const MotionCommand& command) noexcept {
+    const std::size_t axis = command.axis;
+    if (command.target_counts != last_.target_counts) loop.set_target_counts(axis, command.target_counts);
+    if (command.reset_fault && !last_.reset_fault) loop.reset_fault(axis);
+    if (command.enable && !last_.enable) loop.request_enable(axis);
+    if (!command.enable) loop.request_stop(axis);
+    last_ = command;
+  }
+
+ private:
+  MotionCommand last_{};
+};
+
+template <class Loop>
+hal::CanFrame status_frame(const Loop& loop, std::size_t axis, std::uint8_t node_id) noexcept {
+  const auto& status = loop.status(axis);
+  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x180U + node_id), .size = 8};
+  frame.data = {static_cast<std::uint8_t>(axis), static_cast<std::uint8_t>(status.fault),
+                static_cast<std::uint8_t>(status.output.mode), static_cast<std::uint8_t>(status.feedback.state)};
+  canopen::store_little_endian(frame.data, loop.drive(axis).position_counts(), 4);
+  return frame;
+}
+
+}  // namespace breakaway::firmware

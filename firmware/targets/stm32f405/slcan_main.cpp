@@ -1,0 +1,12 @@
+#include "slcan_node.hpp"
+
+extern "C" {
+void systick_handler() { breakaway::stm32f405::ticker.on_interrupt(); }
+void usart1_handler() { breakaway::stm32f405::usart.on_interrupt(); }
+}
+
+void run_image() {
+  static breakaway::stm32f405::SlcanNode node;
+  if (!node.start()) return;
+  for (;;) node.period(breakaway::stm32f405::ticker.wait());
+}

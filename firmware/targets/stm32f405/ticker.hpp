@@ -1,0 +1,58 @@
+// The fixed rate: SysTick interrupts once a period, and the loop sleeps in between.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "breakaway/bare_metal/mmio.hpp"
+#include "breakaway/hal/time.hpp"
+
+namespace breakaway::stm32f405 {
+
+class Ticker {
+ public:
+  // period: up to 2^24 cycles of the core, 99 ms at 168 MHz. False: it is longer, and nothing was started.
+  bool start(std::uint32_t core_Hz, hal::Duration period) noexcept {
+    const std::int64_t cycles =
+        static_cast<std::int64_t>(core_Hz / 1000) * (period / std::chrono::microseconds{1}) / 1000;
+    if (cycles < 1 || cycles > 0x100'0000) return false;
+    period_ = period;
+    bare_metal::reg32(systick_load) = static_cast<std::uint32_t>(cycles - 1);
+    bare_metal::reg32(systick_value) = 0;
+    resume();
+    return true;
+  }
+
+  // Sleeps until the next tick and returns its time. When ticks were missed, the time is that of the newest.
+  hal::Time wait() noexcept {
+    // Interrupts are masked between the look and the sleep: one that comes in between still ends the sleep.
+    for (;;) {
+      asm volatile("cpsid i" ::: "memory");
+      const std::uint32_t new_ticks = ticks_.load(std::memory_order_relaxed) - static_cast<std::uint32_t>(seen_);
+      if (new_ticks == 0) asm volatile("wfi");
+      asm volatile("cpsie i" ::: "memory");
+      if (new_ticks == 0) continue;
+      seen_ += new_ticks;
+      return period_ * seen_;
+    }
+  }
+
+  // When the next tick will be.
+  hal::Time next() const noexcept { return period_ * (seen_ + 1); }
+
+  // For emulation: time stands still while the rest of the world catches up.
+  void hold() noexcept { bare_metal::reg32(systick_control) = from_core; }
+  void resume() noexcept { bare_metal::reg32(systick_control) = from_core | interrupt | enable; }
+
+  void on_interrupt() noexcept { ticks_.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::uintptr_t systick_control = 0xE000E010, systick_load = 0xE000E014, systick_value = 0xE000E018;
+  static constexpr std::uint32_t enable = 1, interrupt = 2, from_core = 4;
+
+  std::atomic<std::uint32_t> ticks_{0};
+  std::int64_t seen_ = 0;  // 32 bits of milliseconds would end after 49 days
+  hal::Duration period_{};
+};
+
+}  // namespace breakaway::stm32f405
