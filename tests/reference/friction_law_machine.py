@@ -1,8 +1,8 @@
-"""Machines of two coordinates under friction that varies with speed, position and time, to 20 digits and more.
+"""Machines of two coordinates under friction that varies with speed, position and time, to 18 digits.
 
 Prints tests/reference/friction_law_machine.csv. Independent of the library: in all coordinates, with the forces of what
 sticks as unknowns, by extrapolation of order 24 in short steps of one size in 30 digits, without error control; events
-are roots of what must stay positive. With half the step, all printed values agree to 1e-18.
+are roots of what must stay positive. With half the step, all printed values agree to 6e-20.
     python3 tests/reference/friction_law_machine.py > tests/reference/friction_law_machine.csv
 Columns: case, kind (of an event, else end, q, v), direction, value, as in linear_machine.csv.
 """

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -349,6 +350,77 @@ TEST(Adaptive, StaticFrictionHoldsBesideADirectionThatSlips) {
   EXPECT_EQ(outcome.end.q[1], 1.5);
   EXPECT_NEAR(outcome.end.q[0], -0.5, 1e-13);  // half a period about 1 N / (1 N/m), as for constant friction
   EXPECT_NEAR(outcome.settling_time_s, std::numbers::pi, 1e-12);
+}
+
+friction::ShapePtr random_shape(std::mt19937& random) {
+  const auto number = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  std::vector<friction::ShapePtr> parts;
+  switch (std::uniform_int_distribution<int>(0, 8)(random)) {
+    case 0:
+      return friction::static_kinetic(number(0.5, 1), number(0, 0.5));
+    case 1:
+      return friction::stribeck(number(0.05, 1));
+    case 2:
+      return friction::stribeck_gaussian(number(0.05, 1));
+    case 3:
+      return friction::sine_in_time(number(0.5, 8), number(0, 6));
+    case 4:
+      return friction::sine_in_position(number(0.1, 2), number(0, 6));
+    case 5:
+      return friction::position_table({number(-2, 0), number(0.1, 2)}, {number(0, 1), number(0, 1), number(0, 1)});
+    case 6:
+      return friction::random_dwell(
+          {.seed = random(), .shortest_dwell_s = 0.1, .longest_dwell_s = 1, .bound_share = 0.2});
+    case 7:
+      return friction::constant(number(0, 1));
+    default:
+      parts.push_back(friction::stribeck(number(0.05, 1)));
+      parts.push_back(friction::position_table({0}, {number(0, 1), number(0, 1)}));
+      return friction::product(std::move(parts));
+  }
+}
+
+// Any law, dependent directions and more of them than coordinates included: V of (5) never rises under damping >= 0
+// by more than the steps err.
+TEST(Adaptive, EnergyNeverRisesInRandomMachines) {
+  std::mt19937 random(20261121);
+  std::uniform_real_distribution<double> entry(-1, 1);
+  const auto matrix = [&](Eigen::Index rows, Eigen::Index columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return entry(random); }));
+  };
+  std::uint64_t events = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const auto n = std::uniform_int_distribution<Eigen::Index>(1, 4)(random);
+    const auto m = std::uniform_int_distribution<Eigen::Index>(0, 5)(random);
+    const auto square = [&] {
+      const MatrixXd root = matrix(n, n);
+      return MatrixXd(root * root.transpose() + 0.1 * MatrixXd::Identity(n, n));
+    };
+    LinearMachine<> machine;
+    machine.mass = square();
+    machine.damping = 0.1 * square();
+    machine.stiffness = square();
+    machine.directions = matrix(n, m);
+    if (m > 1 && trial % 3 == 0) machine.directions.col(1) = -machine.directions.col(0);
+    machine.friction_N = VectorXd::Zero(m);
+    Adaptive::Laws laws;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const double lower_N = 0.05 + 0.2 * std::abs(entry(random));
+      laws.push_back({friction::FrictionBounds{lower_N, lower_N + 0.3}, random_shape(random)});
+    }
+    const State start{0, matrix(n, 1), trial % 4 == 0 ? MatrixXd(VectorXd::Zero(n)) : matrix(n, 1)};
+    double energy_J = plant::energy_J(machine, start);
+    const double rounding_J = 1e-11 * energy_J;
+    const auto outcome = Adaptive(machine, laws).run(start, 15, nullptr, [&](const State& state) {
+      const double now_J = plant::energy_J(machine, state);
+      EXPECT_LE(now_J, energy_J + rounding_J) << "trial " << trial << " at " << state.time_s;
+      energy_J = now_J;
+    });
+    events += outcome.events;
+  }
+  EXPECT_GT(events, 1000U);
 }
 
 // The lower bounds keep a certificate's promise: energies inside { V < rho } decide, asked at each step.
