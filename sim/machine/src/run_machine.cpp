@@ -78,7 +78,7 @@ void run_time_stepping(const MachineScenario& s, MachineResult& result, bool tra
   result.warning = integrator.warning();
   double next_s = 0;
   run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
-    const auto outcome = integrator.run(start, end_s, &result.events, [&](const State& state) {
+    auto outcome = integrator.run(start, end_s, &result.events, [&](const State& state) {
       append_mode(result, sliding_signs(s.machine, state.v));
       if (!trace || state.time_s < next_s) return;
       result.trace.push_back(state);
@@ -98,7 +98,7 @@ void run_adaptive(const MachineScenario& s, MachineResult& result, bool trace) {
   auto laws = integrator.laws();
   run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
     State before = start;
-    const auto outcome = integrator.resume(laws, start, end_s, &result.events, [&](const State& state) {
+    auto outcome = integrator.resume(laws, start, end_s, &result.events, [&](const State& state) {
       // At an event a velocity may be zero, but no direction reverses within a step.
       if (state.time_s > before.time_s) append_mode(result, sliding_signs(s.machine, before.v + state.v));
       if (trace) result.trace.push_back(state);

@@ -225,6 +225,20 @@ TEST(Adaptive, FollowsFallingFrictionThroughSticksAndSlips) {
   EXPECT_LT(error_of(read_reference("stribeck"), adaptive, stribeck_start(), 12), tolerance);
 }
 
+// What a user pays for accuracy: the error stays within a hundred times the tolerance, and looser ones take fewer
+// steps.
+TEST(Adaptive, ErrsByItsTolerance) {
+  const Reference reference = read_reference("stribeck");
+  std::uint64_t steps = 0;
+  for (const double step_tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {
+    const Adaptive adaptive(stribeck_machine(), stribeck_laws(), {.tolerance = step_tolerance});
+    EXPECT_LT(error_of(reference, adaptive, stribeck_start(), 12), 100 * std::max(step_tolerance, 1e-14));
+    const auto taken = adaptive.run(stribeck_start(), 12).steps;
+    EXPECT_GE(taken, steps);
+    steps = taken;
+  }
+}
+
 TEST(Adaptive, FollowsFrictionInTimeAndPositionOnAJoint) {
   LinearMachine<> machine;
   machine.mass = Eigen::Matrix2d{{1, 0.25}, {0.25, 1}};

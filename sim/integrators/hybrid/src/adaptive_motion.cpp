@@ -76,7 +76,7 @@ AdaptiveStep::Vector AdaptiveStep::acceleration(double tau_s, const Path& path, 
                                                 double speed_m_s) {
   move_to(path, speeds);
   const Vector force = walk_.force(tau_s, exchanged, speed_m_s);
-  const Vector a = held_.basis.transpose() * force;
+  Vector a = held_.basis.transpose() * force;
   for (Index i = 0; i < walk_.machine.frictions(); ++i) {
     if (sign(i) != 0) rates_[static_cast<std::size_t>(i)].include(speed(i, a));
   }
@@ -84,12 +84,6 @@ AdaptiveStep::Vector AdaptiveStep::acceleration(double tau_s, const Path& path, 
     if (!guard.is_edge) guard.range.include(value(guard, tau_s, force));
   }
   return a;
-}
-
-// At the walk's present place.
-double AdaptiveStep::value(const Guard& guard, double tau_s, const Vector& force) {
-  if (guard.is_edge) return sign(guard.direction) * (guard.edge_m - walk_.position_m(guard.direction));
-  return walk_.margin_N(guard.limit, force, walk_.time_after(tau_s));
 }
 
 AdaptiveStep::Trial AdaptiveStep::step_in_time(double step_s) {
@@ -138,75 +132,6 @@ bool AdaptiveStep::keeps_signs(const Trial& trial, Index stopping) {
     if (!cannot && rate.greatest > 0) return false;
   }
   return true;
-}
-
-// Whether a static limit was so near at a stage that it may have been exceeded in between.
-bool AdaptiveStep::looks_again(const Trial& trial) {
-  move_to(trial.path, trial.speeds);
-  const Vector force = walk_.force(trial.duration_s);
-  return std::any_of(guards_.begin(), guards_.end(), [&](Guard& guard) {
-    if (guard.is_edge) return false;
-    guard.range.include(value(guard, trial.duration_s, force));
-    return guard.range.least < (guard.range.greatest - guard.range.least) / 8;
-  });
-}
-
-bool AdaptiveStep::passes(const Trial& trial) {
-  move_to(trial.path, trial.speeds);
-  const Vector force = walk_.force(trial.duration_s);
-  return std::any_of(guards_.begin(), guards_.end(),
-                     [&](const Guard& guard) { return value(guard, trial.duration_s, force) < 0; });
-}
-
-// The shortest step that passes a guard, to the last bits: a step of its own for each duration that is tried.
-AdaptiveStep::Trial AdaptiveStep::locate(const Trial& beyond) {
-  Trial high = beyond;
-  double low_s = 0;
-  const auto least = [&](const Trial& trial) {
-    move_to(trial.path, trial.speeds);
-    const Vector force = walk_.force(trial.duration_s);
-    double least_value = never;
-    for (const Guard& guard : guards_) least_value = std::min(least_value, value(guard, trial.duration_s, force));
-    return least_value;
-  };
-  const Trial start{true, 0, Vector::Zero(u0_.size()), u0_, 0};
-  double low_value = least(start), high_value = least(high);
-  if (low_value <= 0) return start;
-  // False position with halved ends (Illinois); it stalls where the value is rounding.
-  for (int side = 0; high.duration_s - low_s > 4e-16 * high.duration_s;) {
-    double middle_s = low_s + (high.duration_s - low_s) * (low_value / (low_value - high_value));
-    if (!(middle_s > low_s && middle_s < high.duration_s)) middle_s = 0.5 * (low_s + high.duration_s);
-    if (middle_s <= low_s || middle_s >= high.duration_s) break;
-    Trial middle = step_in_time(middle_s);
-    const double middle_value = least(middle);
-    if (middle_value > 0) {
-      low_s = middle_s;
-      low_value = middle_value;
-      if (side < 0) high_value /= 2;
-      side = -1;
-    } else {
-      high = std::move(middle);
-      high_value = middle_value;
-      if (side > 0) low_value /= 2;
-      side = 1;
-    }
-  }
-  return high;
-}
-
-// Of a step that locate() found.
-Ending AdaptiveStep::cause(const Trial& trial) {
-  const Vector force = walk_.force(trial.duration_s);
-  const Guard* first = nullptr;
-  double least = never;
-  for (const Guard& guard : guards_) {
-    const double now = value(guard, trial.duration_s, force);
-    if (now >= least) continue;
-    least = now;
-    first = &guard;
-  }
-  if (first->is_edge) return {Ending::Kind::edge, 0, {}, first->direction, first->edge_m};
-  return {Ending::Kind::limit, 0, first->limit, 0, 0};
 }
 
 DirectionSet AdaptiveStep::stopped_at_start() const {

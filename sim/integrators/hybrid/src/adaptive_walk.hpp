@@ -54,7 +54,7 @@ struct AdaptiveWalk {
   Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
   // What static friction bears beyond this force; negative once it gives way. `for_ever`: whatever the laws do with
   // time.
-  double margin_N(Limit limit, const Vector& force, double time_s, bool for_ever = false);
+  double margin_N(Limit limit, const Vector& force, double at_s, bool for_ever = false);
   // Whether static friction bears what the sticking directions need.
   bool holds(bool for_ever = false);
 
