@@ -1,0 +1,44 @@
+// Registers of one bxCAN controller: offsets and bits (RM0090, 32.9).
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+
+namespace breakaway::bxcan {
+
+// How the port reaches the controller: by offset from its base address. On target these are volatile accesses; on the
+// host, a model. Also the doors to its two interrupts, which only the target knows.
+template <class R>
+concept Registers = requires(R& registers, std::uint32_t offset, std::uint32_t value) {
+  { registers.read(offset) }
+  noexcept->std::same_as<std::uint32_t>;
+  { registers.write(offset, value) }
+  noexcept->std::same_as<void>;
+  { registers.pend_transmit_interrupt() }
+  noexcept->std::same_as<void>;  // on_transmit_interrupt() is to be called soon
+};
+
+namespace reg {
+
+inline constexpr std::uint32_t mcr = 0x00, msr = 0x04, tsr = 0x08, rf0r = 0x0C, ier = 0x14, esr = 0x18, btr = 0x1C;
+inline constexpr std::uint32_t mailbox = 0x180, mailbox_stride = 0x10;  // three to transmit: TIR, TDTR, TDLR, TDHR
+inline constexpr std::uint32_t fifo0 = 0x1B0;                           // RIR, RDTR, RDLR, RDHR
+inline constexpr std::uint32_t fmr = 0x200, fm1r = 0x204, fs1r = 0x20C, ffa1r = 0x214, fa1r = 0x21C, f0r1 = 0x240;
+
+}  // namespace reg
+
+namespace bit {
+
+inline constexpr std::uint32_t mcr_inrq = 1U << 0, mcr_sleep = 1U << 1, mcr_txfp = 1U << 2;
+inline constexpr std::uint32_t msr_inak = 1U << 0;
+// Of mailbox m (0..2): shift by 8 m; TME by m.
+inline constexpr std::uint32_t tsr_rqcp0 = 1U << 0, tsr_abrq0 = 1U << 7, tsr_tme0 = 1U << 26;
+inline constexpr std::uint32_t rf0r_fmp0 = 0b11, rf0r_full0 = 1U << 3, rf0r_fovr0 = 1U << 4, rf0r_rfom0 = 1U << 5;
+inline constexpr std::uint32_t ier_tmeie = 1U << 0, ier_fmpie0 = 1U << 1;
+inline constexpr std::uint32_t esr_ewgf = 1U << 0, esr_epvf = 1U << 1, esr_boff = 1U << 2;
+inline constexpr std::uint32_t tir_txrq = 1U << 0, rir_rtr = 1U << 1, rir_ide = 1U << 2;
+inline constexpr std::uint32_t fmr_finit = 1U << 0;
+
+}  // namespace bit
+
+}  // namespace breakaway::bxcan
