@@ -23,6 +23,7 @@ void add_k3(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_basin(CLI::App& app, int& exit_code);
+void add_synthesize(CLI::App& app, int& exit_code);
 void add_tradeoff(CLI::App& app, int& exit_code);
 
 // For options: CLI11 reads "nan" and "inf" as numbers.

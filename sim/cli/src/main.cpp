@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   cli::add_design(app, exit_code);
   cli::add_study(app, exit_code);
   cli::add_basin(app, exit_code);
+  cli::add_synthesize(app, exit_code);
   cli::add_tradeoff(app, exit_code);
   try {
     app.parse(argc, argv);

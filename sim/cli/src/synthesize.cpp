@@ -1,0 +1,305 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "breakaway/design/synthesis.hpp"
+#include "breakaway/machine/certificates.hpp"
+#include "breakaway/machine/resting_batch.hpp"
+#include "breakaway/machine/sweep_picture.hpp"
+#include "breakaway/report/gnuplot.hpp"
+#include "breakaway/report/json_writer.hpp"
+#include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/scenario/open_loop.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+using design::PdDesign;
+using design::PdWants;
+using Eigen::MatrixXd;
+using scenario::InputError;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+struct Options {
+  std::string system, gains = "full", json, scene, picture;
+  std::vector<std::string> wants;
+  std::vector<double> sweep;
+  int trajectories = 200;
+  std::uint64_t seed = 1;
+};
+
+void read_want(const std::string& text, PdWants& wants) {
+  if (text == "global") return static_cast<void>(wants.region_J = infinite);
+  const auto equals = text.find('=');
+  const std::string name = text.substr(0, equals), number = equals == text.npos ? "" : text.substr(equals + 1);
+  double* to = name == "resting-error" ? &wants.resting_error_m
+               : name == "region"      ? &wants.region_J
+               : name == "reach"       ? &wants.reach_m
+                                       : nullptr;
+  double value = 0;
+  if (to == nullptr || !CLI::detail::lexical_cast(number, value) || !std::isfinite(value) || !(value > 0)) {
+    throw InputError{fmt::format(
+        "--want {}: give global, resting-error=METRES, region=JOULES or reach=METRES, the number above 0", text)};
+  }
+  *to = value;
+}
+
+PdWants read_wants(const Options& options) {
+  PdWants wants;
+  for (const std::string& text : options.wants) read_want(text, wants);
+  return wants;
+}
+
+void check_outputs(const Options& options) {
+  std::vector<std::string> outputs;
+  for (const std::string& path : {options.json, options.scene, options.picture}) {
+    if (!path.empty()) outputs.push_back(path);
+  }
+  std::ranges::sort(outputs);
+  if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
+    throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
+  if (!options.picture.empty()) report::require_picture_ending(options.picture);
+}
+
+// Everything that is reported.
+struct Synthesis {
+  design::ActuatedSystem system;
+  PdDesign design;
+  std::vector<design::Condition> conditions;
+  design::Theorem2 theorem_2;
+  std::vector<design::GainSweepRow> sweep;
+  scenario::MachineScenario closed_loop;
+  double simulated_level_J = 0, simulated_for_s = 0;
+  machine::RestingBatch batch;
+};
+
+double velocity_norm_Ns_per_m(const PdDesign& design) {
+  return Eigen::JacobiSVD<MatrixXd>(design.gains.velocity_Ns_per_m).singularValues()[0];
+}
+
+std::vector<design::GainSweepRow> sweep(const Options& options, const Synthesis& s) {
+  const double norm = velocity_norm_Ns_per_m(s.design);
+  if (norm == 0) {
+    if (options.sweep.empty()) return {};
+    throw InputError{"--sweep: the machine needs no gain of velocity, so there is none to scale; leave it out"};
+  }
+  std::vector<double> norms = options.sweep;
+  if (norms.empty()) norms = {0.5 * norm, 0.6 * norm, 0.7 * norm, 0.8 * norm, 0.9 * norm, norm};
+  return design::sweep_velocity_gain(s.system, s.design.gains, norms);
+}
+
+// Where B is everything, the simulations start with up to ten times the energy that friction can hold at rest, and
+// more.
+void simulate(const Options& options, Synthesis& s) {
+  const plant::LinearMachine<>& machine = s.closed_loop.machine;
+  const auto& a = s.design.attractivity;
+  s.simulated_level_J = std::isfinite(a.rho_star_J) ? a.rho_star_J : 100 * a.greatest_rest_J;
+  const auto slowest = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(machine.stiffness, machine.mass,
+                                                                          Eigen::EigenvaluesOnly | Eigen::Ax_lBx);
+  // Near the border of B the energy hardly falls: so many periods of the slowest oscillation are plenty.
+  s.simulated_for_s = std::max(s.closed_loop.duration_s, 2e4 * std::acos(-1.0) / std::sqrt(slowest.eigenvalues()[0]));
+  if (s.simulated_level_J > 0) {
+    s.batch =
+        machine::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, options.seed);
+  }
+}
+
+std::string matrix_text(const MatrixXd& matrix) {
+  std::vector<std::string> rows;
+  for (const auto& line : matrix.rowwise())
+    rows.push_back(fmt::format("[{:.6g}]", fmt::join(std::vector<double>(line.begin(), line.end()), ", ")));
+  return fmt::format("[{}]", fmt::join(rows, ", "));
+}
+
+void write_matrix(report::JsonWriter& json, std::string_view name, const MatrixXd& matrix) {
+  json.array(name, [&] {
+    for (const auto& line : matrix.rowwise()) {
+      json.array([&] {
+        for (const double entry : line) json.value(entry);
+      });
+    }
+  });
+}
+
+void write_sweep(report::JsonWriter& json, const std::vector<design::GainSweepRow>& rows) {
+  json.array("sweep", [&] {
+    for (const auto& row : rows) {
+      json.object([&] {
+        json.member("d1", row.velocity_gain_Ns_per_m);
+        json.member("rho_star", row.rho_star_J);
+        json.member("global", std::isinf(row.rho_star_J));
+        json.member("E_certified", row.E_certified);
+      });
+    }
+  });
+}
+
+std::string to_json(const Synthesis& s, const Options& options) {
+  report::JsonWriter json;
+  json.object([&] {
+    json.member("title", s.closed_loop.title);
+    json.member("structure", options.gains);
+    write_matrix(json, "actuators", s.system.actuators);
+    write_matrix(json, "position_gain", s.design.gains.position_N_per_m);
+    write_matrix(json, "velocity_gain", s.design.gains.velocity_Ns_per_m);
+    json.member("resting_error_m", s.design.extent_m.maxCoeff());
+    json.member("rho_star", s.design.attractivity.rho_star_J);
+    json.member("global", std::isinf(s.design.attractivity.rho_star_J));
+    json.member("reach_m", s.design.reach_m);
+    json.member("E_certified", s.design.attractivity.all_of_E);
+    json.array("conditions", [&] {
+      for (const design::Condition& condition : s.conditions) {
+        json.object([&] {
+          json.member("name", condition.name);
+          json.member("holds", condition.holds);
+          json.member("margin", condition.margin);
+          json.member("reason", condition.reason);
+        });
+      }
+    });
+    json.object("theorem_2", [&] {
+      write_matrix(json, "A", s.theorem_2.A);
+      write_matrix(json, "Y", s.theorem_2.Y);
+      json.member("least_eigenvalue_of_minus_A", s.theorem_2.hurwitz);
+      json.member("lmi_margin", s.theorem_2.lmi);
+    });
+    write_sweep(json, s.sweep);
+    json.object("simulation", [&] {
+      json.member("trajectories", s.batch.trajectories);
+      json.member("at_rest", s.batch.at_rest);
+      json.member("seed", options.seed);
+      json.member("level_J", s.simulated_level_J);
+      json.member("duration_s", s.simulated_for_s);
+    });
+  });
+  return json.text();
+}
+
+void print_summary(const Synthesis& s, const Options& options) {
+  const auto& a = s.design.attractivity;
+  if (!s.closed_loop.title.empty()) fmt::print("{}\n", s.closed_loop.title);
+  fmt::print("  position gain  {} N/m\n", matrix_text(s.design.gains.position_N_per_m));
+  fmt::print("  velocity gain  {} N s/m\n", matrix_text(s.design.gains.velocity_Ns_per_m));
+  fmt::print("  resting error  {:.6g} m\n", s.design.extent_m.maxCoeff());
+  if (std::isinf(a.rho_star_J)) {
+    fmt::print("  region         everywhere\n");
+  } else {
+    fmt::print("  region         V < {:.6g} J, every rest within {:.6g} m\n", a.rho_star_J, s.design.reach_m);
+  }
+  for (const auto& row : s.sweep) {
+    const std::string level =
+        std::isinf(row.rho_star_J) ? std::string{"infinite"} : fmt::format("{:.6g} J", row.rho_star_J);
+    fmt::print("  d1 = {:<9.6g} rho* = {}{}\n", row.velocity_gain_Ns_per_m, level,
+               row.E_certified ? "" : ", not all of E");
+  }
+  fmt::print("  simulated      {} of {} starts with V < {:.6g} J came to rest (seed {})\n", s.batch.at_rest,
+             s.batch.trajectories, s.simulated_level_J, options.seed);
+  if (s.batch.not_at_rest) {
+    fmt::print("  COUNTER-EXAMPLE from q = {}, v = {}\n", matrix_text(s.batch.not_at_rest->q.transpose()),
+               matrix_text(s.batch.not_at_rest->v.transpose()));
+  }
+}
+
+std::string draw(const Options& options, const Synthesis& s, const plant::LinearMachine<>& open) {
+  const double norm = velocity_norm_Ns_per_m(s.design);
+  std::vector<machine::SweptMachine> machines;
+  for (const auto& row : s.sweep) {
+    const MatrixXd velocity_gain = s.design.gains.velocity_Ns_per_m * (row.velocity_gain_Ns_per_m / norm);
+    machines.push_back(
+        {row.velocity_gain_Ns_per_m,
+         plant::with_feedback(open, s.system.actuators, s.design.gains.position_N_per_m, velocity_gain)});
+  }
+  if (machines.empty()) machines.push_back({0, s.closed_loop.machine});
+  return machine::draw_sweep(options.picture, machines);
+}
+
+int synthesize(const Options& options) {
+  check_outputs(options);
+  const PdWants wants = read_wants(options);
+  const scenario::OpenLoop open = scenario::read_open_loop(options.system);
+  if (open.scenario.machine.force_N.size() > 0 && !open.scenario.machine.force_N.isZero(0)) {
+    throw InputError{options.system + ": [machine] force_N shifts every rest; compensate it, and leave it out here"};
+  }
+  Synthesis s;
+  s.system = {machine::linear_system(open.scenario.machine), open.actuators};
+  const auto structure = options.gains == "full" ? design::GainStructure::full : design::GainStructure::identical;
+  const auto found = design::synthesize(s.system, wants, structure);
+  if (!found) throw InputError{options.system + ": " + found.error().message};
+  s.design = *found;
+  s.conditions = design::machine_conditions(s.system);
+  for (const auto& condition : design::loop_conditions(s.design.closed_loop)) s.conditions.push_back(condition);
+  s.theorem_2 = design::verify_theorem_2(s.system, s.design.gains.position_N_per_m);
+  s.sweep = sweep(options, s);
+  // What is simulated is what the file will say.
+  const std::string scene =
+      scenario::with_gains(open, s.design.gains.position_N_per_m, s.design.gains.velocity_Ns_per_m);
+  s.closed_loop = scenario::parse_machine_scenario(scene, options.system);
+  simulate(options, s);
+
+  const std::string drawn = options.picture.empty() ? "" : draw(options, s, open.scenario.machine);
+  if (!options.scene.empty()) report::write_output(options.scene, scene);
+  if (!options.json.empty()) report::write_output(options.json, to_json(s, options));
+  if (!options.picture.empty()) report::write_output(options.picture, drawn);
+  if (options.json != "-" && options.scene != "-") print_summary(s, options);
+  return s.batch.at_rest == s.batch.trajectories ? done : failed_check;
+}
+
+}  // namespace
+
+void add_synthesize(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("synthesize", "PD gains of a machine for a wanted region and resting error");
+  command
+      ->add_option("system", options->system,
+                   "The machine, a TOML file with [machine]; its [feedback] names the "
+                   "actuators, gains in it are replaced")
+      ->required();
+  command
+      ->add_option("--want", options->wants,
+                   "resting-error=M: nothing rests farther from 0; region=J: V < J is certified; reach=M: every "
+                   "rest within M is; global: everything is. Several may be wanted")
+      ->required()
+      ->allow_extra_args(false);
+  command
+      ->add_option("--gains", options->gains,
+                   "full: all coordinates to all actuators (needs sdpa); identical: the same p and d for each "
+                   "actuator's own coordinate")
+      ->check(CLI::IsMember({"full", "identical"}))
+      ->capture_default_str();
+  command
+      ->add_option("--sweep", options->sweep,
+                   "Scale the velocity gain to these norms [N s/m]; by default to 0.5 to 1 of what was found")
+      ->delimiter(',')
+      ->check(positive_number);
+  command->add_option("--trajectories", options->trajectories, "Random starts inside the region to simulate")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
+  command
+      ->add_option("--scenario", options->scene, "Write the machine with its gains to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--json", options->json, "Write the figures as JSON to this file; - is standard output")
+      ->check(file_name);
+  command->add_option("--picture", options->picture, "Draw the sweep to this .svg or .png (needs gnuplot)")
+      ->check(file_name);
+  command->footer(
+      std::string{
+          "Example: breakaway synthesize sim/scenarios/two_mass_actuated.toml --want resting-error=1 --want region=16 "
+          "--gains identical --picture sweep.svg\n"
+          "         breakaway synthesize S.toml --want resting-error=0.05 --want global --scenario "
+          "closed_loop.toml\n"} +
+      exit_codes);
+  command->callback([options, &exit_code] { exit_code = synthesize(*options); });
+}
+
+}  // namespace breakaway::cli
