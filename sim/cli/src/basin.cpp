@@ -20,6 +20,7 @@
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "commands.hpp"
+#include "plane_option.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -40,26 +41,6 @@ struct Options {
 };
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-// "a,b" or "a/b".
-std::optional<std::array<int, 2>> two_integers(const std::string& text, char between) {
-  std::array<int, 2> two{};
-  char separator = 0, beyond = 0;
-  if (std::sscanf(text.c_str(), "%d%c%d%c", &two[0], &separator, &two[1], &beyond) != 3 || separator != between) {
-    return std::nullopt;
-  }
-  return two;
-}
-
-std::array<int, 2> read_plane(const std::string& text, int coordinates) {
-  const auto places = two_integers(text, ',');
-  const auto valid = [&](int place) { return place >= 1 && place <= 2 * coordinates; };
-  if (!places || !valid((*places)[0]) || !valid((*places)[1]) || (*places)[0] == (*places)[1]) {
-    throw InputError{fmt::format("--plane {}: give two different places of the state as i,j: 1..{} are q, {}..{} are v",
-                                 text, coordinates, coordinates + 1, 2 * coordinates)};
-  }
-  return {(*places)[0] - 1, (*places)[1] - 1};
-}
 
 machine::Shard read_shard(const std::string& text) {
   const auto shard = two_integers(text, '/');

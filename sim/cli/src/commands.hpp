@@ -22,6 +22,7 @@ void add_simulate(CLI::App& app, int& exit_code);
 void add_k3(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
+void add_attract(CLI::App& app, int& exit_code);
 void add_basin(CLI::App& app, int& exit_code);
 void add_synthesize(CLI::App& app, int& exit_code);
 void add_tradeoff(CLI::App& app, int& exit_code);

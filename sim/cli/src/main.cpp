@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   cli::add_k3(app, exit_code);
   cli::add_design(app, exit_code);
   cli::add_study(app, exit_code);
+  cli::add_attract(app, exit_code);
   cli::add_basin(app, exit_code);
   cli::add_synthesize(app, exit_code);
   cli::add_tradeoff(app, exit_code);

@@ -13,6 +13,7 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/machine/certificates.hpp"
 #include "breakaway/scenario/input_error.hpp"
+#include "sized_machine.hpp"
 
 namespace breakaway::machine {
 namespace {
@@ -45,17 +46,6 @@ Decided decided(const hybrid::Outcome<N>& outcome) {
     return Fate::undecided;
   };
   return {fate(), outcome.settling_time_s};
-}
-
-template <int N, int M>
-plant::LinearMachine<N, M> sized(const plant::LinearMachine<>& machine) {
-  plant::LinearMachine<N, M> fixed;
-  fixed.mass = machine.mass;
-  fixed.damping = machine.damping;
-  fixed.stiffness = machine.stiffness;
-  fixed.directions = machine.directions;
-  fixed.friction_N = machine.friction_N;
-  return fixed;
 }
 
 // What a picture of starts in one plane can show, and what the certificates drawn into it are about.

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "breakaway/report/gnuplot.hpp"
 #include "breakaway/scenario/input_error.hpp"
+#include "picture_parts.hpp"
 
 namespace breakaway::machine {
 namespace {
@@ -63,15 +63,6 @@ Polygon equilibria(const plant::LinearMachine<>& machine, const Grid& grid) {
   return polygon;
 }
 
-std::string outline(std::string_view name, const Polygon& polygon) {
-  std::string text = fmt::format("${} << END\n", name);
-  for (std::size_t i = 0; i <= polygon.size() && !polygon.empty(); ++i) {
-    const Eigen::Vector2d& corner = polygon[i % polygon.size()];
-    text += fmt::format("{:.8g} {:.8g}\n", corner.x(), corner.y());
-  }
-  return text + "END\n";
-}
-
 // At most about a thousand points along each axis: a picture shows no more.
 std::string image(const Basin& basin, int stride) {
   std::string text = "$fates << END\n";
@@ -85,22 +76,11 @@ std::string image(const Basin& basin, int stride) {
   return text + "END\n";
 }
 
-std::string axis_label(const plant::LinearMachine<>& machine, int place) {
-  const int n = static_cast<int>(machine.coordinates());
-  return place < n ? fmt::format("q_{{{}}}  [m]", place + 1) : fmt::format("v_{{{}}}  [m/s]", place - n + 1);
-}
-
 constexpr const char* style = R"(
-set encoding utf8
-set border 15 linecolor '#888888' front
-set tics out nomirror textcolor '#333333' front
-set size ratio -1
-unset colorbox
 set palette defined (-1 '#d9a441', 0 '#4d5966', 1 '#e3ebf1')
 set palette maxcolors 3
 set cbrange [-1.5:1.5]
 set key above center horizontal maxrows 1 samplen 1.2 width -2 textcolor '#333333'
-set style fill solid 1
 )";
 
 }  // namespace
@@ -114,27 +94,14 @@ std::string draw_basin(const std::string& path, const scenario::MachineScenario&
   const Grid& grid = basin.grid();
   const int stride = (grid.points - 1) / 1000 + 1;
   const double step = 2 * grid.half_width / (grid.points - 1) * stride, rim = grid.half_width + step / 2;
-  std::string commands = style + image(basin, stride) + outline("certified", regions.certified) +
-                         outline("equilibria", regions.equilibria);
-  commands += fmt::format("set xrange [{0}:{1}]\nset yrange [{0}:{1}]\nset xlabel '{2}'\nset ylabel '{3}'\n", -rim, rim,
-                          axis_label(s.machine, grid.plane[0]), axis_label(s.machine, grid.plane[1]));
+  std::string commands =
+      plane_style(s.machine, grid.plane, rim) + style + image(basin, stride) + region_outlines(regions);
   commands += fmt::format(
       "plot $fates matrix using ({0}+{1}*$1):({0}+{1}*$2):3 with image notitle, "
       "NaN with boxes linecolor '#e3ebf1' title 'attracted', NaN with boxes linecolor '#4d5966' title 'lost'",
       -grid.half_width, step);
   if (basin.count(Fate::undecided) > 0) commands += ", NaN with boxes linecolor '#d9a441' title 'undecided'";
-  if (!regions.certified.empty())
-    commands += ", $certified with lines linewidth 2 linecolor '#1c5d99' title 'B, certified'";
-  if (!regions.equilibria.empty()) {
-    commands += regions.equilibria.size() < 3 || std::abs(design::area(regions.equilibria)) == 0
-                    ? ", $equilibria with lines linewidth 4 linecolor '#c8553d' title 'E, at rest'"
-                    : ", $equilibria with filledcurves closed linecolor '#c8553d' title 'E, at rest'";
-  }
-  std::string drawn = report::draw_file(path, 760, 820, commands + "\n");
-  // A viewer shall show the points as they are, not a blurred picture of them.
-  if (const auto at = drawn.find("<image "); path.ends_with(".svg") && at != drawn.npos)
-    drawn.insert(at + 7, "style='image-rendering:pixelated' ");
-  return drawn;
+  return draw_plane(path, commands + plot_regions(regions) + "\n");
 }
 
 }  // namespace breakaway::machine

@@ -145,7 +145,7 @@ TEST_F(Command, ReportsAFullDiskBehindStandardOutput) {
 }
 
 TEST_F(Command, HelpsWithAnExampleAndTheExitCodes) {
-  for (const char* subcommand : {"", "simulate ", "k3 ", "design ", "study ", "basin ", "tradeoff "}) {
+  for (const char* subcommand : {"", "simulate ", "k3 ", "design ", "study ", "attract ", "basin ", "tradeoff "}) {
     const Ended help = run(std::string{subcommand} + "--help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example: breakaway "), std::string::npos) << subcommand;
@@ -330,6 +330,39 @@ TEST_F(Command, KeepsTheContractOfBasin) {
   const std::string csv = content(path("a.csv"));
   EXPECT_TRUE(csv.starts_with("x1,x2,attracted,time_s\n-6,-6,1,"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 41 * 41 + 1);
+}
+
+TEST_F(Command, KeepsTheContractOfAttract) {
+  const Ended ended = run("attract " + two_masses + " --depth 7 --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star",
+                          "rho_star_closed_form", "equilibrium_set", "vertices", "extent", "E_certified", "global",
+                          "certified_area", "sweep", "d1"});
+  EXPECT_NEAR(figure(ended.out, "alpha"), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-10);
+  EXPECT_NEAR(figure(ended.out, "rho_star_closed_form"), 4, 1e-12);
+  EXPECT_NEAR(figure(ended.out, "window"), 6, 1e-12);
+  EXPECT_GT(figure(ended.out, "certified_area"), 0.9 * 106.372);
+  EXPECT_LT(figure(ended.out, "certified_area"), 106.372);
+  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"E_certified\": true, \"global\": true"),
+            std::string::npos);
+}
+
+TEST_F(Command, RefusesOrDoubtsWhatCannotBeAttracted) {
+  expect_refused("attract " + two_masses + " --plane 1,5", {"--plane", "1,5"});
+  expect_refused("attract " + two_masses + " --depth 99", {"--depth"});
+  expect_refused("attract " + two_masses + " --picture a.pdf", {"a.pdf", ".svg"});
+  expect_refused("attract " + scenarios + "can_axis.toml", {"can_axis.toml", "machine"});
+  const auto machine = [&](const std::string& stiffness, const std::string& friction) {
+    return scenario("[machine]\nmass = [[1, 0], [0, 1]]\ndamping = [[-0.1, 0], [0, -0.1]]\nstiffness = " + stiffness +
+                    "\ndirections = [[1, 0], [0, 1]]\nfriction_N = " + friction + "\n");
+  };
+  const Ended soft = run("attract " + machine("[[1, 2], [2, 1]]", "[1, 1]") + " --json -");
+  EXPECT_EQ(soft.exit_code, 1);
+  EXPECT_NE(soft.out.find("stiffness is not symmetric and positive definite"), std::string::npos) << soft.out;
+  const Ended frictionless = run("attract " + machine("[[2, 0], [0, 2]]", "[1, 0]") + " --depth 3");
+  EXPECT_EQ(frictionless.exit_code, 1);
+  EXPECT_NE(frictionless.out.find("condition 2"), std::string::npos) << frictionless.out;
 }
 
 TEST_F(Command, MergesShardsToTheSameTable) {

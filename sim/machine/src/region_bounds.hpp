@@ -1,0 +1,28 @@
+// What the growth of certified regions takes from a machine, computed once.
+#pragma once
+
+#include <vector>
+
+#include "breakaway/design/equilibrium_set.hpp"
+#include "breakaway/machine/certificates.hpp"
+
+namespace breakaway::machine {
+
+struct RegionBounds {
+  // Lost beyond |z| > level, z = (real + i imaginary) . (q, v); |z| changes by at most steepness * |x|.
+  struct Escape {
+    Eigen::VectorXd real, imaginary;
+    double level, steepness;
+  };
+
+  double depth;               // sqrt(2 rho): how deep 0 lies inside { V < rho }, sqrt J
+  double parting_rate_per_s;  // c
+  double horizon_s;           // how long a motion is followed
+  std::vector<Escape> escapes;
+  design::EquilibriumSet equilibria;
+};
+
+// Needs a positive definite K. Throws scenario::InputError when the equilibrium set has too many facets.
+RegionBounds region_bounds(const plant::LinearMachine<>& machine, const Certificates& certificates, double horizon_s);
+
+}  // namespace breakaway::machine
