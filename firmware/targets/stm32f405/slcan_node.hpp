@@ -29,11 +29,12 @@ class SlcanNode {
            ticker.start(clocks.core_Hz, config::node.loop.period);
   }
 
-  void period(hal::Time now) noexcept {
+  // Once a period, one after the other.
+  void step(hal::Time now) noexcept {
     port_.poll(now);
     node_.step(now);
-    port_.flush(now);
   }
+  void send(hal::Time now) noexcept { port_.flush(now); }
 
   Port& port() noexcept { return port_; }
 

@@ -21,7 +21,8 @@ void run_image() {
     ticker.resume();
     const breakaway::hal::Time now = ticker.wait();
     count_begin();
-    node.period(now);
+    node.step(now);
     count_end();
+    node.send(now);
   }
 }
