@@ -4,7 +4,9 @@
 #include <limits>
 #include <memory>
 
+#include "breakaway/design/flashed_header.hpp"
 #include "breakaway/design/report.hpp"
+#include "breakaway/report/design_html.hpp"
 #include "breakaway/report/json_writer.hpp"
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
@@ -18,7 +20,7 @@ namespace {
 using scenario::Scenario;
 
 struct Options {
-  std::string axis, json;
+  std::string axis, json, report, header;
 };
 
 // The accuracy that the file asks for. The ideal law reaches any, so there it may be left out.
@@ -114,11 +116,29 @@ void print_report(const design::DesignReport& r) {
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
 
+void write_header(const Options& options, const Scenario& s, const design::AxisDesign& axis,
+                  const design::DesignReport& report) {
+  const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
+  if (!flashed) throw scenario::InputError{fmt::format("{}: {}", options.axis, flashed.error().message)};
+  report::write_output(options.header, design::flashed_header(*flashed, report, options.axis));
+}
+
+// A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const Options& options) {
-  const auto report = design::design_axis(axis_design(scenario::read_scenario(options.axis)));
+  const Scenario s = scenario::read_scenario(options.axis);
+  const design::AxisDesign axis = axis_design(s);
+  const auto report = design::design_axis(axis);
   if (!report) throw scenario::InputError{fmt::format("{}: {}", options.axis, report.error().message)};
   if (!options.json.empty()) report::write_output(options.json, to_json(*report));
-  if (options.json != "-") print_report(*report);
+  if (!options.report.empty()) {
+    const std::string title = "Design: " + (s.title.empty() ? "a positioning axis" : s.title);
+    report::write_output(options.report, report::design_html(title, options.axis, axis, *report));
+  }
+  if (options.json != "-" && options.report != "-" && options.header != "-") print_report(*report);
+  if (!options.header.empty() && report->certified) write_header(options, s, axis, *report);
+  if (!options.header.empty() && !report->certified) {
+    fmt::print(stderr, "{}: not certified, so no header is written: {}\n", options.axis, report->reasons.front());
+  }
   return report->certified ? done : failed_check;
 }
 
@@ -134,7 +154,16 @@ void add_design(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output")
       ->check(file_name);
-  command->footer(std::string{"Example: breakaway design sim/scenarios/can_axis.toml\n"} + exit_codes);
+  command->add_option("--report", options->report, "Write the report to sign to this HTML file (needs gnuplot)")
+      ->check(file_name);
+  command
+      ->add_option("--header", options->header,
+                   "Write gains, table, limits and checksum as the C++ header that is flashed; only if certified")
+      ->check(file_name);
+  command->footer(
+      std::string{
+          "Example: breakaway design sim/scenarios/can_axis.toml --report design.html --header flashed_axis.hpp\n"} +
+      exit_codes);
   command->callback([options, &exit_code] { exit_code = design_file(*options); });
 }
 

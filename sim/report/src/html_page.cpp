@@ -55,6 +55,12 @@ void HtmlTable::quantity(std::string_view name, double value, std::string_view u
 
 std::string HtmlTable::text() const { return "<table>\n" + text_ + "</table>\n"; }
 
+std::string html_list(const std::vector<std::string>& items) {
+  std::string text = "<ol>\n";
+  for (const std::string& item : items) text += "<li>" + escaped(item) + "</li>\n";
+  return text + "</ol>\n";
+}
+
 std::string html_section(std::string_view title, std::string_view content, std::string_view caption) {
   return fmt::format("<section><h2>{}</h2>\n{}\n<p class=\"caption\">{}</p></section>\n", title, content,
                      escaped(caption));

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace breakaway::report {
 
@@ -16,6 +17,9 @@ class HtmlTable {
  private:
   std::string text_;
 };
+
+// Numbered; the items are escaped.
+std::string html_list(const std::vector<std::string>& items);
 
 // `content` is HTML, such as a table or an <svg>; the caption is escaped.
 std::string html_section(std::string_view title, std::string_view content, std::string_view caption);

@@ -1,0 +1,97 @@
+#include "breakaway/report/design_html.hpp"
+
+#include <fmt/format.h>
+
+#include "breakaway/report/html_page.hpp"
+#include "design_pictures.hpp"
+
+namespace breakaway::report {
+namespace {
+
+using design::AxisDesign;
+using design::DesignReport;
+
+// With the remedies when the design fails.
+std::string verdict(const DesignReport& report) {
+  const std::string lines = html_list(report.certified ? report.conditions : report.reasons);
+  return html_section(report.certified ? "Certified, provided that" : "Not certified, because", lines,
+                      report.certified ? "What must be true of the machine. A certificate says nothing about a machine "
+                                         "that breaks one of these conditions."
+                                       : "Each line names the check that fails, in numbers, and what mends it.");
+}
+
+std::string checks(const DesignReport& report, bool required, std::string_view title, std::string_view caption) {
+  HtmlTable table;
+  for (const design::Check& check : report.checks) {
+    if (check.required != required) continue;
+    table.row(fmt::format("{} {}", check.holds ? "&#10003;" : "&#10007;", check.name),
+              fmt::format("{}. Margin {:.4g}. Source: {}.", check.reason, check.margin, check.source));
+  }
+  return html_section(title, table.text(), caption);
+}
+
+std::string axis_table(const AxisDesign& axis, const std::string& source) {
+  HtmlTable table;
+  table.row("Read from", source);
+  table.quantity("Moving mass", axis.mass_kg, "kg");
+  table.row("Dry friction", fmt::format("{:g} to {:g} N", axis.friction.lower_N, axis.friction.upper_N));
+  table.quantity("Slope of smooth friction at rest", axis.smooth_friction_slope_Ns_per_m, "N s/m");
+  table.quantity("Stiffness k₁", axis.stiffness_N_per_m, "N/m");
+  table.quantity("Approach damping k₂₁", axis.approach_damping_Ns_per_m, "N s/m");
+  table.quantity("Kick damping k₂₂", axis.kick_damping_Ns_per_m, "N s/m");
+  table.quantity("Largest force", axis.max_force_N, "N");
+  table.quantity("Control period", 1e3 * axis.period_s, "ms");
+  table.row("Latency", fmt::format("{} × control period", axis.latency_ticks));
+  table.quantity("Encoder count", 1e6 * axis.encoder_resolution_m, "µm");
+  table.quantity("Tolerance asked for", 1e6 * axis.position_tolerance_m, "µm");
+  return table.text();
+}
+
+std::string results_table(const DesignReport& report) {
+  HtmlTable table;
+  table.row("Damping ratio ζ",
+            fmt::format("{:.4g} in the approach, {:.4g} in the kick phase", report.zeta_approach, report.zeta_kick));
+  table.quantity("Minimal stick set, c<sub>lower</sub> of (9)", 1e3 * report.c_lower_m, "mm");
+  table.quantity("Maximal stick set, c<sub>upper</sub> of (9)", 1e3 * report.c_upper_m, "mm");
+  table.quantity("Largest impulse, |k₃(c<sub>upper</sub>)|", report.largest_impulse_Ns, "N s");
+  table.quantity("Error left by a kick, of the error before", report.contraction_per_kick, "");
+  table.quantity("Bound (19) on the time in the minimal stick set", report.finite_time_bound_s, "s");
+  table.quantity("Accuracy floor", 1e6 * report.accuracy_floor_m, "µm");
+  table.row("Friction ratio", fmt::format("{:.4g}; needed {:.4g} (exact), {:.4g} by (18)", report.ratio,
+                                          report.exact_ratio_threshold, report.ratio_threshold_18));
+  table.quantity("Least k₂₂ for (18), Remark 1", report.least_damping_Ns_per_m, "N s/m");
+  table.row("k₃ table", fmt::format("{} bytes, relative error at most {:.3g} (proved), {:.3g} found",
+                                    report.table_bytes, report.table_proved_error, report.table_measured_error));
+  return table.text();
+}
+
+const std::string legend =
+    "<section><h2>How to read this</h2><p>The axis slides towards its target under a PD law and sticks short of it, "
+    "because of dry friction. While it rests within the maximal stick set, it is kicked: an impulse is chosen so that "
+    "under the least friction it would come to rest exactly on the target; under more friction it stops short, but "
+    "nearer than before. The checks prove that this cannot fail for any friction within the bounds, also when friction "
+    "varies with position, speed and time.</p><p>[I]: N. van de Wouw and R. I. Leine, <i>Impulsive Control of "
+    "Mechanical Motion Systems with Uncertain Friction</i>. [A]: by the same authors, <i>Stability Properties of "
+    "Equilibrium Sets of Controlled Linear Mechanical Systems with Dry Friction</i>. Numbers in parentheses are "
+    "equations of [I] unless said otherwise.</p></section>\n";
+
+}  // namespace
+
+std::string design_html(const std::string& title, const std::string& source, const AxisDesign& axis,
+                        const DesignReport& report) {
+  std::string sections =
+      verdict(report) +
+      fmt::format(
+          "<section><div class=\"columns\"><div><h2>Axis</h2>\n{}</div><div><h2>What follows</h2>\n{}</div></div>"
+          "</section>\n",
+          axis_table(axis, source), results_table(report)) +
+      checks(report, true, "Checks that the certificate needs",
+             "The margin is positive when a check holds, in the unit of what is compared.") +
+      checks(report, false, "For information", "Sufficient conditions of the paper; the exact ones are above.");
+  for (const Picture& picture : draw_design_pictures(axis, report)) {
+    sections += html_section(picture.title, picture.svg, picture.caption);
+  }
+  return html_page(title, report.certified, report.certified ? "certified" : "not certified", sections + legend);
+}
+
+}  // namespace breakaway::report
