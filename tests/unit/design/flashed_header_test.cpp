@@ -92,7 +92,7 @@ TEST(FlashedAxis, WhatIsNotCoveredByItsCertificateIsRefusedByName) {
   axis.parameters.period_s = 2e-3F;
   EXPECT_EQ(verdict_of(axis), FlashedAxisError::period_outside_certificate);
   axis = flashed();
-  axis.parameters.position_tolerance_m = 1e-6F;
+  axis.parameters.position_tolerance_m = 1e-4F;
   EXPECT_EQ(verdict_of(axis), FlashedAxisError::tolerance_outside_certificate);
   axis.limits.position_tolerance_m = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(verdict_of(axis), FlashedAxisError::tolerance_outside_certificate);

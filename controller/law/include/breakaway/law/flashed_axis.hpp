@@ -111,7 +111,7 @@ constexpr std::string_view to_string(FlashedAxisError error) noexcept {
     case FlashedAxisError::period_outside_certificate:
       return "control period differs from the certified one: design the axis again";
     case FlashedAxisError::tolerance_outside_certificate:
-      return "position tolerance is finer than the certified one: design the axis again";
+      return "position tolerance is coarser than the accuracy that was certified: design the axis again";
   }
   return "unknown configuration error";
 }
@@ -128,7 +128,7 @@ FlashedAxisError verify(const FlashedAxis<Scalar, Nodes>& axis) noexcept {
     return FlashedAxisError::friction_outside_certificate;
   if (!(p.max_force_N <= limits.max_force_N)) return FlashedAxisError::force_outside_certificate;
   if (!(p.period_s == limits.period_s)) return FlashedAxisError::period_outside_certificate;
-  if (!(p.position_tolerance_m >= limits.position_tolerance_m)) return FlashedAxisError::tolerance_outside_certificate;
+  if (!(p.position_tolerance_m <= limits.position_tolerance_m)) return FlashedAxisError::tolerance_outside_certificate;
   return FlashedAxisError::none;
 }
 
