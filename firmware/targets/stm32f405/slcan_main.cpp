@@ -6,10 +6,12 @@ void usart1_handler() { breakaway::stm32f405::usart.on_interrupt(); }
 }
 
 void run_image() {
-  static breakaway::stm32f405::SlcanNode node;
-  if (!node.start()) return;
+  using namespace breakaway::stm32f405;
+  static SlcanNode node;
+  start_result = node.start();
+  if (start_result != StartResult::running) return;
   for (;;) {
-    const breakaway::hal::Time now = breakaway::stm32f405::ticker.wait();
+    const breakaway::hal::Time now = ticker.wait();
     node.step(now);
     node.send(now);
   }

@@ -5,12 +5,12 @@
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/slcan/port.hpp"
 #include "clocks.hpp"
+#include "start_result.hpp"
 #include "ticker.hpp"
 #include "usart.hpp"
 
 namespace breakaway::stm32f405 {
 
-inline constexpr std::uint32_t crystal_Hz = BREAKAWAY_CRYSTAL_HZ;
 inline constexpr std::uint32_t baud = 1'000'000;
 
 inline constinit Ticker ticker;
@@ -22,11 +22,14 @@ class SlcanNode {
 
   SlcanNode() noexcept : port_{usart, config::node.loop.bit_rate}, node_{port_, config::node} {}
 
-  // False: the configuration or the clocks do not allow it; nothing runs then.
-  bool start() noexcept {
-    const Clocks clocks = start_clocks(crystal_Hz);
-    return node_.setup_status().ok() && usart.start(clocks.apb2_Hz, baud) &&
-           ticker.start(clocks.core_Hz, config::node.loop.period);
+  StartResult start() noexcept {
+    setup_detail = node_.setup_status().detail;
+    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    // A serial line bears the 1 % of the internal oscillator.
+    const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
+    if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;
+    return ticker.start(clocks.core_Hz, config::node.loop.period) ? StartResult::running
+                                                                  : StartResult::period_impossible;
   }
 
   // Once a period, one after the other.

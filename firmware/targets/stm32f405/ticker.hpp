@@ -30,15 +30,31 @@ class Ticker {
       asm volatile("cpsid i" ::: "memory");
       const std::uint32_t new_ticks = ticks_.load(std::memory_order_relaxed) - static_cast<std::uint32_t>(seen_);
       if (new_ticks == 0) asm volatile("wfi");
+      seen_ += new_ticks;  // 64 bits, which an interrupt must not read in between
       asm volatile("cpsie i" ::: "memory");
-      if (new_ticks == 0) continue;
-      seen_ += new_ticks;
-      return period_ * seen_;
+      if (new_ticks > 0) return period_ * seen_;
     }
   }
 
   // When the next tick will be.
   hal::Time next() const noexcept { return period_ * (seen_ + 1); }
+
+  // To a few cycles; also in an interrupt handler, all of which have one priority.
+  hal::Time now() const noexcept {
+    constexpr std::uintptr_t interrupt_control = 0xE000ED04;
+    constexpr std::uint32_t systick_pending = 1U << 26;
+    std::uint32_t left = bare_metal::reg32(systick_value);
+    std::uint32_t ticks = ticks_.load(std::memory_order_relaxed);
+    // A tick whose handler has not run yet: the counter may have been read before or after it began anew.
+    if ((bare_metal::reg32(interrupt_control) & systick_pending) != 0) {
+      left = bare_metal::reg32(systick_value);
+      ++ticks;
+    }
+    const std::uint32_t cycles = bare_metal::reg32(systick_load) - left;
+    const auto newer = static_cast<std::int32_t>(ticks - static_cast<std::uint32_t>(seen_));
+    return period_ * (seen_ + newer) +
+           hal::Duration{(static_cast<std::int64_t>(cycles) * period_.count()) / (bare_metal::reg32(systick_load) + 1)};
+  }
 
   // For emulation: time stands still while the rest of the world catches up.
   void hold() noexcept { bare_metal::reg32(systick_control) = from_core; }

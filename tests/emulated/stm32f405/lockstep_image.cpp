@@ -12,9 +12,10 @@ void usart1_handler() { breakaway::stm32f405::usart.on_interrupt(); }
 }
 
 void run_image() {
-  using breakaway::stm32f405::ticker;
-  static breakaway::stm32f405::SlcanNode node;
-  if (!node.start()) return;
+  using namespace breakaway::stm32f405;
+  static SlcanNode node;
+  start_result = node.start();
+  if (start_result != StartResult::running) return;
   for (;;) {
     ticker.hold();
     while (node.port().awaits_answer()) node.port().poll(ticker.next());

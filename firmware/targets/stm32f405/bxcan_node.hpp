@@ -1,0 +1,73 @@
+// The controller node on CAN1, PB8 (in) and PB9 (out).
+#pragma once
+
+#include "axis_config.hpp"
+#include "breakaway/bxcan/port.hpp"
+#include "breakaway/firmware/control_node.hpp"
+#include "clocks.hpp"
+#include "pins.hpp"
+#include "start_result.hpp"
+#include "ticker.hpp"
+
+namespace breakaway::stm32f405 {
+
+inline constinit Ticker ticker;
+
+struct Can1 {
+  static constexpr std::uintptr_t base = 0x40006400;
+  static constexpr unsigned transmit_interrupt = 19, receive_interrupt = 20;
+
+  static std::uint32_t read(std::uint32_t offset) noexcept { return bare_metal::reg32(base + offset); }
+  static void write(std::uint32_t offset, std::uint32_t value) noexcept { bare_metal::reg32(base + offset) = value; }
+  static void pend_transmit_interrupt() noexcept {
+    constexpr std::uintptr_t nvic_pend = 0xE000E200;
+    bare_metal::reg32(nvic_pend) = 1U << transmit_interrupt;
+  }
+};
+
+class BxcanNode {
+ public:
+  using Port = bxcan::Port<Can1>;
+
+  BxcanNode() noexcept : port_{registers_}, node_{port_, config::node} {}
+
+  StartResult start() noexcept {
+    setup_detail = node_.setup_status().detail;
+    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
+    if (!clocks.crystal) return StartResult::no_crystal;
+    const auto timing = bxcan::bit_timing(clocks.apb1_Hz, config::node.loop.bit_rate);
+    if (!timing) return StartResult::rate_impossible;
+    connect();
+    if (!port_.start(*timing, polls)) return StartResult::no_idle_bus;
+    enable_interrupt(Can1::transmit_interrupt);
+    enable_interrupt(Can1::receive_interrupt);
+    return ticker.start(clocks.core_Hz, config::node.loop.period) ? StartResult::running
+                                                                  : StartResult::period_impossible;
+  }
+
+  // Once a period.
+  void step(hal::Time now) noexcept {
+    port_.poll(now);
+    node_.step(now);
+  }
+
+  Port& port() noexcept { return port_; }
+
+ private:
+  // Some 8 cycles a poll: 50 ms, in which a bus at 10 kbit/s is idle for 11 bits many times.
+  static constexpr std::uint32_t polls = 1'000'000;
+
+  static void connect() noexcept {
+    constexpr std::uintptr_t rcc_apb1enr = 0x40023840;
+    bare_metal::set_bits(rcc_apb1enr, 1U << 25);
+    connect_pin(Gpio::b, 8, 9);
+    connect_pin(Gpio::b, 9, 9);
+  }
+
+  Can1 registers_;
+  Port port_;
+  firmware::ControlNode<Port> node_;
+};
+
+}  // namespace breakaway::stm32f405
