@@ -24,13 +24,15 @@ set key outside right top vertical maxrows 20 samplen 1.2 textcolor '#333333'
 set style fill solid 1
 )";
 
-// A data block of the polygon's corners, closed.
+// A data block of the polygon's corners, closed. A few hundred corners are an ellipse to the eye.
 std::string outline(std::string_view name, const design::Polygon& polygon) {
+  const std::size_t stride = polygon.size() / 500 + 1;
   std::string text = fmt::format("${} << END\n", name);
-  for (std::size_t i = 0; i <= polygon.size() && !polygon.empty(); ++i) {
-    const Eigen::Vector2d& corner = polygon[i % polygon.size()];
-    text += fmt::format("{:.8g} {:.8g}\n", corner.x(), corner.y());
-  }
+  const auto append = [&](const Eigen::Vector2d& corner) {
+    text += fmt::format("{:.6g} {:.6g}\n", corner.x(), corner.y());
+  };
+  for (std::size_t i = 0; i < polygon.size(); i += stride) append(polygon[i]);
+  if (!polygon.empty()) append(polygon.front());
   return text + "END\n";
 }
 
