@@ -1,0 +1,151 @@
+#include "breakaway/firmware/control_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <vector>
+
+namespace breakaway::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct TestPort {
+  std::vector<hal::CanFrame> sent;
+  std::deque<hal::ReceivedFrame> inbox;
+  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
+    sent.push_back(frame);
+    return {};
+  }
+  bool receive(hal::ReceivedFrame& received) noexcept {
+    if (inbox.empty()) return false;
+    received = inbox.front();
+    inbox.pop_front();
+    return true;
+  }
+  void purge_transmit_queue() noexcept {}
+  hal::BusState bus_state() const noexcept { return hal::BusState::error_active; }
+};
+
+// Notes what a RemoteAxis asks of it.
+struct LoopProbe {
+  std::vector<std::int32_t> targets;
+  int enables = 0, stops = 0, resets = 0;
+  void set_target_counts(std::size_t, std::int32_t counts) { targets.push_back(counts); }
+  void request_enable(std::size_t) { ++enables; }
+  void request_stop(std::size_t) { ++stops; }
+  void reset_fault(std::size_t) { ++resets; }
+};
+
+constexpr std::uint8_t node = 0x7F;
+
+TEST(RemoteControl, BringsCommandsBack) {
+  for (const std::int32_t target : {0, 1, -1, 2147483647, -2147483647 - 1}) {
+    const MotionCommand sent{.axis = 3, .enable = true, .reset_fault = target < 0, .target_counts = target};
+    const auto received = decode_command(encode_command(sent, node), node);
+    ASSERT_TRUE(received.has_value());
+    EXPECT_EQ(received->axis, 3);
+    EXPECT_TRUE(received->enable);
+    EXPECT_EQ(received->reset_fault, target < 0);
+    EXPECT_EQ(received->target_counts, target);
+  }
+}
+
+TEST(RemoteControl, TakesNothingElseForACommand) {
+  hal::CanFrame frame = encode_command({.enable = true}, node);
+  EXPECT_FALSE(decode_command(frame, node - 1));
+  frame.size = 7;
+  EXPECT_FALSE(decode_command(frame, node));
+  frame.size = 8;
+  frame.remote = true;
+  EXPECT_FALSE(decode_command(frame, node));
+}
+
+TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
+  TestPort port;
+  CommandedPort<TestPort, 1> commanded{port, node};
+  port.inbox = {{encode_command({.target_counts = 1}, node)},
+                {{.id = 0x181}},
+                {encode_command({.axis = 9, .target_counts = 3}, node)},
+                {encode_command({.target_counts = 2}, node)}};
+  hal::ReceivedFrame received;
+  ASSERT_TRUE(commanded.receive(received));
+  EXPECT_EQ(received.frame.id, 0x181);
+  EXPECT_FALSE(commanded.receive(received));
+  EXPECT_EQ(commanded.take_command(0)->target_counts, 2) << "the newest";
+  EXPECT_FALSE(commanded.take_command(0).has_value()) << "once";
+}
+
+TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  axis.apply(loop, {.enable = true, .reset_fault = true, .target_counts = 5});
+  axis.apply(loop, {.enable = true, .reset_fault = true, .target_counts = 5});
+  EXPECT_EQ(loop.targets, std::vector<std::int32_t>{5});
+  EXPECT_EQ(loop.enables, 1);
+  EXPECT_EQ(loop.resets, 1);
+  EXPECT_EQ(loop.stops, 0);
+  axis.apply(loop, {});
+  axis.apply(loop, {});
+  EXPECT_EQ(loop.stops, 2);
+}
+
+class ControlNodeTest : public testing::Test {
+ protected:
+  ControlNodeTest() {
+    config.drive.encoder_resolution_m = 1e-6F;
+    config.drive.force_per_torque_N_per_Nm = 50;
+    config.drive.max_force_N = 50;
+    config.loop.period = 1ms;
+    config.parameters = {1, 400, 32, 60, 2.5F, 4.5F, 50, 5, 2e-6F, 1e-6F, 1e-3F};
+    config.table = &table;
+  }
+  hal::Status status() { return ControlNode<TestPort>{port, config}.setup_status(); }
+
+  TestPort port;
+  law::K3Table<float> table;
+  NodeConfig<float> config;
+};
+
+TEST_F(ControlNodeTest, AcceptsAConfigurationThatAgreesWithItself) { EXPECT_TRUE(status().ok()); }
+
+TEST_F(ControlNodeTest, RefusesParametersThatTheLawRefuses) {
+  config.parameters.kick_damping_Ns_per_m = 39;
+  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::ParameterError::kick_not_overdamped));
+}
+
+TEST_F(ControlNodeTest, RefusesTwoAnswersToOneQuestion) {
+  for (const auto spoil :
+       {+[](NodeConfig<float>& c) { c.drive.encoder_resolution_m = 2e-6F; },
+        +[](NodeConfig<float>& c) { c.drive.max_force_N = 60; }, +[](NodeConfig<float>& c) { c.drive.period = 2ms; },
+        +[](NodeConfig<float>& c) { c.table = nullptr; }}) {
+    const NodeConfig<float> good = config;
+    spoil(config);
+    EXPECT_EQ(status().detail, 200U);
+    config = good;
+  }
+}
+
+TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
+  config.loop.bit_rate = 125'000;
+  EXPECT_EQ(status().code, hal::StatusCode::bus_overload);
+}
+
+TEST_F(ControlNodeTest, IsSilentWhenRefused) {
+  config.drive.node_id = 0;
+  config.drive.max_force_N = 60;
+  ControlNode<TestPort> refused{port, config};
+  refused.step(1ms);
+  EXPECT_TRUE(port.sent.empty());
+}
+
+TEST_F(ControlNodeTest, TellsItsStatusEveryFiftyPeriods) {
+  ControlNode<TestPort> running{port, config};
+  for (int i = 1; i <= 100; ++i) running.step(i * 1ms);
+  int told = 0;
+  for (const auto& frame : port.sent) told += frame.id == 0x1FF && frame.size == 8 ? 1 : 0;
+  EXPECT_EQ(told, 2);
+}
+
+}  // namespace
+}  // namespace breakaway::firmware
