@@ -41,7 +41,7 @@ class Socket {
     if (count <= 0) throw std::runtime_error("the controller fell silent");
     return {buffer_.data(), static_cast<std::size_t>(count)};
   }
-  void write(std::string_view text) {
+  void write(std::string_view text) const {
     while (!text.empty()) {
       const ssize_t count = send(handle_, text.data(), text.size(), MSG_NOSIGNAL);
       if (count <= 0) throw std::runtime_error("the controller hung up");

@@ -67,6 +67,7 @@ std::vector<StepResult> replay_tape(const std::vector<TapeStep>& tape, const Con
   using Sample = law::Measurement<float>;
   Controller controller = initial;
   std::vector<StepResult> results;
+  results.reserve(tape.size());
   for (const TapeStep& step : tape)
     results.push_back(replay_step(controller, step, [](Controller& c, const Sample& z) { return c.update(z); }));
   controller = initial;
