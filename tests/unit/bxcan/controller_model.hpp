@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <functional>
@@ -32,7 +33,7 @@ class ControllerModel {
   std::uint32_t read(std::uint32_t offset) noexcept {
     if (offset == 0x04) return initialising_ ? 0xC01U : 0xC00U;
     if (offset == 0x08) return transmit_status();
-    if (offset == 0x0C) return fifo_status();
+    if (offset == 0x0C) return pass_release(), fifo_status();
     if (offset == 0x18) return errors_;
     if (offset >= 0x1B0 && offset < 0x1C0) return fifo_word((offset - 0x1B0) / 4);
     return values_[offset];
@@ -45,7 +46,7 @@ class ControllerModel {
       case 0x08:
         return write_transmit_status(value);
       case 0x0C:
-        if ((value & 1U << 5) != 0 && !fifo_.empty()) fifo_.pop_front();
+        if ((value & 1U << 5) != 0 && !fifo_.empty()) releasing_ = 3;
         if ((value & 1U << 4) != 0) overrun_ = false;
         return;
       case 0x1C:
@@ -93,6 +94,8 @@ class ControllerModel {
     return frame;
   }
   std::size_t requests() const { return requested_.size(); }
+  // The transmit interrupt would come again at once.
+  bool completion_pending() const { return (completed_ & 0x010101U) != 0; }
 
   // A frame on the bus. True: it passed the filter and found room in the FIFO.
   bool receive(const RawFrame& frame) {
@@ -148,7 +151,12 @@ class ControllerModel {
     return frame;
   }
   std::uint32_t fifo_status() const {
-    return static_cast<std::uint32_t>(fifo_.size()) | (fifo_.size() == 3 ? 8U : 0U) | (overrun_ ? 16U : 0U);
+    return static_cast<std::uint32_t>(fifo_.size()) | (fifo_.size() == 3 ? 8U : 0U) | (overrun_ ? 16U : 0U) |
+           (releasing_ > 0 ? 32U : 0U);
+  }
+  // A release takes a few cycles, in which the old frame still shows.
+  void pass_release() {
+    if (releasing_ > 0 && --releasing_ == 0) fifo_.pop_front();
   }
   std::uint32_t fifo_word(std::uint32_t word) const {
     if (fifo_.empty()) return 0xDEADBEEF;
@@ -171,6 +179,7 @@ class ControllerModel {
   std::vector<std::uint32_t> requested_;  // mailboxes, in order of request
   std::deque<RawFrame> fifo_;
   std::uint32_t completed_ = 0, errors_ = 0;
+  int releasing_ = 0;  // reads until the release of the FIFO's first frame is done
   bool initialising_ = false, overrun_ = false, led_through_initialisation_ = false;
 };
 

@@ -188,11 +188,25 @@ TEST_F(BxcanPortTest, ComesBackFromBusOffWithoutAStaleFrame) {
 }
 
 TEST_F(BxcanPortTest, FillsNoMailboxWhileOffTheBus) {
-  for (int id = 1; id <= 3; ++id) ASSERT_TRUE(send(id));
-  ASSERT_TRUE(send(4));
+  controller.transmit_interrupt = nullptr;
+  ASSERT_TRUE(send(1));
   controller.set_errors(boff);
-  port.purge_transmit_queue();
+  port.on_transmit_interrupt();
   EXPECT_EQ(controller.requests(), 0U);
+}
+
+TEST_F(BxcanPortTest, AcknowledgesEveryCompletion) {
+  for (int id = 1; id <= 3; ++id) ASSERT_TRUE(send(id));
+  while (controller.requests() > 0) {
+    controller.send_one();
+    EXPECT_FALSE(controller.completion_pending());
+  }
+}
+
+TEST_F(BxcanPortTest, MayBeStartedAgain) {
+  ASSERT_TRUE(port.start({6, 11, 2}, 10));
+  EXPECT_EQ(controller.read(0x1C), 0x001A0005U);
+  EXPECT_TRUE(controller.receive({0x181, false, false, 0, {}}));
 }
 
 }  // namespace

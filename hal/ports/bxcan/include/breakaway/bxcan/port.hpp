@@ -134,7 +134,7 @@ class Port {
   void on_receive_interrupt(hal::Time now) noexcept {
     for (int n = 0; n < most_frames && (read(reg::rf0r) & bit::rf0r_fmp0) != 0; ++n) {
       if (const auto frame = read_frame(); frame && !receive_.push({*frame, now})) count(overflows_);
-      write(reg::rf0r, bit::rf0r_rfom0);
+      release_fifo();
     }
     if ((read(reg::rf0r) & bit::rf0r_fovr0) == 0) return;
     write(reg::rf0r, bit::rf0r_fovr0 | bit::rf0r_full0);
@@ -233,6 +233,14 @@ class Port {
     for (std::size_t i = 0; i < frame.size && !frame.remote; ++i)
       frame.data[i] = static_cast<std::uint8_t>(read(reg::fifo0 + (i < 4 ? 0x8 : 0xC)) >> (8 * (i % 4)));
     return frame;
+  }
+
+  // The next frame shows a few bus cycles after the release, when the hardware takes the request back.
+  void release_fifo() noexcept {
+    constexpr int polls = 16;
+    write(reg::rf0r, bit::rf0r_rfom0);
+    for (int i = 0; i < polls && (read(reg::rf0r) & bit::rf0r_rfom0) != 0; ++i) {
+    }
   }
 
   Controller* controller_;
