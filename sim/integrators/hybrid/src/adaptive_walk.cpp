@@ -49,12 +49,11 @@ HeldSet make_held_set(const LinearMachine<>& machine, DirectionSet sticking) {
     rank = qr.rank();
     all = qr.householderQ() * all;
   }
-  const MatrixXd free = all.rightCols(n - rank);
-  HeldSet held{stuck.sticking,
-               factor.transpose().triangularView<Eigen::Upper>().solve(free),
-               free.transpose() * factor.transpose(),
-               {},
-               stuck.facets};
+  // All columns are solved for, since Eigen cannot solve for none.
+  const MatrixXd motions = factor.transpose().triangularView<Eigen::Upper>().solve(all);
+  const Index left = n - rank;
+  HeldSet held{
+      stuck.sticking, motions.rightCols(left), all.rightCols(left).transpose() * factor.transpose(), {}, stuck.facets};
   held.sliding = machine.directions.transpose() * held.basis;
   for (Index i = 0; i < m; ++i) {
     if (contains(held.sticking, i)) held.sliding.row(i).setZero();
