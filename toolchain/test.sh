@@ -8,9 +8,9 @@ usage() {
 Usage: toolchain/test.sh [--quick]
 
 Installs what the checks need and the machine lacks (Debian packages, as root or by sudo), then runs, stopping at the
-first that fails: format, release build with warnings as errors, all tests, the tests under the address and
-undefined-behaviour sanitizers (without those labelled slow or package), the fuzzers for a fixed number of inputs and
-every public header with clang, clang-tidy.
+first that fails: format, release build with warnings as errors, all tests, the images for targets on QEMU, the tests
+under the address and undefined-behaviour sanitizers (without those labelled slow or package), the fuzzers for a fixed
+number of inputs and every public header with clang, clang-tidy.
 
   --quick   the release build and its tests only
 HELP
@@ -69,6 +69,7 @@ check_tidy() {
 }
 
 require_packages run test
+$quick || require_packages emulate
 cd -- "$root"
 
 if ! $quick; then
@@ -77,6 +78,7 @@ fi
 step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
 step 'release tests' run_tests release
 if ! $quick; then
+  step 'stm32f405 on an emulated machine' toolchain/emulate.sh stm32f405
   step 'sanitizer build' build asan-ubsan
   step 'sanitizer tests' run_tests asan-ubsan -LE '^(slow|package)$'
   step 'fuzzer build' build fuzz
