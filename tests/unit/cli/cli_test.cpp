@@ -335,9 +335,9 @@ TEST_F(Command, KeepsTheContractOfBasin) {
 TEST_F(Command, KeepsTheContractOfAttract) {
   const Ended ended = run("attract " + two_masses + " --depth 7 --json -");
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
-  expect_keys(ended.out, {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star",
-                          "rho_star_closed_form", "equilibrium_set", "vertices", "extent", "E_certified", "global",
-                          "certified_area", "sweep", "d1"});
+  expect_keys(ended.out,
+              {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star", "rho_star_closed_form",
+               "equilibrium_set", "vertices", "extent", "E_certified", "global", "certified_area", "sweep", "d1"});
   EXPECT_NEAR(figure(ended.out, "alpha"), std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-10);
   EXPECT_NEAR(figure(ended.out, "rho_star_closed_form"), 4, 1e-12);
