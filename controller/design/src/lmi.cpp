@@ -2,9 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -60,18 +60,14 @@ std::string phase(const std::string& result) {
   return result.substr(begin, result.find_first_of(" \n", begin) - begin);
 }
 
-// The numbers behind "xVec =".
+// The numbers behind "xVec =", as {1.0,2.0}.
 Expected<VectorXd> variables(const std::string& result, Index count) {
-  const auto label = result.find("xVec");
-  const auto brace = label == std::string::npos ? label : result.find('{', label);
+  std::istringstream text{result.substr(std::min(result.size(), result.find("xVec")))};
+  text.ignore(std::numeric_limits<std::streamsize>::max(), '{');
   VectorXd x(count);
-  const char* next = brace == std::string::npos ? "" : result.c_str() + brace;
-  for (double& value : x) {
-    char* end = nullptr;
-    value = *next == '\0' ? std::nan("") : std::strtod(next + 1, &end);
-    if (!std::isfinite(value) || end == next + 1) return Error{"the solver sdpa wrote no solution that can be read"};
-    next = end;
-  }
+  char separator = 0;
+  for (double& value : x) text >> value >> separator;
+  if (!text || !x.allFinite()) return Error{"the solver sdpa wrote no solution that can be read"};
   return x;
 }
 

@@ -5,6 +5,7 @@
 // definite just when D and Y are: Q, and with it every resting position Q W lambda, is linear in Y.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <utility>
 
 #include "actuation.hpp"
@@ -21,6 +22,9 @@ using Eigen::VectorXd;
 // Semidefinite programs with more are a matter of hours.
 constexpr Index most_variables = 3000;
 
+// Of the machine's own: with less, gains would cancel its springs to the last digits.
+constexpr double least_stiffness = 0.01;
+
 // In units in which the wanted resting error and the largest friction are 1.
 class ComplianceProgram {
  public:
@@ -35,6 +39,7 @@ class ComplianceProgram {
     fixed_ = (unreached_compliance + unreached_compliance.transpose()) / (2 * unit_);
     levers_ = reached_ - unreached_compliance * base_ * reached_;
     terms_ = Actuation::symmetric_terms(levers_);
+    most_compliant_ = std::min(1e4, 1 / (least_stiffness * system.machine.stiffness.norm() * unit_));
   }
 
   Index variables() const { return entries() + pushes_.size() + 2; }
@@ -89,6 +94,9 @@ class ComplianceProgram {
       error_is_free ? static_cast<void>(problem.rows(row, entries()) = 1)
                     : static_cast<void>(problem.offsets[row] = 1 - reserve);
     }
+    const Index r = reached_.cols();
+    problem.matrices.push_back({most_compliant_ * MatrixXd::Identity(r, r), {}});
+    for (const auto& [k, unit] : unit_terms()) problem.matrices[0].terms.emplace_back(k, -unit);
     return problem;
   }
 
@@ -128,7 +136,8 @@ class ComplianceProgram {
   }
 
   MatrixXd reached_, base_, pushes_, fixed_, levers_;
-  double unit_;  // m/N
+  double unit_;            // m/N
+  double most_compliant_;  // Y at most this
   std::vector<MatrixXd> terms_;
 };
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "actuation.hpp"
 #include "breakaway/design/equilibrium_set.hpp"
 #include "gain_search.hpp"
 
@@ -15,6 +14,9 @@ namespace breakaway::design {
 namespace {
 
 using Eigen::MatrixXd;
+
+// Relative: E is computed twice, from matrices that may be ill-conditioned.
+constexpr double resting_tolerance = 1e-9;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -50,7 +52,7 @@ std::optional<Error> refusal(const ActuatedSystem& system, const PdWants& wants)
 Expected<MatrixXd> position_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure) {
   const LinearSystem& machine = system.machine;
   const double open_m = resting_error_m(machine);
-  if (std::isfinite(open_m) && open_m <= wants.resting_error_m * (1 + rounding)) {
+  if (std::isfinite(open_m) && open_m <= wants.resting_error_m * (1 + resting_tolerance)) {
     return MatrixXd{MatrixXd::Zero(system.actuators.cols(), machine.mass.rows())};
   }
   if (std::isinf(wants.resting_error_m)) {
@@ -108,7 +110,8 @@ Expected<PdDesign> synthesize(const ActuatedSystem& system, const PdWants& wants
   if (!rest) return rest.error();
   design.extent_m = rest->extent();
   design.reach_m = reach_m(design.closed_loop, design.attractivity.rho_star_J);
-  if (!meets(design.closed_loop, wants) || design.extent_m.maxCoeff() > wants.resting_error_m * (1 + rounding)) {
+  if (!meets(design.closed_loop, wants) ||
+      design.extent_m.maxCoeff() > wants.resting_error_m * (1 + resting_tolerance)) {
     return Error{"the gains found do not pass the certificate: " +
                  (design.attractivity.reason.empty()
                       ? "rounding is too coarse for what is wanted; ask for a little less"

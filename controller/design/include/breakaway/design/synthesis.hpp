@@ -17,8 +17,8 @@
 namespace breakaway::design {
 
 struct PdWants {
-  double resting_error_m =
-      std::numeric_limits<double>::infinity();  // > 0: no coordinate rests farther from 0 than this
+  // > 0: no coordinate rests farther from 0 than this, to 1e-9 of it.
+  double resting_error_m = std::numeric_limits<double>::infinity();
   double region_J = 0;  // >= 0: B = { V < rho* } with rho* at least this; infinite: attractive from everywhere
   double reach_m = 0;   // >= 0: every rest with |q| < reach_m, the Euclidean norm, lies in B
 };
@@ -40,11 +40,11 @@ struct PdDesign {
 //   full: those of the softest closed loop, which has the greatest reach for a given rho* (rho* does not depend on K):
 //     maximise the least eigenvalue of Q = K_cl^-1, in which the resting error is linear. With A = -Q and Y = -F1 Q
 //     this is the inequality of Theorem 2, normalised to K A + S Y = -I, which keeps K_cl symmetric and loses nothing.
+//     What the actuators add is kept above 1 % of the machine's own stiffness;
 //   identical: the least p.
 // Then the least gains of velocity for the region, the reach and for all of E to lie in B:
-//   full: the least spectral norm of F2 under which the eigenvalues of C_cl are above a limit -g, for the largest g
-//   that
-//     will do, searched for with Theorem 1 itself;
+//   full: the least spectral norm of F2 under which the eigenvalues of C_cl are above a limit -g, for the largest
+//     g that will do, searched for with Theorem 1 itself;
 //   identical: the least d.
 // "Attractive from everywhere" is designed with a margin: the eigenvalues of C_cl are at least 1e-3 of the size of C.
 //
