@@ -35,7 +35,7 @@ struct SweepRow {
   Attractivity attractivity;
 };
 
-// All that the command finds out. Without condition 1 there is no region.
+// All that the command finds out. Where nothing is certified there is no region.
 struct Found {
   machine::Certificates certificates;
   design::EquilibriumSet equilibria;
@@ -66,7 +66,7 @@ Found find(const Options& options, const scenario::MachineScenario& s) {
   auto equilibria = design::EquilibriumSet::make(system);
   if (!equilibria) throw InputError{fmt::format("{}: {}", s.file, equilibria.error().message)};
   Found found{machine::certify(s.machine), *equilibria, design::closed_form_rho_J(system), swept(s), {}, {}};
-  if (!found.attractivity().definite) return found;
+  if (found.attractivity().level_J == 0) return found;
   const double half_width =
       options.window > 0 ? options.window : machine::fitting_half_width(s.machine, found.attractivity(), plane);
   found.region = machine::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads);

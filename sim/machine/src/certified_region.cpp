@@ -181,7 +181,7 @@ CertifiedRegion certify_region(const scenario::MachineScenario& s, const Certifi
                     s.file)};
   }
   if (std::isinf(certificates.attractivity.level_J)) return {window, {{0, 0, 0, Fate::attracted, Fate::attracted}}, 0};
-  if (!certificates.attractivity.definite)
+  if (certificates.attractivity.level_J == 0)
     throw scenario::InputError{fmt::format("{}: {}", s.file, certificates.attractivity.reason)};
   try {
     const RegionBounds bounds = region_bounds(s.machine, certificates, horizon_s(s, certificates));

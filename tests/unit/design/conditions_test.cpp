@@ -1,8 +1,10 @@
 // Theorem 1 at the edges of its conditions, and what it refuses.
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -65,6 +67,64 @@ TEST(Conditions, AreToldApartNextToTheirBorders) {
     const Attractivity a = certify_attractivity(s);
     EXPECT_EQ(a.all_of_E, side < 0) << a.greatest_rest_J;
     EXPECT_EQ(a.conditions.back().holds, side < 0);
+  }
+}
+
+// The smallest eigenvalue of a definite matrix made `share` of what it was.
+MatrixXd with_least(const MatrixXd& matrix, double share) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(matrix);
+  const VectorXd least = eigen.eigenvectors().col(0);
+  const MatrixXd moved = matrix - (1 - share) * eigen.eigenvalues()[0] * least * least.transpose();
+  return (moved + moved.transpose()) / 2;
+}
+
+TEST(Conditions, OfRandomSystemsAreToldApartNextToTheirBorders) {
+  constexpr double hair = 1e-8;
+  std::mt19937_64 random{41};
+  std::uniform_int_distribution<Eigen::Index> size{2, 6};
+  int bounded = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Index n = size(random), m = size(random);
+    const LinearSystem s = random_theorem_1_system(random, n, m);
+    const Attractivity a = certify_attractivity(s);
+    for (const double side : {-1.0, 1.0}) {
+      LinearSystem near = s;
+      near.mass = with_least(s.mass, side * hair);
+      EXPECT_EQ(certify_attractivity(near).definite, side > 0) << "mass " << trial;
+      near = s;
+      near.stiffness = with_least(s.stiffness, side * hair);
+      EXPECT_EQ(certify_attractivity(near).definite, side > 0) << "stiffness " << trial;
+      near = s;
+      VectorXd values = random_matrix(random, n, 1).cwiseAbs() + VectorXd::Ones(n);
+      values[0] = side * hair;
+      near.damping = with_eigenvalues(basis_along(s.directions), values);
+      EXPECT_EQ(std::isinf(certify_attractivity(near).rho_star_J), side > 0) << "damping " << trial;
+      if (!std::isfinite(a.rho_star_J)) continue;
+      ++bounded;
+      near = s;  // the largest V in E goes as 1/K, rho* not at all
+      near.stiffness *= a.greatest_rest_J / a.rho_star_J * (1 + side * hair);
+      EXPECT_EQ(certify_attractivity(near).all_of_E, side > 0) << "E " << trial;
+    }
+  }
+  EXPECT_GT(bounded, 150);
+}
+
+// The unstable direction leans out of span{W} by a tenth of a millionth.
+TEST(Conditions, OfRandomSystemsSeeTheUnstableColumnLeaveTheSpan) {
+  std::mt19937_64 random{43};
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::Index n = 2 + trial % 5, m = 1 + trial % (n - 1);
+    LinearSystem s = random_theorem_1_system(random, n, m);
+    VectorXd values = VectorXd::Ones(n);
+    values[0] = -0.3;
+    for (const double lean : {0.0, 1e-7}) {
+      MatrixXd columns = basis_along(s.directions);
+      const VectorXd first = columns.col(0), last = columns.col(n - 1);
+      columns.col(0) = std::cos(lean) * first + std::sin(lean) * last;
+      columns.col(n - 1) = std::cos(lean) * last - std::sin(lean) * first;
+      s.damping = with_eigenvalues(columns, values);
+      EXPECT_EQ(certify_attractivity(s).certified, lean == 0) << trial;
+    }
   }
 }
 

@@ -131,7 +131,7 @@ TEST(RunMachine, TracesWhatHappened) {
 // f = K c shifts everything by c, certificates included.
 TEST(RunMachine, CertifiesAboutTheCentreThatAForceShifts) {
   auto s = two_masses();
-  const Eigen::Vector2d shift{100, -50};
+  const Eigen::VectorXd shift = Eigen::Vector2d{100, -50};
   const auto unshifted = machine::run_machine(s);
   s.machine.force_N = s.machine.stiffness * shift;
   s.start->q += shift;

@@ -27,14 +27,14 @@ Certificates certify(const plant::LinearMachine<>& machine);
 // their upper ones.
 Certificates certify(const scenario::MachineScenario& scenario);
 
-// An EarlyDecision: captured where V < rho* (Theorem 1), lost beyond a level of escape. Levels are drawn in by 1e-12,
-// more than the rounding of V and z.
+// An EarlyDecision: captured where V < level_J (Theorem 1 and beyond), lost beyond a level of escape. Levels are drawn
+// in by 1e-12, more than the rounding of V and z.
 template <int N>
 class ProvenFate {
  public:
   ProvenFate(const plant::LinearMachine<>& machine, const Certificates& certificates)
       : mass_{machine.mass / 2}, stiffness_{machine.stiffness / 2}, centre_{certificates.centre} {
-    rho_J_ = certificates.attractivity.rho_star_J * (1 - margin);
+    rho_J_ = certificates.attractivity.level_J * (1 - margin);
     const Eigen::Index n = machine.coordinates();
     for (const design::EscapeLevel& escape : certificates.escapes) {
       modes_.push_back(

@@ -56,9 +56,9 @@ class CertifiedRegion {
 double fitting_half_width(const plant::LinearMachine<>& machine, const design::Attractivity& attractivity,
                           const std::array<int, 2>& plane);
 
-// Cells depend on nothing but their place: threads >= 1 do not change the result. Throws scenario::InputError for a
-// machine whose mass or stiffness is not positive definite, for friction laws that vary, and when the integrator cannot
-// take it.
+// Cells depend on nothing but their place: threads >= 1 do not change the result. Throws scenario::InputError where
+// nothing is certified to grow from (level_J is 0), for friction laws that vary, and when the integrator cannot take
+// the machine.
 CertifiedRegion certify_region(const scenario::MachineScenario& scenario, const Certificates& certificates,
                                const Window& window, int threads);
 
