@@ -119,6 +119,7 @@ CertifiedRegion grow(const plant::LinearMachine<>& machine, const RegionBounds& 
                      int threads) {
   using Prover = CellProver<N, M>;
   std::vector<std::unique_ptr<Prover>> provers;
+  provers.reserve(static_cast<std::size_t>(threads));
   for (int i = 0; i < threads; ++i) provers.push_back(std::make_unique<Prover>(machine, bounds, window));
   std::vector<Cell> proved, open{{0, 0, 0, Fate::pending, Fate::pending}};
   std::size_t motions = 0;
