@@ -42,13 +42,13 @@ options=()
 cmake --preset release "${options[@]}" --log-level=WARNING
 cmake --build --preset release --target emulation
 
-# The configuration to flash and the tapes come from one recording.
-axis=$root/build/$target/axis
-mkdir -p -- "$axis/emulated"
-"$host/tests/emulated/host/host_replay" "$axis"
-cp -- "$axis"/*.tape "$axis/emulated"
+# The host's results, and beside them what the target is to read.
+work=$root/build/$target/replay
+mkdir -p -- "$work/emulated"
+"$host/tests/emulated/host/host_replay" "$work"
+cp -- "$work"/*.tape "$work/emulated"
 
-cmake --preset "$target" -DBREAKAWAY_AXIS_FOLDER="$axis" --log-level=WARNING
+cmake --preset "$target" -DBREAKAWAY_AXIS_FOLDER="$root/$host/tests/emulated/host/axis" --log-level=WARNING
 cmake --build --preset "$target"
 images=$root/build/$target/firmware/targets/$target
 tests=$root/build/$target/tests/emulated/$target
@@ -71,14 +71,14 @@ emulate() {
 printf '\n=== closed loop\n'
 socket=$(mktemp -d)
 trap 'kill "$machine" 2>/dev/null || true; rm -rf -- "$socket"' EXIT
-(emulate "$tests/lockstep.elf" "$axis/emulated/lockstep.counts" -icount shift=3,sleep=off \
-  -serial "unix:$socket/slcan,server=on,wait=on") >"$axis/emulated/lockstep.log" 2>&1 &
+(emulate "$tests/lockstep.elf" "$work/emulated/lockstep.counts" -icount shift=3,sleep=off \
+  -serial "unix:$socket/slcan,server=on,wait=on") >"$work/emulated/lockstep.log" 2>&1 &
 machine=$!
 timeout 120 "$host/tests/emulated/host/emulated_axis" "$socket/slcan"
 kill "$machine" 2>/dev/null || true
 wait "$machine" || true
 
 printf '\n=== replay\n'
-(cd -- "$axis/emulated" && emulate "$tests/replay.elf" replay.counts)
-python3 -B tests/emulated/report.py "$axis" "$host/tests/emulated/host/host_replay" "$images" "${costs[@]}"
+(cd -- "$work/emulated" && emulate "$tests/replay.elf" replay.counts)
+python3 -B tests/emulated/report.py "$work" "$host/tests/emulated/host/host_replay" "$images" "${costs[@]}"
 printf '\n%s: passed in %d s\n' "$target" "$SECONDS"

@@ -1,10 +1,10 @@
 // The controller node on CAN1, PB8 (in) and PB9 (out).
 #pragma once
 
-#include "axis_config.hpp"
 #include "breakaway/bxcan/port.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "clocks.hpp"
+#include "node_config.hpp"
 #include "pins.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
@@ -29,21 +29,21 @@ class BxcanNode {
  public:
   using Port = bxcan::Port<Can1>;
 
-  BxcanNode() noexcept : port_{registers_}, node_{port_, config::node} {}
+  BxcanNode() noexcept : port_{registers_}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
     setup_detail = node_.setup_status().detail;
     if (!node_.setup_status().ok()) return StartResult::configuration_refused;
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!clocks.crystal) return StartResult::no_crystal;
-    const auto timing = bxcan::bit_timing(clocks.apb1_Hz, config::node.loop.bit_rate);
+    const auto timing = bxcan::bit_timing(clocks.apb1_Hz, flashed::node.loop.bit_rate);
     if (!timing) return StartResult::rate_impossible;
     connect();
     if (!port_.start(*timing, polls)) return StartResult::no_idle_bus;
     enable_interrupt(Can1::transmit_interrupt);
     enable_interrupt(Can1::receive_interrupt);
-    return ticker.start(clocks.core_Hz, config::node.loop.period) ? StartResult::running
-                                                                  : StartResult::period_impossible;
+    return ticker.start(clocks.core_Hz, flashed::node.loop.period) ? StartResult::running
+                                                                   : StartResult::period_impossible;
   }
 
   // Once a period.

@@ -1,10 +1,10 @@
 // The controller node over slcan on USART1: what the image, and its twin for emulation, run.
 #pragma once
 
-#include "axis_config.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/slcan/port.hpp"
 #include "clocks.hpp"
+#include "node_config.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "usart.hpp"
@@ -20,7 +20,7 @@ class SlcanNode {
  public:
   using Port = slcan::Port<Usart>;
 
-  SlcanNode() noexcept : port_{usart, config::node.loop.bit_rate}, node_{port_, config::node} {}
+  SlcanNode() noexcept : port_{usart, flashed::node.loop.bit_rate}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
     setup_detail = node_.setup_status().detail;
@@ -28,8 +28,8 @@ class SlcanNode {
     // A serial line bears the 1 % of the internal oscillator.
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;
-    return ticker.start(clocks.core_Hz, config::node.loop.period) ? StartResult::running
-                                                                  : StartResult::period_impossible;
+    return ticker.start(clocks.core_Hz, flashed::node.loop.period) ? StartResult::running
+                                                                   : StartResult::period_impossible;
   }
 
   // Once a period, one after the other.

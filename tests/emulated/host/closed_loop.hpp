@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "axis_config_writer.hpp"
 #include "breakaway/slcan/port.hpp"
+#include "node_config.hpp"
 #include "recording.hpp"
 #include "slcan_world.hpp"
 
@@ -18,7 +18,7 @@ namespace breakaway::emulated {
 // The targets of the recorded tour, from the period on in which the brake opens.
 class Commander {
  public:
-  explicit Commander(const scenario::Scenario& s) : node_id_{firmware::LoopConfig{}.node_id}, s_{s} {}
+  explicit Commander(const scenario::Scenario& s) : s_{s} {}
 
   // Once a period.
   void command(SlcanWorld& world) {
@@ -26,7 +26,8 @@ class Commander {
     if (world.released()) time_s_ += s_.loop->period_s;
     const std::int32_t target = bench::target_counts(time_s_, s_.drive->encoder_resolution_m);
     if (commanded_ && target == last_) return;
-    world.tell(firmware::encode_command({.axis = 0, .enable = true, .target_counts = target}, node_id_));
+    world.tell(
+        firmware::encode_command({.axis = 0, .enable = true, .target_counts = target}, flashed::node.loop.node_id));
     commanded_ = true;
     last_ = target;
   }
@@ -35,7 +36,6 @@ class Commander {
 
  private:
   static constexpr std::uint64_t first_command_ = 10;
-  std::uint8_t node_id_;
   const scenario::Scenario& s_;
   std::int32_t last_ = 0;
   bool commanded_ = false;
@@ -75,13 +75,12 @@ class LocalStream {
 };
 
 // The node of firmware/targets in this process, until the tour is over.
-inline void run_node_here(const scenario::Scenario& s, const law::K3Table<float>& table, SlcanWorld& world,
-                          Commander& commander) {
+inline void run_node_here(SlcanWorld& world, Commander& commander) {
   LocalStream stream{world, commander};
-  slcan::Port<LocalStream> port{stream, s.bus->bit_rate};
-  firmware::ControlNode<slcan::Port<LocalStream>> node{port, node_config(s, table)};
-  if (!node.setup_status().ok()) throw std::runtime_error("the node refuses the scenario");
-  const hal::Duration period = bench::period_of(s);
+  slcan::Port<LocalStream> port{stream, flashed::node.loop.bit_rate};
+  firmware::ControlNode<slcan::Port<LocalStream>> node{port, flashed::node};
+  if (!node.setup_status().ok()) throw std::runtime_error("the node refuses its configuration");
+  const hal::Duration period = flashed::node.loop.period;
   for (hal::Time now = period; !commander.finished() && world.periods() < 100'000; now += period) {
     port.poll(now);
     node.step(now);

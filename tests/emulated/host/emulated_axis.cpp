@@ -61,10 +61,9 @@ void report(const char* who, const SlcanWorld& world, double error_m) {
 
 int run(const std::string& path) {
   const scenario::Scenario s = bench::axis_scenario();
-  const auto table = bench::build_table<float>(s).table;
   SlcanWorld here{s};
   Commander commander_here{s};
-  run_node_here(s, table, here, commander_here);
+  run_node_here(here, commander_here);
   const double error_here_m = here.position_m() - commander_here.target_m();
   report("host", here, error_here_m);
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "axis_config_writer.hpp"
 #include "callgrind_count.hpp"
+#include "flashed_axis.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 
@@ -93,15 +93,13 @@ void write_file(const std::string& path, const std::vector<Item>& items) {
 
 void run(const std::string& folder) {
   const scenario::Scenario s = bench::axis_scenario();
-  const auto parameters = scenario::axis_parameters<float>(s);
-  const auto table = bench::build_table<float>(s).table;
-  const law::AxisController<float> controller{parameters, table};
+  const auto& parameters = flashed::axis.parameters;
+  const law::AxisController<float> controller{parameters, flashed::axis.k3_table};
   const std::vector<TapeStep> tape = record_tape(s, controller);
   write_file(folder + "/axis.tape", tape);
   const std::vector<TapeStep> hostile = hostile_tape(parameters, 20000);
   write_file(folder + "/hostile.tape", hostile);
   write_file(folder + "/hostile.results", replay_tape(hostile, controller, "hostile"));
-  write_axis_config(folder + "/axis_config.hpp", s, table);
   write_file(folder + "/axis.results", replay_tape(tape, controller, "AxisController"));
   write_file(folder + "/pid.results",
              replay_tape(tape, law::PidController<float>{pid_parameters(parameters)}, "PidController"));

@@ -2,7 +2,7 @@
 // pid.results. Between the two marks an emulator counts instructions; the first pair of marks has nothing in between.
 #include <array>
 
-#include "axis_config.hpp"
+#include "flashed_axis.hpp"
 #include "replay.hpp"
 #include "semihosting.hpp"
 
@@ -49,8 +49,8 @@ ExitCode replay_file(Controller controller, std::string_view tape_name, std::str
 void run_image() {
   count_begin();
   count_end();
-  const law::AxisController<float> axis{config::parameters, config::k3_table};
-  const law::PidController<float> pid{pid_parameters(config::parameters)};
+  const law::AxisController<float> axis{flashed::axis.parameters, flashed::axis.k3_table};
+  const law::PidController<float> pid{pid_parameters(flashed::axis.parameters)};
   ExitCode code = replay_file(axis, "axis.tape", "axis.results");
   if (code == done) code = replay_file(axis, "hostile.tape", "hostile.results");
   if (code == done) code = replay_file(pid, "axis.tape", "pid.results");

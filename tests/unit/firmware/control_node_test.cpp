@@ -97,33 +97,44 @@ class ControlNodeTest : public testing::Test {
     config.drive.force_per_torque_N_per_Nm = 50;
     config.drive.max_force_N = 50;
     config.loop.period = 1ms;
-    config.parameters = {1, 400, 32, 60, 2.5F, 4.5F, 50, 5, 2e-6F, 1e-6F, 1e-3F};
-    config.table = &table;
+    axis.parameters = {1, 400, 32, 60, 2.5F, 4.5F, 50, 5, 2e-6F, 1e-6F, 1e-3F};
+    axis.limits = {true, 2.5F, 4.5F, 50, 1e-3F, 2e-6F};
+    axis.checksum = law::checksum_of(axis);
+    config.axis = &axis;
   }
   hal::Status status() { return ControlNode<TestPort>{port, config}.setup_status(); }
 
   TestPort port;
-  law::K3Table<float> table;
+  law::FlashedAxis<float> axis;
   NodeConfig<float> config;
 };
 
 TEST_F(ControlNodeTest, AcceptsAConfigurationThatAgreesWithItself) { EXPECT_TRUE(status().ok()); }
 
-TEST_F(ControlNodeTest, RefusesParametersThatTheLawRefuses) {
-  config.parameters.kick_damping_Ns_per_m = 39;
-  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::ParameterError::kick_not_overdamped));
+TEST_F(ControlNodeTest, RefusesAnAxisThatIsDamagedOrNotCertifiedLikeThis) {
+  axis.k3_table.nodes[7].value += 1;
+  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::FlashedAxisError::checksum_differs));
+  axis.limits.friction_upper_N = 4;
+  axis.checksum = law::checksum_of(axis);
+  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::FlashedAxisError::friction_outside_certificate));
 }
 
 TEST_F(ControlNodeTest, RefusesTwoAnswersToOneQuestion) {
   for (const auto spoil :
        {+[](NodeConfig<float>& c) { c.drive.encoder_resolution_m = 2e-6F; },
         +[](NodeConfig<float>& c) { c.drive.max_force_N = 60; }, +[](NodeConfig<float>& c) { c.drive.period = 2ms; },
-        +[](NodeConfig<float>& c) { c.table = nullptr; }}) {
+        +[](NodeConfig<float>& c) { c.axis = nullptr; },
+        +[](NodeConfig<float>& c) { c.loop.period = c.drive.period = 2ms; }}) {
     const NodeConfig<float> good = config;
     spoil(config);
     EXPECT_EQ(status().detail, 200U);
     config = good;
   }
+}
+
+TEST_F(ControlNodeTest, RefusesADriveThatTheDriveRefuses) {
+  config.drive.node_id = 0;
+  EXPECT_EQ(status().detail, 1U);
 }
 
 TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
@@ -132,7 +143,6 @@ TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
 }
 
 TEST_F(ControlNodeTest, IsSilentWhenRefused) {
-  config.drive.node_id = 0;
   config.drive.max_force_N = 60;
   ControlNode<TestPort> refused{port, config};
   refused.step(1ms);

@@ -68,9 +68,9 @@ TEST(SlcanCodec, TellsAnswersApart) {
 }
 
 TEST(SlcanCodec, RefusesWhatIsNoLine) {
-  for (const char* text : {"t\r", "t18\r", "t8000\r", "t1819\r", "t1812AB\r", "t1811G0\r", "t1810123\r", "t181011111\r",
-                           "t18g0\r", "F\r", "F1\r", "Fxx\r", "F000\r", "zz\r", "x\r", "t-110\r", "t181400112233445\r",
-                           "t1818001122334455667712345678901234567890\r"})
+  for (const char* text : {"t\r", "t18\r", "t8000\r", "t1819\r", "t1812AB\r", "t1811G0\r", "t1810123\r", "t1810zzzz\r",
+                           "t181011111\r", "t18g0\r", "F\r", "F1\r", "Fxx\r", "F000\r", "zz\r", "x\r", "t-110\r",
+                           "t181400112233445\r", "t1818001122334455667712345678901234567890\r"})
     EXPECT_EQ(only(text).kind, Kind::malformed) << text;
 }
 

@@ -162,6 +162,46 @@ TEST_F(SlcanPortTest, CountsASilentAdapterAsBusOffAndOpensItAgainWithoutStaleFra
   EXPECT_EQ(period(""), "F\r");
 }
 
+TEST_F(SlcanPortTest, StaysOpenAsLongAsItIsAnswered) {
+  open();
+  for (int i = 0; i < 200; ++i) period("F00\r");
+  EXPECT_EQ(port.bus_state(), BusState::error_active);
+  EXPECT_EQ(port.counters().openings, 1U);
+}
+
+TEST_F(SlcanPortTest, KeepsNothingOfTheTimeBeforeAnAdapterWasLost) {
+  open();
+  period("F24\r");
+  wire.full = true;
+  port.poll(now);
+  ASSERT_TRUE(port.send(sync, now + 3600s).ok());
+  wire.to_port += "t18";
+  for (int i = 0; i < 22; ++i) period("");
+  wire.full = false;
+  const Time lost = now;
+  open();
+  EXPECT_LT(now - lost, 15ms) << "half a line does not swallow an answer";
+  EXPECT_EQ(wire.from_port, "F\r") << "no stale frame";
+}
+
+TEST_F(SlcanPortTest, StartsWithCleanFlagsAfterOpening) {
+  open();
+  period("F24\r");
+  for (int i = 0; i < 22; ++i) period("");
+  while (port.bus_state() == BusState::bus_off) {
+    if (!asked().empty()) wire.to_port += "\r";
+    port.flush(now);
+  }
+  EXPECT_EQ(port.bus_state(), BusState::error_active);
+}
+
+TEST_F(SlcanPortTest, CountsFramesThatTheAdapterRefused) {
+  open();
+  period("\a");
+  port.poll(now);
+  EXPECT_EQ(port.counters().overflows, 1U);
+}
+
 TEST_F(SlcanPortTest, TriesAgainWhenTheAdapterRefusesTheBitRate) {
   for (int i = 0; i < 60; ++i) period("\a");
   EXPECT_EQ(port.bus_state(), BusState::bus_off);

@@ -71,10 +71,11 @@ class Port {
         break;
       }
     }
-    if (stream_->write(std::span{"F\r", 2}) && !awaits_status_) {
-      awaits_status_ = true;
-      asked_at_ = now;
-    }
+    // A line that takes nothing any more goes unanswered as well.
+    static_cast<void>(stream_->write(std::span{"F\r", 2}));
+    if (awaits_status_) return;
+    awaits_status_ = true;
+    asked_at_ = now;
   }
 
   // CanPort
