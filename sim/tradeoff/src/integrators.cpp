@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <optional>
+#include <memory>
+#include <variant>
 
 #include "breakaway/design/k3.hpp"
+#include "breakaway/hybrid/adaptive.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/hybrid/impulsive_stepping.hpp"
 #include "breakaway/hybrid/time_stepping.hpp"
@@ -36,28 +38,59 @@ const State shown = at_rest(2.5, -1);  // the trajectory whose cost is given
 const Eigen::Vector2d shown_end_m{0.01780996919189576529, 0.02337361620547781400};
 constexpr double shown_settling_s = 7.297349020148677522;
 
+struct FromEventToEvent {};
+
 struct Method {
   std::string name;
-  std::optional<hybrid::TimeSteppingOptions> stepping{};  // none: event-driven
+  std::variant<FromEventToEvent, hybrid::TimeSteppingOptions, hybrid::AdaptiveOptions> options{};
+
+  double step_s() const {
+    const auto* stepping = std::get_if<hybrid::TimeSteppingOptions>(&options);
+    return stepping == nullptr ? 0 : stepping->step_s;
+  }
+  double tolerance() const {
+    const auto* adaptive = std::get_if<hybrid::AdaptiveOptions>(&options);
+    return adaptive == nullptr ? 0 : adaptive->tolerance;
+  }
+  bool exact() const { return std::holds_alternative<FromEventToEvent>(options); }
 };
 
 std::vector<Method> methods(bool quick) {
   std::vector<Method> all{{"event-driven"}};
+  for (const double tolerance : {1e-4, 1e-8, 1e-12})
+    all.push_back({"adaptive", hybrid::AdaptiveOptions{.tolerance = tolerance}});
   const double finest_s = quick ? 1e-3 : 1e-5;
   for (const auto& [name, theta] : {std::pair{"midpoint", 0.5}, std::pair{"implicit Euler", 1.0}}) {
     for (int decade = 1; std::pow(10, -decade) > 0.9 * finest_s; ++decade)
-      all.push_back({name, {{.step_s = std::pow(10, -decade), .theta = theta}}});
+      all.push_back({name, hybrid::TimeSteppingOptions{.step_s = std::pow(10, -decade), .theta = theta}});
   }
   return all;
 }
 
-std::function<Outcome(const State&)> integrator(const Method& method) {
-  if (!method.stepping) {
-    return [driven = hybrid::EventDriven<2, 2>{two_masses()}](const State& start) { return driven.run(start, end_s); };
-  }
-  return [stepping = hybrid::TimeStepping<2, 2>{two_masses(), *method.stepping}](const State& start) {
+using Run = std::function<Outcome(const State&)>;
+
+Run integrator(FromEventToEvent) {
+  return [driven = hybrid::EventDriven<2, 2>{two_masses()}](const State& start) { return driven.run(start, end_s); };
+}
+
+Run integrator(const hybrid::TimeSteppingOptions& options) {
+  return [stepping = hybrid::TimeStepping<2, 2>{two_masses(), options}](const State& start) {
     return stepping.run(start, end_s);
   };
+}
+
+Run integrator(const hybrid::AdaptiveOptions& options) {
+  const Machine m = two_masses();
+  const hybrid::LinearMachine<> machine{m.mass, m.damping, m.stiffness, m.directions, m.friction_N, {}};
+  return [adaptive = std::make_shared<hybrid::Adaptive>(machine, options)](const State& start) {
+    const auto found = adaptive->run({start.time_s, start.q, start.v}, end_s);
+    return Outcome{
+        found.verdict, {found.end.time_s, found.end.q, found.end.v}, found.settling_time_s, found.steps, found.events};
+  };
+}
+
+Run integrator(const Method& method) {
+  return std::visit([](const auto& options) { return integrator(options); }, method.options);
 }
 
 bool rests(const Outcome& outcome) {
@@ -86,7 +119,7 @@ std::vector<State> grid(bool quick) {
   return starts;
 }
 
-std::vector<Outcome> outcomes(const std::vector<State>& starts, const std::function<Outcome(const State&)>& run) {
+std::vector<Outcome> outcomes(const std::vector<State>& starts, const Run& run) {
   std::vector<Outcome> all;
   all.reserve(starts.size());
   for (const State& start : starts) all.push_back(run(start));
@@ -108,17 +141,21 @@ double wrong_share(const std::vector<Outcome>& found, const std::vector<Outcome>
 }
 
 // Shorter steps make a grid of thousands of starts take too long for what they would tell.
-bool grid_is_worthwhile(const Method& method) { return !method.stepping || method.stepping->step_s >= 0.9e-3; }
+bool grid_is_worthwhile(const Method& method) { return method.step_s() == 0 || method.step_s() >= 0.9e-3; }
+
+std::string work_name(const Method& method) {
+  if (method.exact()) return "integrate-events";
+  if (method.tolerance() > 0) return fmt::format("integrate-adaptive-tolerance{:g}", method.tolerance());
+  const double theta = std::get<hybrid::TimeSteppingOptions>(method.options).theta;
+  return fmt::format("integrate-theta{:g}-step{:g}", theta, method.step_s());
+}
 
 }  // namespace
 
 std::vector<Work> integrator_works() {
   std::vector<Work> works;
   for (const Method& method : methods(false)) {
-    const std::string name =
-        !method.stepping ? "integrate-events"
-                         : fmt::format("integrate-theta{:g}-step{:g}", method.stepping->theta, method.stepping->step_s);
-    works.push_back({name, [method]() -> std::function<void()> {
+    works.push_back({work_name(method), [method]() -> std::function<void()> {
                        return [run = integrator(method)] { keep(run(shown).end.q[0]); };
                      }});
   }
@@ -135,13 +172,11 @@ std::vector<IntegratorRow> measure_integrators(const Options& options) {
   const auto all = methods(false), wanted = methods(options.quick);
   for (const Method& method : wanted) {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool same = method.name == all[i].name && method.stepping.has_value() == all[i].stepping.has_value() &&
-                        (!method.stepping || method.stepping->step_s == all[i].stepping->step_s);
-      if (same) works.push_back(all_works[i]);
+      if (work_name(all[i]) == work_name(method)) works.push_back(all_works[i]);
     }
     const auto run = integrator(method);
-    IntegratorRow row{.method = method.name, .step_s = method.stepping ? method.stepping->step_s : 0};
-    if (method.stepping) {
+    IntegratorRow row{.method = method.name, .step_s = method.step_s(), .tolerance = method.tolerance()};
+    if (!method.exact()) {
       judge(row, outcomes(starts, run), truth);
     } else {
       const Outcome end = run(shown);
@@ -150,7 +185,7 @@ std::vector<IntegratorRow> measure_integrators(const Options& options) {
     }
     row.wrong_share = grid_is_worthwhile(method) ? wrong_share(outcomes(everywhere, run), true_verdicts) : not_measured;
     row.steps = static_cast<double>(run(shown).steps);
-    if (!rows.empty() && rows.back().method == row.method)
+    if (!rows.empty() && rows.back().method == row.method && row.step_s > 0)
       row.order = std::log(rows.back().error_m / row.error_m) / std::log(rows.back().step_s / row.step_s);
     rows.push_back(row);
   }

@@ -14,6 +14,7 @@ void write_cost(JsonWriter& json, const Cost& cost) {
 void write_row(JsonWriter& json, const IntegratorRow& row) {
   json.member("method", row.method);
   json.member("step_s", row.step_s);
+  json.member("tolerance", row.tolerance);
   json.member("error_m", row.error_m);
   json.member("settling_time_error_s", row.time_error_s);
   json.member("order", row.order);

@@ -39,8 +39,8 @@ std::string block(const std::string& name, const Rows& rows, Wanted wanted, Line
 
 std::string integrators(const Frontiers& f) {
   std::string text;
-  for (const auto& [name, method] : {std::pair{"driven", "event-driven"}, std::pair{"midpoint", "midpoint"},
-                                     std::pair{"implicit", "implicit Euler"}}) {
+  for (const auto& [name, method] : {std::pair{"driven", "event-driven"}, std::pair{"adaptive", "adaptive"},
+                                     std::pair{"midpoint", "midpoint"}, std::pair{"implicit", "implicit Euler"}}) {
     text += block(
         name, f.integrators, [&, wanted = std::string{method}](const IntegratorRow& r) { return r.method == wanted; },
         [&](const IntegratorRow& r) {
@@ -57,6 +57,7 @@ set ylabel 'error of the final position [m]'
 set key center right
 plot $midpoint using 1:2 with linespoints linestyle 1 title 'midpoint', \
      $implicit using 1:2 with linespoints linestyle 2 title 'implicit Euler', \
+     $adaptive using 1:2 with linespoints linestyle 5 title 'adaptive', \
      $driven using 1:2 with points linestyle 3 pointsize 1.4 title 'event-driven'
 )",
                             unit(f));

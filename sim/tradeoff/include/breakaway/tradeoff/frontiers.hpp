@@ -14,7 +14,8 @@ namespace breakaway::tradeoff {
 // The two-mass example of van de Wouw & Leine (stability properties of equilibrium sets), section 4.
 struct IntegratorRow {
   std::string method;
-  double step_s = 0;            // 0: steps from event to event
+  double step_s = 0;            // 0: no fixed step
+  double tolerance = 0;         // of adaptive steps, relative; 0: none is asked for
   double error_m = 0;           // mean over starts of the largest error of a final coordinate
   double time_error_s = 0;      // mean error of the settling time
   double order = not_measured;  // log(error ratio) / log(step ratio) to the row above
