@@ -54,8 +54,18 @@ images=$root/build/$target/firmware/targets/$target
 tests=$root/build/$target/tests/emulated/$target
 
 printf '\n=== proofs\n'
-for image in "$images"/*.elf "$tests"/*.elf; do
-  python3 -B toolchain/check_image.py "$image" --flash 65536 --ram 16384
+prove() { python3 -B toolchain/check_image.py "$1" --flash 65536 --ram 16384; }
+for image in "$images"/*.elf "$tests"/{replay,lockstep}.elf; do
+  prove "$image"
+done
+# A proof that nothing fails proves nothing.
+fail() {
+  printf 'FAIL: %s\n' "$1" >&2
+  exit 1
+}
+refusals=$(prove "$tests/spoiled.elf") && fail 'the spoiled image passes the proofs'
+for refusal in heap 'double arithmetic' recursion 'has no bound' 'by pointer'; do
+  [[ $refusals == *"$refusal"* ]] || fail "the proofs do not find '$refusal' in the spoiled image"
 done
 
 # emulate <image> <counts file> [QEMU option...]: counts between the marks of the image.
@@ -74,7 +84,7 @@ trap 'kill "$machine" 2>/dev/null || true; rm -rf -- "$socket"' EXIT
 (emulate "$tests/lockstep.elf" "$work/emulated/lockstep.counts" -icount shift=3,sleep=off \
   -serial "unix:$socket/slcan,server=on,wait=on") >"$work/emulated/lockstep.log" 2>&1 &
 machine=$!
-timeout 120 "$host/tests/emulated/host/emulated_axis" "$socket/slcan"
+timeout 120 "$host/tests/emulated/host/emulated_axis" "$socket/slcan" || fail "the closed loop; see $work/emulated/lockstep.log"
 kill "$machine" 2>/dev/null || true
 wait "$machine" || true
 
