@@ -16,34 +16,10 @@
 
 #include "breakaway/bxcan/bit_timing.hpp"
 #include "breakaway/bxcan/registers.hpp"
+#include "breakaway/bxcan/shared_ring.hpp"
 #include "breakaway/hal/can_port.hpp"
 
 namespace breakaway::bxcan {
-
-// Single producer, single consumer.
-template <class Item, std::uint32_t Capacity>
-class SharedRing {
- public:
-  bool push(const Item& item) noexcept {
-    const std::uint32_t end = end_.load(std::memory_order_relaxed);
-    if (end - begin_.load(std::memory_order_acquire) == Capacity) return false;
-    items_[end % Capacity] = item;
-    end_.store(end + 1, std::memory_order_release);
-    return true;
-  }
-  bool pop(Item& item) noexcept {
-    const std::uint32_t begin = begin_.load(std::memory_order_relaxed);
-    if (begin == end_.load(std::memory_order_acquire)) return false;
-    item = items_[begin % Capacity];
-    begin_.store(begin + 1, std::memory_order_release);
-    return true;
-  }
-
- private:
-  static_assert((Capacity & (Capacity - 1)) == 0, "the counters wrap");
-  std::array<Item, Capacity> items_{};
-  std::atomic<std::uint32_t> begin_{0}, end_{0};
-};
 
 struct Counters {
   std::uint32_t stale = 0;      // frames dropped or aborted at their deadline
