@@ -54,7 +54,7 @@ set logscale xy
 set format xy '10^{{%T}}'
 set xlabel '{}'
 set ylabel 'error of the final position [m]'
-set key center right
+set key center left
 plot $midpoint using 1:2 with linespoints linestyle 1 title 'midpoint', \
      $implicit using 1:2 with linespoints linestyle 2 title 'implicit Euler', \
      $adaptive using 1:2 with linespoints linestyle 5 title 'adaptive', \
