@@ -26,6 +26,7 @@ void add_attract(CLI::App& app, int& exit_code);
 void add_basin(CLI::App& app, int& exit_code);
 void add_synthesize(CLI::App& app, int& exit_code);
 void add_tradeoff(CLI::App& app, int& exit_code);
+void add_drive(CLI::App& app, int& exit_code);  // on Linux
 
 // For options: CLI11 reads "nan" and "inf" as numbers.
 inline CLI::Validator number_validator(bool positive, const char* expects) {

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -9,9 +8,9 @@
 #include "breakaway/report/design_html.hpp"
 #include "breakaway/report/json_writer.hpp"
 #include "breakaway/report/output_file.hpp"
+#include "breakaway/scenario/axis_design.hpp"
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/scenario/run_bus_scene.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -19,42 +18,9 @@ namespace {
 
 using scenario::Scenario;
 
-struct Options {
+struct DesignOptions {
   std::string axis, json, report, header;
 };
-
-// The accuracy that the file asks for. The ideal law reaches any, so there it may be left out.
-double tolerance_m(const Scenario& s) {
-  if (s.run && s.run->settle_tolerance_m > 0) return s.run->settle_tolerance_m;
-  if (s.controller.position_tolerance_m > 0) return s.controller.position_tolerance_m;
-  if (s.ideal()) return std::numeric_limits<double>::min();
-  throw scenario::InputError{"[run] settle_tolerance_m is missing: say which accuracy the axis shall reach"};
-}
-
-// What the controller may ask for and the drive can give.
-double max_force_N(const Scenario& s) {
-  const double asked_N = std::min(s.controller.max_force_N, std::numeric_limits<double>::max());
-  return s.drive ? std::min(asked_N, scenario::drive_force_N(*s.drive)) : asked_N;
-}
-
-design::AxisDesign axis_design(const Scenario& s) {
-  if (!s.controller.impulsive) {
-    throw scenario::InputError{"[controller] kind is \"pid\"; design checks the impulsive law only"};
-  }
-  scenario::require_fitting_bus(s);
-  const auto p = scenario::axis_parameters<double>(s);
-  return {.mass_kg = p.mass_kg,
-          .stiffness_N_per_m = p.stiffness_N_per_m,
-          .approach_damping_Ns_per_m = p.approach_damping_Ns_per_m,
-          .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
-          .friction = {p.friction_lower_N, p.friction_upper_N},
-          .smooth_friction_slope_Ns_per_m = s.friction.smooth_slope_Ns_per_m,
-          .max_force_N = max_force_N(s),
-          .period_s = p.period_s,
-          .encoder_resolution_m = p.encoder_resolution_m,
-          .latency_ticks = p.latency_periods,
-          .position_tolerance_m = tolerance_m(s)};
-}
 
 void write_check(report::JsonWriter& json, const design::Check& check) {
   json.member("name", check.name);
@@ -116,7 +82,7 @@ void print_report(const design::DesignReport& r) {
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
 
-void write_header(const Options& options, const Scenario& s, const design::AxisDesign& axis,
+void write_header(const DesignOptions& options, const Scenario& s, const design::AxisDesign& axis,
                   const design::DesignReport& report) {
   const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
   if (!flashed) throw scenario::InputError{fmt::format("{}: {}", options.axis, flashed.error().message)};
@@ -124,9 +90,9 @@ void write_header(const Options& options, const Scenario& s, const design::AxisD
 }
 
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
-int design_file(const Options& options) {
+int design_file(const DesignOptions& options) {
   const Scenario s = scenario::read_scenario(options.axis);
-  const design::AxisDesign axis = axis_design(s);
+  const design::AxisDesign axis = scenario::axis_design(s);
   const auto report = design::design_axis(axis);
   if (!report) throw scenario::InputError{fmt::format("{}: {}", options.axis, report.error().message)};
   if (!options.json.empty()) report::write_output(options.json, to_json(*report));
@@ -145,7 +111,7 @@ int design_file(const Options& options) {
 }  // namespace
 
 void add_design(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DesignOptions>();
   CLI::App* command =
       app.add_subcommand("design", "Check an axis: every assumption with its margin, accuracy, k3 table");
   command

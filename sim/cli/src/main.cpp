@@ -43,6 +43,9 @@ int main(int argc, char** argv) {
   cli::add_basin(app, exit_code);
   cli::add_synthesize(app, exit_code);
   cli::add_tradeoff(app, exit_code);
+#ifdef __linux__
+  cli::add_drive(app, exit_code);
+#endif
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) return refuse("standard output: cannot be written");

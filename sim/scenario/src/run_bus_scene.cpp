@@ -12,6 +12,7 @@
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/pid_controller.hpp"
+#include "breakaway/scenario/axis_config.hpp"
 #include "breakaway/scenario/braked_slide.hpp"
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/simulated_network.hpp"
@@ -19,7 +20,6 @@
 namespace breakaway::scenario {
 namespace {
 
-hal::Duration nanoseconds(double seconds) { return hal::Duration{std::llround(seconds * 1e9)}; }
 double seconds(hal::Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 template <class Real>
@@ -42,28 +42,6 @@ law::PidController<Real> pid_controller(const Scenario& s) {
   p.friction_lower_N = static_cast<Real>(s.friction.lower_N);
   p.period_s = static_cast<Real>(s.loop->period_s);
   return law::PidController<Real>{p};
-}
-
-template <class Real>
-cia402::DriveConfig<Real> drive_config(const Scenario& s) {
-  cia402::DriveConfig<Real> c;
-  c.node_id = s.drive->node_id;
-  c.encoder_resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
-  c.force_per_torque_N_per_Nm = static_cast<Real>(s.drive->force_per_torque_N_per_Nm);
-  c.max_force_N = static_cast<Real>(s.controller.max_force_N);
-  c.period = nanoseconds(s.loop->period_s);
-  return c;
-}
-
-template <class Real>
-firmware::AxisLimits<Real> limits(const Scenario& s) {
-  firmware::AxisLimits<Real> l;
-  l.position_min_m = static_cast<Real>(-s.limits.position_m);
-  l.position_max_m = static_cast<Real>(s.limits.position_m);
-  l.speed_m_s = static_cast<Real>(s.limits.speed_m_s);
-  l.following_error_m = static_cast<Real>(s.limits.following_error_m);
-  l.feedback_timeout = nanoseconds(2.5 * s.loop->period_s);  // two samples lost in a row stop the axis
-  return l;
 }
 
 // Watches the true plant, not what the drive says of it.
@@ -125,7 +103,7 @@ class BusScene {
     if (recording.frames) network_.log_to(result_.frames);
     const auto config = drive_config<Real>(s);
     const hal::Status added =
-        loop_.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m);
+        loop_.add_axis(cia402::Drive<Real>{config}, controller, axis_limits<Real>(s), config.encoder_resolution_m);
     if (!added.ok()) throw InputError(std::string{to_string(added.code)});
     move_target(s.controller.target_m);
     loop_.request_enable(0);

@@ -1,0 +1,95 @@
+// KernelSocket: a CAN_RAW socket on one interface, with kernel filters, error frames and receive time stamps.
+#pragma once
+
+#include <net/if.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "breakaway/socketcan/port.hpp"
+
+namespace breakaway::socketcan {
+
+// Passes a data frame with an 11-bit identifier and (identifier & mask) == (id & mask).
+struct Filter {
+  std::uint16_t id = 0;
+  std::uint16_t mask = 0;
+};
+
+enum class OpenResult : std::uint8_t {
+  done,
+  no_can_support,     // the kernel lacks AF_CAN or CAN_RAW
+  no_such_interface,  // or a name that cannot be one
+  not_can,
+  is_down,
+  no_permission,
+  failed,  // error_number() says why
+};
+
+// With the remedy, to follow the interface's name.
+constexpr std::string_view to_string(OpenResult result) noexcept {
+  switch (result) {
+    case OpenResult::done:
+      return "open";
+    case OpenResult::no_can_support:
+      return "this kernel has no CAN sockets: load them with `modprobe can_raw`, or boot a kernel that has "
+             "CONFIG_CAN_RAW";
+    case OpenResult::no_such_interface:
+      return "there is no such interface: `ip -br link` lists those there are; a virtual one is made by `ip link add "
+             "dev "
+             "vcan0 type vcan`";
+    case OpenResult::not_can:
+      return "is not a CAN interface: `ip -br link show type can` and `type vcan` list those";
+    case OpenResult::is_down:
+      return "is down: as root, `ip link set NAME type can bitrate 1000000` (not for vcan), then `ip link set NAME up`";
+    case OpenResult::no_permission:
+      return "may not be opened by this user: run as root or grant CAP_NET_RAW";
+    case OpenResult::failed:
+      return "cannot be used as a CAN interface";
+  }
+  return "unknown result";
+}
+
+class KernelSocket {
+ public:
+  static constexpr std::size_t most_filters = 8;
+
+  KernelSocket() noexcept = default;
+  KernelSocket(const KernelSocket&) = delete;
+  KernelSocket& operator=(const KernelSocket&) = delete;
+  ~KernelSocket() { close(); }
+
+  // Without filters every frame is received; with more than most_filters, none is but errors. Own frames are not.
+  OpenResult open(const char* interface, std::span<const Filter> filters) noexcept;
+  int error_number() const noexcept { return error_number_; }
+  int descriptor() const noexcept { return socket_; }  // for poll(2)
+
+  // RawSocket
+
+  Io write(const can_frame& frame) noexcept;
+  Io read(can_frame& frame, hal::Time& received) noexcept;
+  std::size_t unsent_bytes() const noexcept;
+  bool on_bus() const noexcept;
+  bool reopen() noexcept;
+  std::uint32_t lost_frames() const noexcept { return lost_frames_; }
+
+ private:
+  OpenResult configure() noexcept;
+  OpenResult fail(OpenResult result) noexcept;
+  void close() noexcept;
+
+  std::array<char, IFNAMSIZ> name_{};
+  std::array<Filter, most_filters> filters_{};
+  std::size_t filter_count_ = 0;
+  int socket_ = -1;
+  int carrier_ = -1;  // /sys/class/net/<name>/carrier
+  int error_number_ = 0;
+  std::uint32_t lost_frames_ = 0;
+};
+
+static_assert(hal::CanPort<Port<KernelSocket>>);
+
+}  // namespace breakaway::socketcan
