@@ -36,7 +36,7 @@ class BxcanNode {
     if (!node_.setup_status().ok()) return StartResult::configuration_refused;
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!clocks.crystal) return StartResult::no_crystal;
-    const auto timing = bxcan::bit_timing(clocks.apb1_Hz, flashed::node.loop.bit_rate);
+    const auto timing = hal::bit_timing(clocks.apb1_Hz, flashed::node.loop.bit_rate, bxcan::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
     connect();
     if (!port_.start(*timing, polls)) return StartResult::no_idle_bus;

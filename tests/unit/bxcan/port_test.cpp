@@ -7,9 +7,9 @@
 namespace {
 
 using namespace std::chrono_literals;
-using breakaway::bxcan::BitTiming;
 using breakaway::bxcan_test::ControllerModel;
 using breakaway::bxcan_test::RawFrame;
+using breakaway::hal::BitTiming;
 using breakaway::hal::BusState;
 using breakaway::hal::CanFrame;
 using breakaway::hal::ReceivedFrame;
@@ -54,6 +54,10 @@ TEST_F(BxcanPortTest, StartsWithItsBitTimingAndInterruptsOn) {
   EXPECT_FALSE(controller.initialising());
   EXPECT_EQ(controller.read(0x1C), 0x001A0002U);
   EXPECT_EQ(controller.read(0x14), 3U);
+}
+
+TEST(BxcanRegisters, HoldBitTimingAsTheManualLaysItOut) {
+  EXPECT_EQ(breakaway::bxcan::btr_value({3, 11, 2}), 0x001A0002U);
 }
 
 TEST(BxcanPort, SaysWhenTheControllerDoesNotAnswer) {

@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "breakaway/bxcan/bit_timing.hpp"
 #include "breakaway/bxcan/registers.hpp"
-#include "breakaway/bxcan/shared_ring.hpp"
+#include "breakaway/hal/bit_timing.hpp"
 #include "breakaway/hal/can_port.hpp"
+#include "breakaway/hal/shared_ring.hpp"
 
 namespace breakaway::bxcan {
 
@@ -35,10 +35,10 @@ class Port {
   // Sets the controller up and lets it join the bus. False: it did not enter its initialisation mode, which it does
   // within a bit or two when its clock runs, or not leave it, for which the bus must be idle for 11 bits. `polls`:
   // register reads to wait at most, for each.
-  bool start(const BitTiming& timing, std::uint32_t polls) noexcept {
+  bool start(const hal::BitTiming& timing, std::uint32_t polls) noexcept {
     write(reg::mcr, bit::mcr_inrq | bit::mcr_txfp);
     if (!await_inak(bit::msr_inak, polls)) return false;
-    write(reg::btr, timing.register_value());
+    write(reg::btr, btr_value(timing));
     accept_base_frames();
     write(reg::ier, bit::ier_tmeie | bit::ier_fmpie0);
     write(reg::mcr, bit::mcr_txfp);
@@ -220,8 +220,8 @@ class Port {
   }
 
   Controller* controller_;
-  SharedRing<Outgoing, 16> transmit_;
-  SharedRing<hal::ReceivedFrame, 32> receive_;
+  hal::SharedRing<Outgoing, 16> transmit_;
+  hal::SharedRing<hal::ReceivedFrame, 32> receive_;
   std::atomic<std::uint32_t> shared_now_{0}, stale_{0}, overflows_{0};
   std::atomic<bool> purge_{false};
   std::array<std::uint32_t, mailboxes> deadlines_{};  // the transmit interrupt's own, as is the next

@@ -4,6 +4,8 @@
 #include <concepts>
 #include <cstdint>
 
+#include "breakaway/hal/bit_timing.hpp"
+
 namespace breakaway::bxcan {
 
 // How the port reaches the controller: by offset from its base address. On target these are volatile accesses; on the
@@ -40,5 +42,12 @@ inline constexpr std::uint32_t tir_txrq = 1U << 0, rir_rtr = 1U << 1, rir_ide = 
 inline constexpr std::uint32_t fmr_finit = 1U << 0;
 
 }  // namespace bit
+
+inline constexpr std::uint32_t largest_prescaler = 1024;
+
+// Of the register BTR (RM0090, 32.7.7).
+constexpr std::uint32_t btr_value(const hal::BitTiming& timing) noexcept {
+  return (timing.segment2 - 1) << 20 | (timing.segment1 - 1) << 16 | (timing.prescaler - 1);
+}
 
 }  // namespace breakaway::bxcan

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace breakaway::bxcan {
+namespace breakaway::hal {
 
 template <class Item, std::uint32_t Capacity>
 class SharedRing {
@@ -31,4 +31,4 @@ class SharedRing {
   std::atomic<std::uint32_t> begin_{0}, end_{0};
 };
 
-}  // namespace breakaway::bxcan
+}  // namespace breakaway::hal
