@@ -13,6 +13,7 @@
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/plant/slide.hpp"
 #include "tape_port.hpp"
+#include "tour.hpp"
 
 namespace breakaway::bench {
 
@@ -31,14 +32,6 @@ Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, co
   }
   return loop;
 }
-
-// Moves to targets at growing distance from zero: a long approach, and kicks over ever shorter distances.
-struct TargetMove {
-  double time_s;
-  double position_m;
-};
-inline constexpr std::array<TargetMove, 5> tour{{{0, 0}, {2.6, 0.1}, {3.0, 0.11}, {3.4, 0.1105}, {3.8, 0.11052}}};
-inline constexpr double tour_s = 4.2;
 
 // The samples of every 97th step are lost: a prime, so that the losses fall into all modes.
 inline constexpr std::size_t loss_interval = 97;
@@ -116,14 +109,6 @@ class EmulatedAxis {
   std::vector<hal::ReceivedFrame> outbox_;
   drive::DriveEmulator drive_;
 };
-
-inline std::int32_t target_counts(double time_s, double resolution_m) {
-  double target_m = 0;
-  for (const TargetMove& move : tour) {
-    if (move.time_s <= time_s) target_m = move.position_m;
-  }
-  return static_cast<std::int32_t>(std::llround(target_m / resolution_m));
-}
 
 // Until the tour ends; its time starts when all axes run. Throws std::runtime_error when they do not.
 template <class Real, class Controller>

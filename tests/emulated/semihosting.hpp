@@ -11,7 +11,11 @@ namespace breakaway::emulated {
 inline std::int32_t semihosting_call(std::uint32_t operation, const void* arguments) noexcept {
   register std::uint32_t r0 asm("r0") = operation;
   register const void* r1 asm("r1") = arguments;
+#if __ARM_ARCH_PROFILE == 'M'
   asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
+#else
+  asm volatile("svc 0x123456" : "+r"(r0) : "r"(r1) : "memory", "lr");
+#endif
   return static_cast<std::int32_t>(r0);
 }
 
