@@ -1,0 +1,69 @@
+#include "listen.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "breakaway/canopen/pdo.hpp"
+#include "breakaway/cia402/pdo_layout.hpp"
+#include "breakaway/cia402/state.hpp"
+#include "realtime.hpp"
+
+namespace breakaway::linux_node {
+namespace {
+
+hal::DriveState shown_state(cia402::State state) {
+  switch (state) {
+    case cia402::State::operation_enabled:
+      return hal::DriveState::enabled;
+    case cia402::State::quick_stop_active:
+    case cia402::State::fault_reaction_active:
+      return hal::DriveState::stopping;
+    case cia402::State::fault:
+      return hal::DriveState::fault;
+    case cia402::State::not_ready_to_switch_on:
+    case cia402::State::switch_on_disabled:
+    case cia402::State::ready_to_switch_on:
+    case cia402::State::switched_on:
+      break;
+  }
+  return hal::DriveState::disabled;
+}
+
+// What the drive's first TPDO says, if the frame is that.
+std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Configuration& c) {
+  std::array<std::uint64_t, 3> values{};
+  if (!canopen::unpack_pdo(cia402::feedback_pdo(c.drive.node_id), received.frame, values)) return {};
+  StepRecord record{.time = received.time, .controlled = false};
+  if (const auto state = cia402::state_of(static_cast<std::uint16_t>(values[0]))) record.drive = shown_state(*state);
+  record.position_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(values[1]));
+  record.target_counts = record.position_counts;
+  // Torque in per mille of a rating that only the drive knows: shown as force for the scene's.
+  return record;
+}
+
+}  // namespace
+
+ExitCode listen(const Configuration& configuration, const Options& options, socketcan::KernelSocket& socket,
+                Telemetry& telemetry) {
+  socketcan::Port<socketcan::KernelSocket> port{socket};
+  Ticker ticker{configuration.loop.period};
+  const hal::Time begin = monotonic_now();
+  const hal::Duration duration{std::llround(options.duration_s * 1e9)};
+  bool any = false;
+  for (hal::Time now = begin; !telemetry.stop && (duration == hal::Duration::zero() || now - begin < duration);) {
+    now = ticker.wait();
+    port.poll(now);
+    for (hal::ReceivedFrame received; port.receive(received);) {
+      telemetry.add(FrameRecord{received.time, received.frame});
+      if (const auto record = heard(received, configuration)) {
+        telemetry.add(*record);
+        any = true;
+      }
+    }
+  }
+  return any ? done : failed;
+}
+
+}  // namespace breakaway::linux_node

@@ -1,0 +1,61 @@
+#include "realtime.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+
+namespace breakaway::linux_node {
+namespace {
+
+// Pages that the loop may come to use are there before it starts.
+void touch_stack() noexcept {
+  constexpr std::size_t page = 4096;
+  std::array<std::byte, 64 * page> room;
+  volatile std::byte* first = room.data();
+  for (std::size_t at = 0; at < room.size(); at += page) first[at] = std::byte{0};
+}
+
+}  // namespace
+
+hal::Time monotonic_now() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec};
+}
+
+std::string become_realtime(int priority) {
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    return fmt::format(
+        "memory cannot be locked ({}): run as root, or allow it in /etc/security/limits.d (`@realtime - memlock "
+        "unlimited`); --no-realtime tries without",
+        std::strerror(errno));
+  }
+  touch_stack();
+  const sched_param wanted{.sched_priority = priority};
+  if (sched_setscheduler(0, SCHED_FIFO, &wanted) == 0) return {};
+  return fmt::format(
+      "no real-time priority ({}): run as root, or grant CAP_SYS_NICE (`setcap cap_sys_nice,cap_ipc_lock+ep "
+      "breakaway-node`) or `@realtime - rtprio 99` in /etc/security/limits.d; --no-realtime tries without",
+      std::strerror(errno));
+}
+
+hal::Time Ticker::wait() noexcept {
+  const timespec until{.tv_sec = next_ / std::chrono::seconds{1}, .tv_nsec = (next_ % std::chrono::seconds{1}).count()};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+  const hal::Time now = monotonic_now();
+  last_ = now - next_;
+  latency_.add(last_);
+  const std::int64_t passed = last_ / period_;
+  latency_.missed += static_cast<std::uint64_t>(passed);
+  next_ += period_ * (passed + 1);
+  return now;
+}
+
+}  // namespace breakaway::linux_node

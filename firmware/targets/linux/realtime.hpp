@@ -1,0 +1,51 @@
+// What makes a process of Linux keep its periods: memory that stays, a priority, absolute wake-ups.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "breakaway/hal/time.hpp"
+
+namespace breakaway::linux_node {
+
+hal::Time monotonic_now() noexcept;
+
+// Locks all memory, present and future, touches the stack, and gives the calling thread the priority (SCHED_FIFO, 1 to
+// 99). Empty, or what is not permitted with the remedy.
+std::string become_realtime(int priority);
+
+struct Latency {
+  hal::Duration shortest{};
+  hal::Duration longest{};
+  hal::Duration sum{};
+  std::uint64_t wakes = 0;
+  std::uint64_t missed = 0;  // periods that had passed already at a wake-up
+
+  void add(hal::Duration latency) noexcept {
+    shortest = wakes == 0 ? latency : std::min(shortest, latency);
+    longest = std::max(longest, latency);
+    sum += latency;
+    ++wakes;
+  }
+  hal::Duration mean() const noexcept { return wakes == 0 ? sum : sum / static_cast<std::int64_t>(wakes); }
+};
+
+// Wakes at start + n periods. A period that was missed is left out, not made up for.
+class Ticker {
+ public:
+  explicit Ticker(hal::Duration period) noexcept : period_{period}, next_{monotonic_now() + period} {}
+
+  // Sleeps until the next tick; returns the time then.
+  hal::Time wait() noexcept;
+  const Latency& latency() const noexcept { return latency_; }
+  hal::Duration last_latency() const noexcept { return last_; }
+
+ private:
+  hal::Duration period_;
+  hal::Time next_;
+  hal::Duration last_{};
+  Latency latency_;
+};
+
+}  // namespace breakaway::linux_node

@@ -1,0 +1,159 @@
+#include "reporter.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <iterator>
+#include <string_view>
+
+#include "breakaway/scenario/input_error.hpp"
+#include "realtime.hpp"
+
+namespace breakaway::linux_node {
+namespace {
+
+sigset_t operator_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set, signal);
+  return set;
+}
+
+const char* to_string(hal::DriveState state) {
+  switch (state) {
+    case hal::DriveState::configuring:
+      return "configuring";
+    case hal::DriveState::disabled:
+      return "disabled";
+    case hal::DriveState::enabling:
+      return "enabling";
+    case hal::DriveState::enabled:
+      return "enabled";
+    case hal::DriveState::stopping:
+      return "stopping";
+    case hal::DriveState::fault:
+      return "fault";
+    case hal::DriveState::unusable:
+      return "unusable";
+  }
+  return "unknown";
+}
+
+std::string_view mode_of(const StepRecord& step) { return step.controlled ? law::to_string(step.mode) : "-"; }
+
+hal::Duration realtime_minus_monotonic() {
+  timespec t{};
+  clock_gettime(CLOCK_REALTIME, &t);
+  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec} - monotonic_now();
+}
+
+}  // namespace
+
+Reporter::Reporter(const Options& options, Telemetry& telemetry, double encoder_resolution_m)
+    : telemetry_{telemetry},
+      interface_{options.interface},
+      resolution_m_{encoder_resolution_m},
+      csv_{open(options.csv)},
+      candump_{open(options.candump)},
+      to_realtime_{realtime_minus_monotonic()},
+      start_{monotonic_now()},
+      terminal_{isatty(STDOUT_FILENO) == 1} {
+  if (csv_)
+    fmt::print(csv_.get(), "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code\n");
+  const sigset_t signals = operator_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  thread_ = std::thread{[this] { run(); }};
+}
+
+Reporter::File Reporter::open(const std::string& path) {
+  if (path.empty()) return {};
+  File file{std::fopen(path.c_str(), "w")};
+  if (!file) throw scenario::InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+  return file;
+}
+
+void Reporter::finish() {
+  if (!thread_.joinable()) return;
+  telemetry_.finished = true;
+  thread_.join();
+}
+
+void Reporter::run() {
+  for (bool last = false; !last;) {
+    take_signals();
+    last = telemetry_.finished;
+    drain();
+  }
+  if (any_shown_ && terminal_) fmt::print("\n");
+  std::fflush(stdout);
+}
+
+void Reporter::take_signals() {
+  const sigset_t signals = operator_signals();
+  constexpr timespec patience{.tv_sec = 0, .tv_nsec = 20'000'000};
+  const int signal = sigtimedwait(&signals, nullptr, &patience);
+  if (signal == SIGINT || signal == SIGTERM) telemetry_.stop = true;
+  if (signal == SIGUSR1) telemetry_.reset = true;
+}
+
+void Reporter::drain() {
+  for (Record record; telemetry_.records.pop(record);) std::visit([this](const auto& r) { write(r); }, record);
+}
+
+double Reporter::seconds(hal::Time time) const { return std::chrono::duration<double>(time - start_).count(); }
+
+void Reporter::put(const File& file) const { std::fwrite(line_.data(), 1, line_.size(), file.get()); }
+
+void Reporter::write(const StepRecord& step) {
+  if (csv_) {
+    line_.clear();
+    fmt::format_to(std::back_inserter(line_), "{:.6f},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}\n",
+                   seconds(step.time), std::chrono::duration<double, std::micro>(step.latency).count(),
+                   step.target_counts * resolution_m_, step.position_counts * resolution_m_, step.command_N,
+                   step.reported_N, mode_of(step), to_string(step.drive), firmware::to_string(step.fault),
+                   step.fault_code);
+    put(csv_);
+  }
+  const bool changed = !any_shown_ || step.drive != shown_.drive || step.fault != shown_.fault;
+  constexpr auto interval = std::chrono::milliseconds{100};
+  if (changed || (terminal_ && step.time - shown_at_ >= interval)) show(step, !changed);
+}
+
+// A change stays on the screen; the live line is written over.
+void Reporter::show(const StepRecord& step, bool live) {
+  line_.clear();
+  const auto out = std::back_inserter(line_);
+  fmt::format_to(out, "{}{:10.3f} s  {:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N",
+                 terminal_ ? "\r\x1b[K" : "", seconds(step.time), to_string(step.drive), mode_of(step),
+                 step.target_counts * resolution_m_, step.position_counts * resolution_m_, step.reported_N);
+  if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
+  if (step.link_lost) fmt::format_to(out, " (the interface is down)");
+  if (step.fault_code != 0) fmt::format_to(out, " (error code {:04X}h)", step.fault_code);
+  if (!terminal_ || !live) line_ += '\n';
+  std::fwrite(line_.data(), 1, line_.size(), stdout);
+  std::fflush(stdout);
+  shown_ = step;
+  shown_at_ = step.time;
+  any_shown_ = true;
+}
+
+void Reporter::write(const FrameRecord& record) {
+  if (!candump_) return;
+  const hal::Time time = record.time + to_realtime_;
+  line_.clear();
+  const auto out = std::back_inserter(line_);
+  fmt::format_to(out, "({:010}.{:06}) {} {:03X}#", time / std::chrono::seconds{1},
+                 time % std::chrono::seconds{1} / std::chrono::microseconds{1}, interface_, record.frame.id);
+  if (record.frame.remote) fmt::format_to(out, "R{}", record.frame.size);
+  if (!record.frame.remote)
+    for (const auto byte : record.frame.payload()) fmt::format_to(out, "{:02X}", byte);
+  line_ += '\n';
+  put(candump_);
+}
+
+}  // namespace breakaway::linux_node

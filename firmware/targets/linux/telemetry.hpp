@@ -1,0 +1,79 @@
+// What leaves the control thread: records through a fixed ring without a lock, wishes from the operator the other way.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <type_traits>
+#include <variant>
+
+#include "breakaway/firmware/supervisor.hpp"
+#include "breakaway/hal/can_port.hpp"
+#include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/shared_ring.hpp"
+#include "breakaway/law/control_types.hpp"
+
+namespace breakaway::linux_node {
+
+struct StepRecord {
+  hal::Time time{};
+  hal::Duration latency{};
+  std::int32_t target_counts = 0;
+  std::int32_t position_counts = 0;
+  float command_N = 0;
+  float reported_N = 0;
+  law::Mode mode{};
+  hal::DriveState drive{};
+  firmware::AxisFault fault{};
+  std::uint16_t fault_code = 0;
+  bool controlled = true;  // false: only listened to; mode and command say nothing
+  bool link_lost = false;  // the interface is down or gone
+};
+
+struct FrameRecord {
+  hal::Time time{};
+  hal::CanFrame frame;
+};
+
+using Record = std::variant<StepRecord, FrameRecord>;
+static_assert(std::is_trivially_copyable_v<Record>);
+
+struct Telemetry {
+  hal::SharedRing<Record, 16384> records;  // two seconds and more at 1 kHz
+  std::atomic<std::uint64_t> lost{0};      // records that the ring had no room for
+  std::atomic<bool> stop{false};           // the operator's: SIGINT, SIGTERM
+  std::atomic<bool> reset{false};          // SIGUSR1
+  std::atomic<bool> finished{false};       // the control thread's: nothing more comes
+
+  void add(const Record& record) noexcept {
+    if (!records.push(record)) lost.fetch_add(1, std::memory_order_relaxed);
+  }
+};
+
+// A CanPort that notes what passes.
+template <hal::CanPort Port>
+class NotedPort {
+ public:
+  NotedPort(Port& port, Telemetry& telemetry) noexcept : port_{&port}, telemetry_{&telemetry} {}
+
+  void set_time(hal::Time now) noexcept { now_ = now; }
+
+  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    const hal::Status status = port_->send(frame, deadline);
+    if (status.ok()) telemetry_->add(FrameRecord{now_, frame});
+    return status;
+  }
+  bool receive(hal::ReceivedFrame& received) noexcept {
+    if (!port_->receive(received)) return false;
+    telemetry_->add(FrameRecord{received.time, received.frame});
+    return true;
+  }
+  void purge_transmit_queue() noexcept { port_->purge_transmit_queue(); }
+  hal::BusState bus_state() const noexcept { return port_->bus_state(); }
+
+ private:
+  Port* port_;
+  Telemetry* telemetry_;
+  hal::Time now_{};
+};
+
+}  // namespace breakaway::linux_node
