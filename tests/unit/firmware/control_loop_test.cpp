@@ -132,6 +132,19 @@ TEST_F(ControlLoopTest, SendsCommandsBeforeTheSyncAtWhichTheyAct) {
   EXPECT_EQ(probe.syncs.back(), now);
 }
 
+TEST_F(ControlLoopTest, AnAxisThatStopsAsAskedHasNoFaultAndCanBeEnabledAgain) {
+  enable();
+  loop.request_stop(0);
+  for (const auto state : {hal::DriveState::stopping, hal::DriveState::disabled}) {
+    probe.feedback.state = state;
+    probe.feedback.fresh = true;
+    step();
+    EXPECT_EQ(loop.status(0).fault, AxisFault::none);
+    EXPECT_FALSE(loop.status(0).running);
+  }
+  enable();
+}
+
 TEST_F(ControlLoopTest, GivesForceOnlyToAnEnabledAxis) {
   for (const auto state : {hal::DriveState::configuring, hal::DriveState::disabled, hal::DriveState::enabling,
                            hal::DriveState::stopping, hal::DriveState::fault, hal::DriveState::unusable}) {

@@ -186,7 +186,7 @@ class ControlLoop {
   void control(Axis& a, hal::Time now) noexcept {
     a.drive.update(now);
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
-    const bool was_running = a.status.running;
+    const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
     a.status.feedback = feedback;
     a.status.output = {};
     a.status.running = supervise(a, feedback, was_running, now);
@@ -216,7 +216,8 @@ class ControlLoop {
     a.status.fault = a.supervisor.fault();
     if (a.status.fault != AxisFault::none) return false;
     if (a.wanted && feedback.state == hal::DriveState::disabled) a.drive.request_enable();
-    return feedback.state == hal::DriveState::enabled && feedback.ever_valid && (was_running || feedback.fresh);
+    return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
+           (was_running || feedback.fresh);
   }
 
   // A drive that is in fault before it ever ran, or that a reset did not help, is named as well.

@@ -111,13 +111,9 @@ class Port {
 
   // Deadlines count on the wire, but a frame that the kernel has taken leaves within the period.
   void pump() noexcept {
+    for (; !queue_.empty() && queue_.front().deadline < now_; queue_.pop()) ++counters_.stale;
     jammed_ = jammed_ && socket_->unsent_bytes() > 0;
     while (!jammed_ && !queue_.empty() && link_ == Link::up) {
-      if (queue_.front().deadline < now_) {
-        ++counters_.stale;
-        queue_.pop();
-        continue;
-      }
       const Io result = socket_->write(to_kernel(queue_.front().frame));
       jammed_ = result == Io::again;
       if (jammed_) ++counters_.jams;
