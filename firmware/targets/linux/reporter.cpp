@@ -111,15 +111,17 @@ void Reporter::put(const File& file) const { std::fwrite(line_.data(), 1, line_.
 
 void Reporter::write(const StepRecord& step) {
   if (csv_) {
+    const hal::Time time = step.time + to_realtime_;
     line_.clear();
-    fmt::format_to(std::back_inserter(line_), "{:.6f},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}\n",
-                   seconds(step.time), std::chrono::duration<double, std::micro>(step.latency).count(),
-                   step.target_counts * resolution_m_, step.position_counts * resolution_m_, step.command_N,
-                   step.reported_N, mode_of(step), to_string(step.drive), firmware::to_string(step.fault),
-                   step.fault_code);
+    fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}\n",
+                   time / std::chrono::seconds{1}, time % std::chrono::seconds{1} / std::chrono::microseconds{1},
+                   std::chrono::duration<double, std::micro>(step.latency).count(), step.target_counts * resolution_m_,
+                   step.position_counts * resolution_m_, step.command_N, step.reported_N, mode_of(step),
+                   to_string(step.drive), firmware::to_string(step.fault), step.fault_code);
     put(csv_);
   }
-  const bool changed = !any_shown_ || step.drive != shown_.drive || step.fault != shown_.fault;
+  const bool changed =
+      !any_shown_ || step.drive != shown_.drive || step.fault != shown_.fault || step.link_lost != shown_.link_lost;
   constexpr auto interval = std::chrono::milliseconds{100};
   if (changed || (terminal_ && step.time - shown_at_ >= interval)) show(step, !changed);
 }

@@ -1,0 +1,162 @@
+"""Starts nodes and drives on CAN interfaces and reads what they did. Runs in the guest of toolchain/guest.sh."""
+import csv
+import dataclasses
+import re
+import signal
+import subprocess
+import tempfile
+import time
+
+PERIOD_S = 0.001
+SCENE = "sim/scenarios/can_axis.toml"
+ENABLE_OPERATION = 0x0F
+
+
+class Failure(Exception):
+    """A check does not hold."""
+
+
+def require(condition, text):
+    if not condition:
+        raise Failure(text)
+
+
+@dataclasses.dataclass
+class Frame:
+    time_s: float
+    can_id: int
+    data: bytes
+
+    @property
+    def torque(self):
+        """Target torque of an RPDO1, per mille."""
+        return int.from_bytes(self.data[2:4], "little", signed=True)
+
+    @property
+    def controlword(self):
+        return int.from_bytes(self.data[0:2], "little")
+
+
+def read_candump(path):
+    frames = []
+    with open(path, encoding="ascii") as log:
+        for line in log:
+            match = re.match(r"\((\d+\.\d+)\) \S+ ([0-9A-F]+)#([0-9A-F]*)$", line.strip())
+            require(match, f"not a line of candump: {line!r}")
+            frames.append(Frame(float(match[1]), int(match[2], 16), bytes.fromhex(match[3])))
+    return frames
+
+
+class Process:
+    """A program whose output goes to a file, so that nobody has to read along."""
+
+    def __init__(self, command):
+        self.output_path = tempfile.mktemp(dir="/dev/shm")
+        with open(self.output_path, "wb") as output:
+            self.process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+
+    def output(self):
+        with open(self.output_path, encoding="utf-8", errors="replace") as text:
+            return text.read()
+
+    def wait_for(self, text, limit_s=20.0):
+        """Until the output holds the text."""
+        end = time.monotonic() + limit_s
+        while text not in self.output():
+            require(self.process.poll() is None, f"ended before it said '{text}':\n{self.output()}")
+            require(time.monotonic() < end, f"does not say '{text}':\n{self.output()}")
+            time.sleep(0.01)
+
+    def signal(self, number):
+        self.process.send_signal(number)
+
+    def end(self, limit_s=60.0):
+        """Its exit code, once it ends by itself."""
+        try:
+            return self.process.wait(limit_s)
+        except subprocess.TimeoutExpired as late:
+            self.process.kill()
+            raise Failure(f"did not end within {limit_s} s:\n{self.output()}") from late
+
+    def terminate(self):
+        self.signal(signal.SIGTERM)
+        return self.end()
+
+
+class Bench:
+    """One scene: whatever it starts is ended with it."""
+
+    def __init__(self, build):
+        self.command = f"{build}/sim/cli/breakaway"
+        self.node_command = f"{build}/firmware/targets/linux/breakaway-node"
+        self.processes = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for started in self.processes:
+            if started.process.poll() is None:
+                started.process.kill()
+                started.process.wait()
+
+    def start(self, *command):
+        self.processes.append(Process(command))
+        return self.processes[-1]
+
+    def drive(self, interface, *options):
+        drive = self.start(self.command, "drive", "--can", interface, "--realtime", SCENE, *options)
+        drive.wait_for("drive ")
+        return drive
+
+    def node(self, interface, *options, scene=SCENE):
+        return self.start(self.node_command, "--can", interface, scene, *options)
+
+    def logged_node(self, interface, *options):
+        folder = tempfile.mkdtemp(dir="/dev/shm")
+        node = self.node(interface, "--candump", f"{folder}/log", "--csv", f"{folder}/csv", *options)
+        node.folder = folder
+        return node
+
+    def record(self, interface):
+        """An independent witness: all frames with the kernel's time stamps, error frames among them."""
+        path = tempfile.mktemp(dir="/dev/shm")
+        with open(path, "wb") as output:
+            recorder = subprocess.Popen(["candump", "-D", "-L", f"{interface},0:0,#FFFFFFFF"], stdout=output,
+                                        stderr=subprocess.DEVNULL)
+        self.processes.append(recorder_process := Process(["true"]))
+        recorder_process.process = recorder
+        recorder_process.path = path
+        time.sleep(0.1)
+        return recorder_process
+
+
+def frames_of(recorder):
+    recorder.signal(signal.SIGTERM)
+    recorder.process.wait()
+    return read_candump(recorder.path)
+
+
+def steps_of(node):
+    with open(f"{node.folder}/csv", encoding="ascii", newline="") as text:
+        return list(csv.DictReader(text))
+
+
+def run(*command):
+    subprocess.run(command, check=True)
+
+
+def require_no_force_after(time_s, frames, what):
+    """No command on the bus later than two ticks after time_s asks for torque or keeps the drive enabled."""
+    late = [f for f in frames if f.can_id == 0x201 and f.time_s > time_s + 2 * PERIOD_S + 50e-6]
+    bad = [f for f in late if f.torque != 0 or f.controlword == ENABLE_OPERATION]
+    require(not bad, f"{what}: {len(bad)} commands with force, the first {bad and bad[0]} after {time_s:.6f}")
+    return late
+
+
+def require_force_before(time_s, frames, what):
+    """The check above means something only if there was force."""
+    before = [f for f in frames if f.can_id == 0x201 and time_s - 5 * PERIOD_S < f.time_s <= time_s]
+    require(before and all(f.torque != 0 for f in before), f"{what}: no force before it happened")
+
+

@@ -1,0 +1,271 @@
+"""breakaway-node and `breakaway drive` on real SocketCAN, in the guest of toolchain/guest.sh.
+
+    toolchain/guest.sh --bitrate 1000000 python3 tests/guest/linux_node.py BUILD [scene...]
+"""
+import re
+import signal
+import subprocess
+import sys
+import time
+import traceback
+
+import bench
+from bench import Bench, Failure, require
+
+SCENES = []
+
+
+def scene(function):
+    SCENES.append(function)
+    return function
+
+
+def latencies(text):
+    match = re.search(r"(\d+) ticks, (\d+) missed, wake-up latency ([\d.]+) / ([\d.]+) / ([\d.]+) us", text)
+    require(match, f"no timing in:\n{text}")
+    return int(match[1]), int(match[2]), float(match[5])
+
+
+def worst_of_cyclictest(seconds):
+    shown = subprocess.run(["cyclictest", "-q", "-m", "-p", "80", "-i", "1000", "-l", str(1000 * seconds)], check=True,
+                           capture_output=True, text=True).stdout
+    return float(re.search(r"Max:\s*(\d+)", shown)[1])
+
+
+@scene
+def sixty_seconds_without_a_missed_tick(build):
+    """1 kHz on vcan0 over a tour of targets."""
+    reference_us = worst_of_cyclictest(10)
+    with Bench(build) as b:
+        b.drive("vcan0")
+        node = b.node("vcan0", "--duration", "60", "--target", "0", "0.25", "-0.1", "0.001", "0.1", "0", "--dwell", "3")
+        code = node.end(120)
+        require(code == 0, f"exit code {code}:\n{node.output()}")
+        ticks, missed, worst_us = latencies(node.output())
+        require(ticks >= 60_000 and missed == 0, f"{missed} of {ticks} ticks missed")
+        require(worst_us <= 2 * reference_us, f"worst wake-up {worst_us} us, cyclictest {reference_us} us")
+    return f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, cyclictest {reference_us:.0f} us"
+
+
+def start_moving(b, interface="vcan0"):
+    """An axis that is on its way, four metres from its target."""
+    drive = b.drive(interface)
+    node = b.logged_node(interface)
+    node.wait_for("enabled")
+    time.sleep(0.25)
+    return drive, node
+
+
+def require_recovery(node):
+    """After the operator's reset the axis runs again and comes to rest on its target."""
+    time.sleep(0.2)
+    require(node.output().rstrip().split("\n")[-1].find("FAULT") >= 0, f"the fault is not held:\n{node.output()}")
+    enabled = len(re.findall(r" s  enabled", node.output()))
+    node.signal(signal.SIGUSR1)
+    end = time.monotonic() + 10
+    while len(re.findall(r" s  enabled", node.output())) == enabled:
+        require(time.monotonic() < end, f"is not enabled again:\n{node.output()}")
+        time.sleep(0.01)
+    time.sleep(4)
+    code = node.terminate()
+    require(code == 0, f"exit code {code}:\n{node.output()}")
+    error_m = abs(float(re.search(r"([-+\d.e]+) m from its target", node.output())[1]))
+    require(error_m <= 3.5e-6, f"rests {error_m} m from its target")
+
+
+@scene
+def interface_down_and_up(build):
+    with Bench(build) as b:
+        _, node = start_moving(b)
+        recorder = b.record("vcan0")
+        bench.run("ip", "link", "set", "vcan0", "down")
+        # While it goes down the kernel drops frames for some milliseconds: that may be seen first.
+        node.wait_for("(the interface is down)")
+        require(re.search("FAULT: (bus off|feedback stale) .the interface is down", node.output()), "is not named")
+        time.sleep(0.3)
+        back_s = time.time()
+        bench.run("ip", "link", "set", "vcan0", "up")
+        time.sleep(0.3)
+        reset_s = time.time()
+        require_recovery(node)
+        frames = bench.frames_of(recorder)
+        last_s = max(f.time_s for f in frames if f.time_s < back_s - 0.1)
+        bench.require_force_before(last_s, frames, "interface down")
+        bench.require_no_force_after(last_s, [f for f in frames if f.time_s < reset_s], "interface down")
+        steps = [s for s in bench.steps_of(node) if last_s + 2 * bench.PERIOD_S < float(s["time_s"]) < reset_s]
+        require(steps and all(float(s["command_N"]) == 0 for s in steps), "the controller asked for force")
+    return "named, no force until the reset, then at the target"
+
+
+@scene
+def injected_bus_off(build):
+    with Bench(build) as b:
+        _, node = start_moving(b)
+        recorder = b.record("vcan0")
+        bench.run("cansend", "vcan0", "20000040#0000000000000000")
+        node.wait_for("FAULT: bus off")
+        time.sleep(0.3)
+        reset_s = time.time()
+        require_recovery(node)
+        frames = bench.frames_of(recorder)
+        event_s = next(f.time_s for f in frames if f.can_id == 0x20000040)
+        bench.require_force_before(event_s, frames, "bus-off")
+        bench.require_no_force_after(event_s, [f for f in frames if f.time_s < reset_s], "bus-off")
+    return "named, no force until the reset, then at the target"
+
+
+@scene
+def killed_drive(build):
+    with Bench(build) as b:
+        drive, node = start_moving(b)
+        recorder = b.record("vcan0")
+        drive.signal(signal.SIGKILL)
+        node.wait_for("FAULT: feedback stale")
+        time.sleep(0.3)
+        b.drive("vcan0")
+        time.sleep(2)
+        reset_s = time.time()
+        require_recovery(node)
+        frames = bench.frames_of(recorder)
+        answers = [f.time_s for f in frames if f.can_id == 0x181 and f.time_s < reset_s]
+        silence = next(i for i in range(len(answers)) if answers[i + 1] - answers[i] > 0.1)
+        # The first tick that misses it comes a period after the last answer.
+        missed_s = answers[silence] + bench.PERIOD_S
+        bench.require_force_before(missed_s, frames, "killed drive")
+        bench.require_no_force_after(missed_s, [f for f in frames if f.time_s < reset_s], "killed drive")
+    return "named, no force until the reset, then at the target"
+
+
+@scene
+def sigterm_stops_the_axis(build):
+    with Bench(build) as b:
+        _, node = start_moving(b)
+        recorder = b.record("vcan0")
+        asked_s = time.time()
+        code = node.terminate()
+        require(code == 0 and "stopped" in node.output(), f"exit code {code}:\n{node.output()}")
+        frames = bench.frames_of(recorder)
+        bench.require_force_before(asked_s, frames, "SIGTERM")
+        quick_stops = [f for f in frames if f.can_id == 0x201 and f.controlword == 0x02 and f.torque == 0]
+        require(quick_stops, "no quick stop was sent")
+        first_s = quick_stops[0].time_s
+        # The thread that takes signals is not a real-time one; from the first quick stop on there is no force.
+        require(first_s - asked_s < 0.1, f"the quick stop came {first_s - asked_s:.3f} s after the signal")
+        bench.require_no_force_after(first_s - 2 * bench.PERIOD_S, frames, "SIGTERM")
+        status = [f for f in frames if f.can_id == 0x181][-1]
+        require(status.data[0] & 0x4F == 0x40, f"the drive is left with statusword {status.data[:2].hex()}")
+        code = b.node("vcan0", "--duration", "1", "--target", "0").end()
+        require(code in (0, 1), f"the drive cannot be used again: exit code {code}")
+    return f"quick stop {1e3 * (first_s - asked_s):.1f} ms after the signal, drive disabled"
+
+
+@scene
+def readonly_sends_nothing(build):
+    with Bench(build) as b:
+        drive = b.drive("vcan0")
+        recorder = b.record("vcan0")
+        listener = b.node("vcan0", "--readonly", "--duration", "1")
+        require(listener.end() == 1, f"heard a drive that nobody commands:\n{listener.output()}")
+        frames = bench.frames_of(recorder)
+        require(not frames, f"{len(frames)} frames on a bus on which nobody sends")
+        listener = b.node("vcan0", "--readonly", "--duration", "3")
+        code = b.node("vcan0", "--duration", "1.5").end()
+        require(code in (0, 1) and listener.end() == 0, f"hears nothing:\n{listener.output()}")
+        require("enabled" in listener.output(), f"does not show the drive:\n{listener.output()}")
+        require(drive.process.poll() is None, "the drive is gone")
+    return "no frame; shows the drive that another node commands"
+
+
+def refuses(b, command, *texts):
+    started = b.start(*command)
+    code, output = started.end(), started.output()
+    require(code == 2, f"exit code {code} instead of 2:\n{output}")
+    lines = [line for line in output.split("\n") if line.startswith("breakaway-node: ")]
+    require(len(lines) == 1, f"not one line:\n{output}")
+    for text in texts:
+        require(text in lines[0], f"'{text}' is missing in: {lines[0]}")
+
+
+@scene
+def bad_input_is_refused_by_name(build):
+    with Bench(build) as b:
+        node, axis = b.node_command, bench.SCENE
+        recorder = b.record("vcan0")
+        refuses(b, [node, "--can", "can9", axis], "no such interface", "ip -br link")
+        refuses(b, [node, "--can", "lo", axis], "is not a CAN interface")
+        bench.run("ip", "link", "set", "vcan1", "down")
+        refuses(b, [node, "--can", "vcan1", axis], "is down", "ip link set")
+        bench.run("ip", "link", "set", "vcan1", "up")
+        nobody = ["setpriv", "--reuid=65534", "--clear-groups", "--inh-caps=-all", "--bounding-set=-all"]
+        refuses(b, [*nobody, node, "--can", "vcan0", axis], "limits.d", "--no-realtime")
+        refuses(b, [node, "--can", "vcan0", "no.toml"], "cannot be read")
+        refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "certified")
+        refuses(b, [node, "--can", "vcan0", axis, "--max-force", "1"], "--max-force", "4.5")
+        refuses(b, [node, "--can", "vcan0", axis, "--target", "11"], "target 11", "position_m = 10")
+        refuses(b, [node, "--can", "vcan0", "sim/scenarios/can_axis_pid.toml"], "pid")
+        with open(axis, encoding="utf-8") as text:
+            weak = text.read().replace("max_force_N = 50", "max_force_N = 4")
+        with open("/dev/shm/weak.toml", "w", encoding="utf-8") as text:
+            text.write(weak)
+        refuses(b, [node, "--can", "vcan0", "/dev/shm/weak.toml"], "not certified")
+        frames = bench.frames_of(recorder)
+        require(not frames, f"frames were sent: {frames[:3]}")
+
+        recorder = b.record("vcan0")
+        refuses(b, [node, "--can", "vcan0", axis, "--wait", "1"], "no drive answers as node 1", "nor does any other")
+        drive = b.drive("vcan0", "--node-id", "7")
+        refuses(b, [node, "--can", "vcan0", axis, "--wait", "1"], "no drive answers as node 1", "these nodes do: 7")
+        drive.terminate()
+        drive = b.drive("vcan0", "--supported-modes", "1FF")
+        refuses(b, [node, "--can", "vcan0", axis], "no cyclic synchronous torque mode", "6502h")
+        drive.terminate()
+        drive = b.drive("vcan0", "--mode-delay", "100")
+        refuses(b, [node, "--can", "vcan0", axis], "refuses the cyclic synchronous torque mode", "6061h")
+        drive.terminate()
+        frames = bench.frames_of(recorder)
+        moved = [f for f in frames if f.can_id in (0x201, 0x207) and (f.torque != 0 or f.controlword == 0x0F)]
+        require(not moved, f"a refused drive was commanded: {moved[:1]}")
+    return "each with one line that names the remedy; no drive was enabled"
+
+
+@scene
+def two_kvaser_cards_on_one_bus(build):
+    with Bench(build) as b:
+        b.drive("can1")
+        node = b.node("can0", "--duration", "4")
+        code = node.end()
+        require(code == 0, f"exit code {code}:\n{node.output()}")
+        ticks, missed, worst_us = latencies(node.output())
+        require(missed == 0, f"{missed} of {ticks} ticks missed")
+    return f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, at the target"
+
+
+@scene
+def no_can_in_the_kernel(build):
+    """The last: the module does not come back."""
+    with Bench(build) as b:
+        bench.run("rmmod", "can_raw")
+        refuses(b, [b.node_command, "--can", "vcan0", bench.SCENE], "no CAN sockets", "modprobe can_raw")
+    return "refused by name"
+
+
+def main():
+    build, wanted = sys.argv[1], sys.argv[2:]
+    failures = 0
+    for function in SCENES:
+        if wanted and function.__name__ not in wanted:
+            continue
+        name = function.__name__.replace("_", " ")
+        try:
+            print(f"PASS  {name}: {function(build)}", flush=True)
+        except Failure as failure:
+            failures += 1
+            print(f"FAIL  {name}: {failure}", flush=True)
+        except Exception:  # a scene that cannot be judged has failed; the others still count
+            failures += 1
+            print(f"FAIL  {name}:\n{traceback.format_exc()}", flush=True)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
