@@ -50,14 +50,18 @@ def read_candump(path):
 class Process:
     """A program whose output goes to a file, so that nobody has to read along."""
 
-    def __init__(self, command):
+    def __init__(self, command, errors=subprocess.STDOUT):
         self.output_path = tempfile.mktemp(dir="/dev/shm")
         with open(self.output_path, "wb") as output:
-            self.process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=output, stderr=errors)
 
     def output(self):
         with open(self.output_path, encoding="utf-8", errors="replace") as text:
             return text.read()
+
+    def tell(self, line):
+        self.process.stdin.write(line.encode() + b"\n")
+        self.process.stdin.flush()
 
     def wait_for(self, text, limit_s=20.0):
         """Until the output holds the text."""
@@ -118,23 +122,24 @@ class Bench:
         node.folder = folder
         return node
 
+    def adapter(self, interface, bitrate=1000000):
+        """slcan0, whose adapter is on that interface."""
+        adapter = self.start("python3", "-B", "tests/guest/slcan_adapter.py", interface, str(bitrate))
+        adapter.wait_for("ready")
+        return adapter
+
     def record(self, interface):
         """An independent witness: all frames with the kernel's time stamps, error frames among them."""
-        path = tempfile.mktemp(dir="/dev/shm")
-        with open(path, "wb") as output:
-            recorder = subprocess.Popen(["candump", "-D", "-L", f"{interface},0:0,#FFFFFFFF"], stdout=output,
-                                        stderr=subprocess.DEVNULL)
-        self.processes.append(recorder_process := Process(["true"]))
-        recorder_process.process = recorder
-        recorder_process.path = path
+        recorder = Process(["candump", "-D", "-L", f"{interface},0:0,#FFFFFFFF"], subprocess.DEVNULL)
+        self.processes.append(recorder)
         time.sleep(0.1)
-        return recorder_process
+        return recorder
 
 
 def frames_of(recorder):
     recorder.signal(signal.SIGTERM)
     recorder.process.wait()
-    return read_candump(recorder.path)
+    return read_candump(recorder.output_path)
 
 
 def steps_of(node):

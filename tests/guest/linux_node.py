@@ -240,6 +240,54 @@ def two_kvaser_cards_on_one_bus(build):
     return f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, at the target"
 
 
+def state_of(interface):
+    shown = subprocess.run(["ip", "-d", "link", "show", interface], check=True, capture_output=True, text=True).stdout
+    return re.search(r"can .*state (\S+)", shown)[1]
+
+
+def wait_for_state(interface, state):
+    end = time.monotonic() + 5
+    while state_of(interface) != state:
+        require(time.monotonic() < end, f"{interface} is {state_of(interface)}, not {state}")
+        time.sleep(0.01)
+
+
+@scene
+def slcan_with_real_error_states(build):
+    """The adapter's controller goes error-passive, which is no fault, and bus-off, which is one."""
+    with Bench(build) as b:
+        adapter = b.adapter("vcan1")
+        drive = b.drive("vcan1")
+        node = b.logged_node("slcan0")
+        node.wait_for("enabled")
+        time.sleep(0.25)
+        adapter.tell("sp128200")
+        wait_for_state("slcan0", "ERROR-PASSIVE")
+        time.sleep(0.05)
+        require("FAULT" not in node.output(), f"error-passive stops the axis:\n{node.output()}")
+        recorder = b.record("vcan1")
+        adapter.tell("sb256128")
+        node.wait_for("FAULT: bus off")
+        event_s = time.time()
+        wait_for_state("slcan0", "BUS-OFF")
+        time.sleep(0.3)
+        bench.run("ip", "link", "set", "slcan0", "down")
+        bench.run("ip", "link", "set", "slcan0", "up")
+        time.sleep(0.3)
+        reset_s = time.time()
+        require_recovery(node)
+        frames = bench.frames_of(recorder)
+        sent = [f for f in frames if f.can_id == 0x201 and f.time_s < reset_s]
+        silence = next(i for i in range(len(sent)) if sent[i + 1].time_s - sent[i].time_s > 0.1)
+        require(sent[silence].time_s < event_s, "commands went on after bus-off")
+        bench.require_force_before(sent[silence].time_s, frames, "bus-off")
+        bench.require_no_force_after(sent[silence].time_s, [f for f in frames if f.time_s < reset_s], "bus-off")
+        ticks, missed, _ = latencies(node.output())
+        require(missed == 0, f"{missed} of {ticks} ticks missed")
+        require(drive.terminate() == 0, "the drive failed")
+    return "error-passive passed over; bus-off named, nothing sent until it was over, then at the target"
+
+
 @scene
 def no_can_in_the_kernel(build):
     """The last: the module does not come back."""
