@@ -1,13 +1,13 @@
 // The world of a controller on CAN, in steps of a period: the drive emulator with the axis behind it, and another node
-// that sends the controller on a tour of targets, again and again. The same code on the host and on a second processor.
+// that sends the controller on its tour of targets twice. The same code on the host and on a second processor.
 //
 // Frames of one period count as sent at its beginning, whenever in the period they came, and so what the world does
 // depends on what the controller says only.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -28,6 +28,7 @@ struct LoggedFrame {
   std::uint8_t size;
   std::uint8_t from_controller;
   std::array<std::uint8_t, 8> data;
+  friend bool operator==(const LoggedFrame&, const LoggedFrame&) = default;
 };
 static_assert(sizeof(LoggedFrame) == 16);
 
@@ -85,8 +86,8 @@ class AxisWorld {
   void command() {
     if (periods_ < first_command) return;
     if (mechanism_.released()) tour_time_s_ += seconds(flashed::node.loop.period);
-    const std::int32_t target =
-        bench::target_counts(std::fmod(tour_time_s_, lap_s), drive_config().encoder_resolution_m);
+    const double in_lap_s = tour_time_s_ < lap_s ? tour_time_s_ : tour_time_s_ - lap_s;
+    const std::int32_t target = bench::target_counts(in_lap_s, drive_config().encoder_resolution_m);
     if (std::exchange(commanded_, true) && target == target_counts_) return;
     target_counts_ = target;
     transmit(
