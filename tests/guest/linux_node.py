@@ -199,6 +199,10 @@ def bad_input_is_refused_by_name(build):
         bench.run("ip", "link", "set", "vcan1", "up")
         nobody = ["setpriv", "--reuid=65534", "--clear-groups", "--inh-caps=-all", "--bounding-set=-all"]
         refuses(b, [*nobody, node, "--can", "vcan0", axis], "limits.d", "--no-realtime")
+        # As the service does: two capabilities are enough, and the start goes as far as the bus.
+        able = [*nobody[:3], "--inh-caps=-all,+sys_nice,+ipc_lock", "--ambient-caps=+sys_nice,+ipc_lock"]
+        vcan1_only = [*able, node, "--can", "vcan1", axis, "--wait", "0.5"]
+        refuses(b, vcan1_only, "no drive answers")
         refuses(b, [node, "--can", "vcan0", "no.toml"], "cannot be read")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "certified")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "1"], "--max-force", "4.5")
