@@ -1,11 +1,11 @@
 """Proves of a linked bare-metal image what a controller needs: no heap, no double arithmetic, a bounded stack, a size.
 
-Usage: check_image.py IMAGE.elf --flash BYTES --ram BYTES
+Usage: check_image.py IMAGE.elf --code BYTES --ram BYTES
 
 Beside the image lies its map (IMAGE.elf.map), and beside every object the call graph that the compiler wrote
 (-fcallgraph-info=su). The stack of library functions is read from their code. The bound is that of the longest chain of
-calls from reset, plus that of the longest interrupt handler and of what the processor saves for it: all interrupts have
-one priority, so one is served at a time. Exit codes: 0 proved; 1 not so; 2 bad command line.
+calls from reset, plus that of the longest interrupt handler, if there is one, and of what the processor saves for it: all
+interrupts have one priority, so one is served at a time. Exit codes: 0 proved; 1 not so; 2 bad command line.
 """
 import argparse
 import glob
@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 
 HEAP = re.compile(r"^(_sbrk|_?(malloc|calloc|realloc|free)(_r)?|_Znw\w*|_Zna\w*|_ZdlPv\w*|_ZdaPv\w*)$")
 DOUBLE = re.compile(r"^__(aeabi_(c?d\w*|[a-z]+2d)|\w*df[23sd]i?\w*)$")
+DOUBLE_INSTRUCTION = re.compile(r"^v(?!mov|ldr|str)\w+\.(\w+\.)?f64")
 EXCEPTIONS = re.compile(r"^(__cxa_(throw|allocate_exception)|_Unwind_\w+)$")
 ROOT = "reset_handler"
 SAVED_BY_PROCESSOR = 108  # 8 words, 18 of the FPU, one to align (Armv7-M, B1.5.7)
@@ -27,6 +28,7 @@ class Function:
     stack: int
     calls: set = field(default_factory=set)
     indirect: bool = False  # calls by pointer
+    double: bool = False  # computes in double precision on the FPU
     dynamic: bool = False  # its frame has no bound
 
 
@@ -97,6 +99,7 @@ def library_functions(elf):
             continue
         operation, operands = instruction[1], instruction[2]
         function = functions[name]
+        function.double |= bool(DOUBLE_INSTRUCTION.match(operation))
         if pushed := re.match(r"^(?:sp!, )?\{(.*)\}", operands):
             if operation.startswith(("push", "vpush", "stmdb", "stmfd", "vstmdb")):
                 function.stack += registers_in(pushed[1])
@@ -106,20 +109,20 @@ def library_functions(elf):
             function.stack += int(size[1])
         elif operation.startswith("sub") and operands.startswith("sp,"):
             function.dynamic = True
-        elif operation.startswith("blx") or (operation.startswith("bx") and "lr" not in operands):
-            function.indirect = True
         elif operation.startswith("b") and (target := re.search(r"<([^>+]+)>$", operands)):
             if target[1] != name:
                 function.calls.add(target[1])
+        elif operation.startswith("blx") or (operation.startswith("bx") and "lr" not in operands):
+            function.indirect = True
     return functions
 
 
 class StackBound:
     """Worst chains of calls. `problems` names what keeps the figure from being a bound."""
 
-    def __init__(self, elf, symbols):
+    def __init__(self, elf, symbols, linked):
         self.compiled = compiled_functions(call_graph_files(elf))
-        self.linked = library_functions(elf)
+        self.linked = linked
         # Start-up calls constructors by pointer; with none to call it calls nobody.
         no_constructors = symbols["image_constructors_begin"] == symbols["image_constructors_end"]
         self.harmless = {"_ZN9breakaway10bare_metal14prepare_memoryEv", ROOT} if no_constructors else set()
@@ -154,35 +157,38 @@ def read_symbols(elf):
             re.findall(r"^([0-9a-f]+) \S (\S+)$", run("arm-none-eabi-nm", elf), re.MULTILINE)}
 
 
-def memory_use(elf):
-    """Bytes of flash and of RAM, the reserved stack included."""
-    flash = ram = 0
-    for name, size, address in re.findall(r"^(\.\S+)\s+(\d+)\s+(\d+)", run("arm-none-eabi-size", "-A", elf), re.MULTILINE):
-        if int(address) >= 0x2000_0000:
-            ram += int(size)
-        if (0 < int(address) < 0x2000_0000) or name == ".data":
-            flash += int(size)
-    return flash, ram
+def memory_use(elf, ram_begin):
+    """Bytes of code, constants and initial values, and of RAM, the reserved stack included."""
+    code = ram = 0
+    for name, address, size in re.findall(r"^ *\[ *\d+\] (\.\S+) +\w+ +(\w+) \w+ (\w+) \w+ +\w*A", run("arm-none-eabi-readelf", "-SW", elf),
+                                          re.MULTILINE):
+        if int(address, 16) >= ram_begin:
+            ram += int(size, 16)
+        if int(address, 16) < ram_begin or name == ".data":
+            code += int(size, 16)
+    return code, ram
 
 
 def examine(elf):
-    """What is known of an image: flash, ram, stack, stack_reserved, chains, problems."""
+    """What is known of an image: code, ram, stack, stack_reserved, chains, problems."""
     symbols = read_symbols(elf)
     problems = [f"{what}: {name} is linked" for what, pattern in
                 (("heap", HEAP), ("double arithmetic", DOUBLE), ("exceptions", EXCEPTIONS))
                 for name in symbols if pattern.match(name)]
-    bound = StackBound(elf, symbols)
-    main, main_chain = bound.worst(ROOT)
-    handlers = [name for name in symbols if name.endswith("_handler") and name != ROOT]
-    handler, handler_chain = max(bound.worst(name) for name in handlers)
+    linked = library_functions(elf)
+    problems += [f"double arithmetic: {name} computes in it" for name, function in linked.items() if function.double]
+    bound = StackBound(elf, symbols, linked)
+    chains = [bound.worst(ROOT)]
+    stack = chains[0][0]
+    if handlers := [name for name in symbols if name.endswith("_handler") and name != ROOT]:
+        chains.append(max(bound.worst(name) for name in handlers))
+        stack += SAVED_BY_PROCESSOR + chains[1][0]
     reserved = symbols["image_stack_top"] - symbols["image_stack_bottom"]
-    stack = main + SAVED_BY_PROCESSOR + handler
     problems += sorted(bound.problems)
     if stack > reserved:
         problems.append(f"the stack may need {stack} bytes; {reserved} are reserved")
-    flash, ram = memory_use(elf)
-    return {"flash": flash, "ram": ram, "stack": stack, "stack_reserved": reserved,
-            "chains": [(main, main_chain), (handler, handler_chain)], "problems": problems}
+    code, ram = memory_use(elf, symbols["image_stack_bottom"])  # which lies lowest in RAM
+    return {"code": code, "ram": ram, "stack": stack, "stack_reserved": reserved, "chains": chains, "problems": problems}
 
 
 def demangled(chain):
@@ -193,15 +199,15 @@ def demangled(chain):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("image")
-    parser.add_argument("--flash", type=int, required=True, help="most bytes of flash")
+    parser.add_argument("--code", type=int, required=True, help="most bytes of code, constants and initial values")
     parser.add_argument("--ram", type=int, required=True, help="most bytes of RAM, with the stack")
     arguments = parser.parse_args()
     facts = examine(arguments.image)
     problems = facts["problems"]
-    for memory, most in (("flash", arguments.flash), ("ram", arguments.ram)):
+    for memory, most in (("code", arguments.code), ("ram", arguments.ram)):
         if facts[memory] > most:
             problems.append(f"{memory}: {facts[memory]} bytes are more than {most}")
-    print(f"{os.path.basename(arguments.image)}: flash {facts['flash']} of {arguments.flash} bytes, "
+    print(f"{os.path.basename(arguments.image)}: code {facts['code']} of {arguments.code} bytes, "
           f"RAM {facts['ram']} of {arguments.ram}, stack at most {facts['stack']} of {facts['stack_reserved']}")
     for size, chain in facts["chains"]:
         print(f"  {size} bytes: {demangled(chain)}")

@@ -1,94 +1,118 @@
 #!/usr/bin/env bash
-# Builds a target's images and runs them on an emulated machine against the simulated axis.
+# Builds targets' images and runs them on emulated machines against the simulated axis.
 set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
 usage() {
   cat <<'HELP'
-Usage: toolchain/emulate.sh stm32f405 [--costs]
+Usage: toolchain/emulate.sh TARGET... [--costs]
 
-Installs what is needed and missing (Debian packages, as root or by sudo), builds the images for the target and runs, on
+Installs what is needed and missing (Debian packages, as root or by sudo), builds the images for each target and runs, on
 QEMU and beside it on this host:
-  proofs       no heap, no double arithmetic, a bounded stack, at most 64 KiB of flash and 16 KiB of RAM
+  proofs       no heap, no double arithmetic, a bounded stack, and a size
+  closed loop  the controller node moves the simulated axis over a tour of targets: every frame equal to the same node's on
+               the host
   replay       5000 recorded steps and 20000 hostile ones: equal to the host's bit for bit, and no step above its bound of
                instructions
-  closed loop  the controller node over slcan moves the simulated axis over a tour of targets: every frame and position equal
-               to the same node on the host
 
-  --costs      also write firmware/targets/stm32f405/COSTS.md
+  stm32f405    Cortex-M4F over slcan, the world on this host
+  zynqmp_r5    Cortex-R5F on CAN at 1 kHz for 10 s, the world on the other core of the emulated machine
+  --costs      also write firmware/targets/COSTS.md, for which both targets must be named
 
-Images: build/stm32f405/firmware/targets/stm32f405/*.elf, .hex, .bin. Exit codes: 0 passed, 1 failed, 2 the machine or the
-command line is at fault.
+Images: build/TARGET/firmware/targets/TARGET/*.elf. Exit codes: 0 passed, 1 failed, 2 the machine or the command line is at
+fault.
 HELP
 }
 
-target='' costs=()
+known=(stm32f405 zynqmp_r5)
+targets=() costs=false
 for argument in "$@"; do
   case $argument in
     -h | --help) usage && exit 0 ;;
-    --costs) costs=(--costs "$root/firmware/targets/stm32f405/COSTS.md") ;;
-    stm32f405) target=$argument ;;
-    *) die "unknown argument '$argument'; see --help" ;;
+    --costs) costs=true ;;
+    *)
+      [[ " ${known[*]} " == *" $argument "* ]] || die "unknown argument '$argument'; see --help"
+      targets+=("$argument")
+      ;;
   esac
 done
-[[ -n $target ]] || die "say which target: stm32f405; see --help"
+((${#targets[@]})) || die "say which target: ${known[*]}; see --help"
+$costs && ((${#targets[@]} < ${#known[@]})) && die "--costs needs the results of all targets: ${known[*]}"
 
-require_packages run emulate
-cd -- "$root"
-
-host=build/release
-options=()
-[[ -e $host/CMakeCache.txt ]] || options=(-DBREAKAWAY_BUILD_TESTS=OFF)
-cmake --preset release "${options[@]}" --log-level=WARNING
-cmake --build --preset release --target emulation
-
-# The host's results, and beside them what the target is to read.
-work=$root/build/$target/replay
-mkdir -p -- "$work/emulated"
-"$host/tests/emulated/host/host_replay" "$work"
-cp -- "$work"/*.tape "$work/emulated"
-
-cmake --preset "$target" -DBREAKAWAY_AXIS_FOLDER="$root/$host/tests/emulated/host/axis" --log-level=WARNING
-cmake --build --preset "$target"
-images=$root/build/$target/firmware/targets/$target
-tests=$root/build/$target/tests/emulated/$target
-
-printf '\n=== proofs\n'
-prove() { python3 -B toolchain/check_image.py "$1" --flash 65536 --ram 16384; }
-for image in "$images"/*.elf "$tests"/{replay,lockstep}.elf; do
-  prove "$image"
-done
-# A proof that nothing fails proves nothing.
 fail() {
   printf 'FAIL: %s\n' "$1" >&2
   exit 1
 }
-refusals=$(prove "$tests/spoiled.elf") && fail 'the spoiled image passes the proofs'
-for refusal in heap 'double arithmetic' recursion 'has no bound' 'by pointer'; do
-  [[ $refusals == *"$refusal"* ]] || fail "the proofs do not find '$refusal' in the spoiled image"
-done
 
-# emulate <image> <counts file> [QEMU option...]: counts between the marks of the image.
-emulate() {
-  local symbol begin end
-  symbol() { arm-none-eabi-nm "$1" | sed -n "s/^\([0-9a-f]*\) . $2$/0x\1/p"; }
-  begin=$(symbol "$1" count_begin) end=$(symbol "$1" count_end)
-  exec timeout -k 5 120 qemu-system-arm -M netduinoplus2 -accel tcg -kernel "$1" -nodefaults -display none -monitor none \
-    -semihosting-config enable=on,target=native \
-    -plugin "$root/$host/tests/emulated/host/libinstruction_count.so,begin=$begin,end=$end,out=$2" "${@:3}" </dev/null
+# build_target <target>: its images, in $images, and those of its tests, in $tests.
+build_target() {
+  images=$root/build/$1/firmware/targets/$1
+  tests=$root/build/$1/tests/emulated/$1
+  cmake --preset "$1" -DBREAKAWAY_AXIS_FOLDER="$host/axis" --log-level=WARNING
+  cmake --build --preset "$1"
 }
 
-printf '\n=== closed loop\n'
-socket=$(mktemp -d)
-trap 'kill "$machine" 2>/dev/null || true; rm -rf -- "$socket"' EXIT
-(emulate "$tests/lockstep.elf" "$work/emulated/lockstep.counts" -icount shift=3,sleep=off \
-  -serial "unix:$socket/slcan,server=on,wait=on") >"$work/emulated/lockstep.log" 2>&1 &
-machine=$!
-timeout 120 "$host/tests/emulated/host/emulated_axis" "$socket/slcan" || fail "the closed loop; see $work/emulated/lockstep.log"
-kill "$machine" 2>/dev/null || true
-wait "$machine" || true
+# prove <most bytes of code> <of RAM> <image>...; and that a spoiled image is refused: a proof that nothing fails proves
+# nothing.
+prove() {
+  local image refusal refusals
+  check() { python3 -B toolchain/check_image.py "$@"; }
+  for image in "${@:3}"; do
+    check "$image" --code "$1" --ram "$2"
+  done
+  refusals=$(check "$tests/spoiled.elf" --code "$1" --ram "$2") && fail 'the spoiled image passes the proofs'
+  for refusal in heap 'double arithmetic' recursion 'has no bound' 'by pointer'; do
+    [[ $refusals == *"$refusal"* ]] || fail "the proofs do not find '$refusal' in the spoiled image"
+  done
+}
 
-printf '\n=== replay\n'
-(cd -- "$work/emulated" && emulate "$tests/replay.elf" replay.counts)
-python3 -B tests/emulated/report.py "$work" "$host/tests/emulated/host/host_replay" "$images" "${costs[@]}"
-printf '\n%s: passed in %d s\n' "$target" "$SECONDS"
+# counting <image> <counts file> [option...]: QEMU's plugin option that counts instructions between the marks of the image.
+counting() {
+  local symbol
+  symbol() { arm-none-eabi-nm "$1" | sed -n "s/^\([0-9a-f]*\) . $2$/0x\1/p"; }
+  printf '%s,begin=%s,end=%s,out=%s' "$host/libinstruction_count.so" "$(symbol "$1" count_begin)" \
+    "$(symbol "$1" count_end)" "$2"
+  printf ',%s' "${@:3}"
+}
+
+# run_target <target>: in a shell of its own, so that what it leaves running ends with it.
+run_target() (
+  printf '\n=== %s: images\n' "$1"
+  work=$root/build/$1/run
+  rm -rf -- "$work"
+  mkdir -p -- "$work/emulated"
+  cp -- "$tapes"/*.tape "$work/emulated"
+  cp -- "$tapes"/*.results "$work"
+  build_target "$1"
+  source "$toolchain/emulated/$1.sh"
+  printf '\n=== %s: proofs\n' "$1"
+  prove_images
+  printf '\n=== %s: closed loop\n' "$1"
+  run_closed_loop
+  printf '\n=== %s: replay\n' "$1"
+  (cd -- "$work/emulated" && emulate_replay)
+  python3 -B tests/emulated/report.py "$1" "$work" "$images"
+)
+
+require_packages run emulate
+cd -- "$root"
+
+release=$root/build/release
+options=()
+[[ -e $release/CMakeCache.txt ]] || options=(-DBREAKAWAY_BUILD_TESTS=OFF)
+cmake --preset release "${options[@]}" --log-level=WARNING
+cmake --build --preset release --target emulation
+
+# The host's results, and what the targets are to read.
+host=$release/tests/emulated/host
+tapes=$release/tests/emulated/tapes
+mkdir -p -- "$tapes"
+"$host/host_replay" "$tapes"
+
+for target in "${targets[@]}"; do
+  run_target "$target"
+done
+if $costs; then
+  python3 -B tests/emulated/costs.py "$host/host_replay" "$tapes" firmware/targets/COSTS.md "$root/build"
+fi
+printf '\n%s: passed in %d s\n' "${targets[*]}" "$SECONDS"

@@ -1,4 +1,4 @@
-// The controller node on CAN0 of the processing system: what the image, and its twin for emulation, run.
+// The controller node on a CAN controller of the processing system: what the image, and its twin for emulation, run.
 #pragma once
 
 #include "breakaway/bare_metal/mmio.hpp"
@@ -17,8 +17,8 @@ struct Peripheral {
   static std::uint32_t read(std::uint32_t offset) noexcept { return bare_metal::reg32(Base + offset); }
   static void write(std::uint32_t offset, std::uint32_t value) noexcept { bare_metal::reg32(Base + offset) = value; }
 };
-using Can0 = Peripheral<0xFF06'0000>;
-using Can1 = Peripheral<0xFF07'0000>;
+template <unsigned Controller>
+using Can = Peripheral<0xFF06'0000 + 0x1'0000 * Controller>;
 using SystemWatchdog = Peripheral<0xFF15'0000>;
 
 inline constexpr std::uint32_t core_Hz = BREAKAWAY_CORE_HZ, can_Hz = BREAKAWAY_CAN_HZ,
@@ -26,7 +26,8 @@ inline constexpr std::uint32_t core_Hz = BREAKAWAY_CORE_HZ, can_Hz = BREAKAWAY_C
 
 class CanNode {
  public:
-  using Port = xilinx_can::Port<Can0>;
+  using Registers = Can<BREAKAWAY_CAN_CONTROLLER>;
+  using Port = xilinx_can::Port<Registers>;
 
   CanNode() noexcept : port_{can_}, watchdog_{watchdog_registers_}, node_{port_, flashed::node} {}
 
@@ -68,7 +69,7 @@ class CanNode {
       xilinx_can::Filter{0x07F, flashed::node.drive.node_id},
       xilinx_can::Filter{0x7FF, static_cast<std::uint16_t>(0x200 + flashed::node.loop.node_id)}};
 
-  Can0 can_;
+  Registers can_;
   SystemWatchdog watchdog_registers_;
   Port port_;
   Watchdog<SystemWatchdog> watchdog_;

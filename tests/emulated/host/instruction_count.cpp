@@ -1,9 +1,10 @@
 // A plugin of QEMU that counts the guest's instructions from each passage of one address to the next passage of
 // another.
 //
-//   -plugin libinstruction_count.so,begin=0x...,end=0x...,out=FILE
+//   -plugin libinstruction_count.so,begin=0x...,end=0x...,out=FILE[,below=0x...]
 //
-// FILE gets one count a line, in order. The count is of instructions executed, exact and the same in every run.
+// FILE gets one count a line, in order. The count is of instructions executed, exact and the same in every run; with
+// `below`, of those at lower addresses, so that another processor that runs code of its own does not count.
 // QEMU 7.2 ships no header for plugins; the declarations are those of its plugin interface, version 1.
 #include <cstdint>
 #include <cstdio>
@@ -32,7 +33,7 @@ namespace {
 
 constexpr std::uint64_t thumb_bit = 1;
 
-std::uint64_t executed = 0, at_begin = 0, begin_address = 0, end_address = 0;
+std::uint64_t executed = 0, at_begin = 0, begin_address = 0, end_address = 0, below_address = UINT64_MAX;
 bool counting = false;
 std::FILE* output =
     nullptr;  // flushed by exit(); nothing here may have a destructor, which would run before the last callback
@@ -57,7 +58,8 @@ void instrument(qemu_plugin_id_t, qemu_plugin_tb* block) {
       qemu_plugin_register_vcpu_insn_exec_cb(instruction, pass_begin, QEMU_PLUGIN_CB_NO_REGS, nullptr);
     if (address == end_address)
       qemu_plugin_register_vcpu_insn_exec_cb(instruction, pass_end, QEMU_PLUGIN_CB_NO_REGS, nullptr);
-    qemu_plugin_register_vcpu_insn_exec_inline(instruction, QEMU_PLUGIN_INLINE_ADD_U64, &executed, 1);
+    if (address < below_address)
+      qemu_plugin_register_vcpu_insn_exec_inline(instruction, QEMU_PLUGIN_INLINE_ADD_U64, &executed, 1);
   }
 }
 
@@ -67,6 +69,8 @@ bool read_argument(std::string_view argument) {
     begin_address = std::strtoull(value().c_str(), nullptr, 0) & ~thumb_bit;
   else if (argument.starts_with("end="))
     end_address = std::strtoull(value().c_str(), nullptr, 0) & ~thumb_bit;
+  else if (argument.starts_with("below="))
+    below_address = std::strtoull(value().c_str(), nullptr, 0);
   else if (argument.starts_with("out="))
     output = std::fopen(value().c_str(), "w");
   else
@@ -80,7 +84,7 @@ extern "C" [[gnu::visibility("default")]] int qemu_plugin_install(qemu_plugin_id
                                                                   char** arguments) {
   for (int i = 0; i < count; ++i) {
     if (read_argument(arguments[i])) continue;
-    std::fprintf(stderr, "instruction_count: does not know '%s'; takes begin=, end=, out=\n", arguments[i]);
+    std::fprintf(stderr, "instruction_count: does not know '%s'; takes begin=, end=, below=, out=\n", arguments[i]);
     return -1;
   }
   if (begin_address == 0 || end_address == 0 || output == nullptr) {

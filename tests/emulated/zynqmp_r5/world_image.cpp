@@ -1,6 +1,6 @@
-// The world of the controller on the other core of the RPU: the project's drive emulator and plant, on CAN1. It keeps
-// the controller's time: a sixteenth of a period after each SYNC, when all that the controller says in a period has
-// been said, the world passes to the next period and answers.
+// The world of the controller on the other core of the RPU: the project's drive emulator and plant, on the other CAN
+// controller. It keeps the controller's time: a sixteenth of a period after each SYNC, when all that the controller
+// says in a period has been said, the world passes to the next period and answers.
 #include "axis_world.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "can_node.hpp"
@@ -29,6 +29,8 @@ bool write_file(std::string_view name, const std::vector<Item>& items) {
 
 class WorldNode {
  public:
+  using Registers = zynqmp_r5::Can<1 - BREAKAWAY_CAN_CONTROLLER>;
+
   WorldNode()
       : port_{can_}, world_{periods_to_run, [this](const hal::CanFrame& frame) {
                               if (!port_.send(frame, hal::Time::max()).ok()) ++refused_;
@@ -67,8 +69,8 @@ class WorldNode {
   }
   std::uint32_t since_sync() const { return zynqmp_r5::CycleCounter::read() - sync_at_; }
 
-  zynqmp_r5::Can1 can_;
-  xilinx_can::Port<zynqmp_r5::Can1> port_;
+  Registers can_;
+  xilinx_can::Port<Registers> port_;
   std::uint32_t sync_at_ = 0;
   std::uint32_t refused_ = 0;
   AxisWorld world_;

@@ -1,0 +1,23 @@
+# An STM32F405 (netduinoplus2) whose controller node speaks slcan to the world on this host. emulate.sh sources this.
+
+prove_images() { prove 65536 16384 "$images"/*.elf "$tests"/{replay,lockstep}.elf; }
+
+# emulate <image> <counts file> [QEMU option...]
+emulate() {
+  exec timeout -k 5 120 qemu-system-arm -M netduinoplus2 -accel tcg -kernel "$1" -nodefaults -display none -monitor none \
+    -semihosting-config enable=on,target=native -plugin "$(counting "$1" "$2")" "${@:3}" </dev/null
+}
+
+run_closed_loop() {
+  local log=$work/emulated/lockstep.log
+  socket=$(mktemp -d)
+  trap 'kill "$machine" 2>/dev/null || true; rm -rf -- "$socket"' EXIT
+  (emulate "$tests/lockstep.elf" "$work/emulated/node.counts" -icount shift=3,sleep=off \
+    -serial "unix:$socket/slcan,server=on,wait=on") >"$log" 2>&1 &
+  machine=$!
+  timeout 120 "$host/emulated_axis" "$socket/slcan" || fail "the closed loop; see $log"
+  kill "$machine" 2>/dev/null || true
+  wait "$machine" || true
+}
+
+emulate_replay() { (emulate "$tests/replay.elf" replay.counts); }
