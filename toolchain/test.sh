@@ -79,6 +79,7 @@ step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
 step 'release tests' run_tests release
 if ! $quick; then
   step 'stm32f405 on an emulated machine' toolchain/emulate.sh stm32f405
+  step 'zynqmp_r5 on an emulated machine' toolchain/emulate.sh zynqmp_r5
   step 'sanitizer build' build asan-ubsan
   step 'sanitizer tests' run_tests asan-ubsan -LE '^(slow|package)$'
   step 'fuzzer build' build fuzz
