@@ -102,7 +102,7 @@ TEST_F(XilinxCanPortTest, SaysThatTheFifoIsFullAndTakesFramesAgainOnceItWasEmpty
   for (const bool shows_fullness : {true, false}) {
     controller.shows_fullness = shows_fullness;
     int accepted = 0;
-    while (send(0x100)) ++accepted;
+    while (accepted < 100 && send(0x100)) ++accepted;
     EXPECT_EQ(accepted, 64);
     EXPECT_EQ(port.send(frame_of(1), now + 1ms).code, StatusCode::queue_full);
     all_sent();
@@ -130,6 +130,13 @@ TEST_F(XilinxCanPortTest, KeepsFramesThatAreLateForNothing) {
   ASSERT_TRUE(port.send(frame_of(1), Time::max()).ok());
   port.poll(now + 600s);
   EXPECT_EQ(all_sent(), std::vector<std::uint32_t>{1});
+}
+
+TEST_F(XilinxCanPortTest, HoldsTheEarliestDeadlineOfThoseThatWait) {
+  ASSERT_TRUE(send(1));
+  ASSERT_TRUE(port.send(frame_of(2), now + 10s).ok());
+  port.poll(now + 1ms);
+  EXPECT_EQ(controller.waiting(), 0U);
 }
 
 TEST_F(XilinxCanPortTest, NeverResetsAControllerThatSendsInTime) {
