@@ -17,12 +17,15 @@ QEMU and beside it on this host:
 
   stm32f405    Cortex-M4F over slcan, the world on this host
   zynqmp_r5    Cortex-R5F on CAN at 1 kHz for 10 s, the world on the other core of the emulated machine
+  linux        breakaway-node in a guest with CAN interfaces; on its own, see toolchain/emulate.sh linux --help
   --costs      also write firmware/targets/COSTS.md, for which both targets must be named
 
 Images: build/TARGET/firmware/targets/TARGET/*.elf. Exit codes: 0 passed, 1 failed, 2 the machine or the command line is at
 fault.
 HELP
 }
+
+[[ ${1-} != linux ]] || exec "$toolchain/emulate_linux.sh" "${@:2}"
 
 known=(stm32f405 zynqmp_r5)
 targets=() costs=false

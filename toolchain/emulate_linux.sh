@@ -32,8 +32,27 @@ options=()
 cmake --preset release "${options[@]}" --log-level=WARNING
 cmake --build --preset release --target breakaway_cli breakaway_node
 
+# Other people's CANopen. Where npm comes from elsewhere than Debian, Debian's would not go with it.
+peers=$root/build/guest/peers
+install_peers() {
+  local modules=(socketcan node-crc) module
+  command -v npm >/dev/null || require_packages npm
+  rm -rf -- "$peers"
+  mkdir -p -- "$peers"
+  [[ ! -e /usr/include/node/node.h ]] || export npm_config_nodedir=/usr
+  npm install --prefix "$peers" --no-audit --no-fund --loglevel=error --ignore-scripts canopen@6.2.1 socketcan@4.0.7
+  npm rebuild --prefix "$peers" --loglevel=error "${modules[@]}" >"$peers/rebuild.log" 2>&1 || true
+  for module in "${modules[@]}"; do
+    compgen -G "$peers/node_modules/$module/build/Release/*.node" >/dev/null ||
+      die "npm could not build $module; see $peers/rebuild.log"
+  done
+  touch -- "$peers/ready"
+}
+[[ -e $peers/ready ]] || install_peers
+
 code=0
-toolchain/guest.sh --bitrate 1000000 --timeout 600 python3 -B tests/guest/linux_node.py "$host" "$@" || code=$?
+toolchain/guest.sh --bitrate 1000000 --timeout 600 env NODE_PATH="$peers/node_modules" \
+  python3 -B tests/guest/linux_node.py "$host" "$@" || code=$?
 if ((code != 0)); then
   printf 'linux: FAILED (exit code %d)\n' "$code" >&2
   exit 1

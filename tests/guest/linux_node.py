@@ -293,6 +293,88 @@ def slcan_with_real_error_states(build):
     return "error-passive passed over; bus-off named, nothing sent until it was over, then at the target"
 
 
+PEERS = "tests/guest/peers"
+
+
+@scene
+def a_foreign_master_commands_the_drive(build):
+    """The npm package canopen as NMT master, SDO client and SYNC producer."""
+    with Bench(build) as b:
+        drive = b.drive("vcan0")
+        master = b.start("node", f"{PEERS}/master.js", "vcan0")
+        code = master.end()
+        require(code == 0 and "done" in master.output(), f"exit code {code}:\n{master.output()}")
+        require(drive.terminate() == 0, "the drive failed")
+    return f"{len(master.output().splitlines()) - 1} answers as they should be"
+
+
+def scene_with_period(period_s, path):
+    """The scene at a slower rate, with the accuracy that is certified there."""
+    floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
+    with open(bench.SCENE, encoding="utf-8") as text:
+        changed = text.read()
+    for old, new in (("period_s = 0.001", f"period_s = {period_s}"),
+                     ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
+                     ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):
+        require(old in changed, f"{bench.SCENE} has no '{old}'")
+        changed = changed.replace(old, new)
+    with open(path, "w", encoding="utf-8") as text:
+        text.write(changed)
+    return path
+
+
+@scene
+def a_foreign_drive_is_set_up_and_enabled(build):
+    """The npm package canopen as SDO server and NMT slave with PDOs; it needs some of a period of 4 ms."""
+    with Bench(build) as b:
+        slow = scene_with_period(0.004, "/dev/shm/slow.toml")
+        slave = b.start("chrt", "-f", "70", "node", f"{PEERS}/slave.js", "vcan0", "9")
+        slave.wait_for("listens")
+        node = b.node("vcan0", "--node-id", "9", "--target", "0", "--duration", "1", scene=slow)
+        code = node.end()
+        require(code == 0, f"exit code {code}:\n{node.output()}\n{slave.output()}")
+        for text in ("mode 10", "NMT state 5", "controlword 6", "controlword 7", "controlword f", "NMT state 127"):
+            require(text in slave.output(), f"the drive was not told '{text}':\n{slave.output()}")
+    return "set up by SDO, started, enabled, at rest on the target, released"
+
+
+@scene
+def other_traffic_passes_by(build):
+    """can-utils fill the bus, python-can talks to the drive, and tshark understands every frame of the session."""
+    with Bench(build) as b:
+        recorder = b.record("vcan0")
+        b.drive("vcan0")
+        b.drive("vcan0", "--node-id", "2")
+        noise = [b.start("cangen", "vcan0", "-g", "1", "-e"), b.start("cangen", "vcan0", "-g", "1", "-I", "3FF")]
+        node = b.node("vcan0", "--duration", "4", "--target", "0")
+        asked = b.start("python3", "-B", f"{PEERS}/ask.py", "vcan0")
+        require(asked.end() == 0, f"python-can:\n{asked.output()}")
+        code = node.end()
+        require(code == 0, f"exit code {code}:\n{node.output()}")
+        ticks, missed, _ = latencies(node.output())
+        require(missed == 0, f"{missed} of {ticks} ticks missed")
+        for generator in noise:
+            generator.terminate()
+        frames = bench.frames_of(recorder)
+        foreign = [f for f in frames if f.can_id == 0x3FF or f.can_id > 0x7FF]
+        require(len(foreign) > 4000, f"only {len(foreign)} foreign frames")
+        ours = "/dev/shm/session.log"
+        with open(recorder.output_path, encoding="ascii") as log, open(ours, "w", encoding="ascii") as kept:
+            lines = [line for line in log if re.search(r" [0-9A-F]{3}#", line) and " 3FF#" not in line]
+            kept.writelines(lines)
+        counted = understood_by_tshark(ours)
+        require(counted == len(lines), f"tshark understands {counted} of {len(lines)} frames")
+    return f"0 of {ticks} ticks missed among {len(foreign)} foreign frames; tshark reads {counted} CANopen frames"
+
+
+def understood_by_tshark(log):
+    """The frames that its dissector takes for CANopen without a complaint."""
+    shown = subprocess.run(["tshark", "-r", log, "-d", "can.subdissector,canopen", "-Y",
+                            "canopen and not _ws.malformed and not _ws.expert.severity >= 6291456", "-T", "fields", "-e",
+                            "frame.number"], check=True, capture_output=True, text=True).stdout
+    return len(shown.splitlines())
+
+
 @scene
 def no_can_in_the_kernel(build):
     """The last: the module does not come back."""
