@@ -42,6 +42,11 @@ extern "C" {
 }
 
 [[noreturn]] void reset_handler() {
+  // Exceptions enter at 0, in Arm state, whatever the loader set.
+  constexpr std::uint32_t high_vectors = 1U << 13, thumb_exceptions = 1U << 30;
+  std::uint32_t control;
+  asm volatile("mrc p15, 0, %0, c1, c0, 0" : "=r"(control));
+  asm volatile("mcr p15, 0, %0, c1, c0, 0\n isb" ::"r"(control & ~(high_vectors | thumb_exceptions)) : "memory");
   // Access to the FPU, then the FPU itself, before the first float: full compliance, so that it computes what IEEE 754
   // says also below the normal range.
   std::uint32_t access;

@@ -4,7 +4,7 @@
 // The transmit FIFO keeps the order of requests, so that an RPDO leaves before its SYNC. It gives no frame back, and
 // keeps its frames through bus-off and configuration mode: the only way to forget a frame is to reset the controller.
 // So the port resets it when a frame is still there at its deadline, on a purge, and on bus-off; with that the error
-// counters begin anew.
+// counters begin anew, and a frame on the wire is cut off.
 #pragma once
 
 #include <algorithm>
