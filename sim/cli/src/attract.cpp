@@ -23,7 +23,7 @@ using design::Attractivity;
 using machine::Fate;
 using scenario::InputError;
 
-struct AttractOptions {
+struct AttractCommand {
   std::string system, plane = "1,2", json, picture;
   double window = 0;  // 0: that fits
   int depth = 10;
@@ -60,7 +60,7 @@ std::vector<SweepRow> swept(const scenario::MachineScenario& s) {
   return rows;
 }
 
-Found find(const AttractOptions& options, const scenario::MachineScenario& s) {
+Found find(const AttractCommand& options, const scenario::MachineScenario& s) {
   const design::LinearSystem system = machine::linear_system(s.machine);
   const std::array<int, 2> plane = read_plane(options.plane, static_cast<int>(s.machine.coordinates()));
   auto equilibria = design::EquilibriumSet::make(system);
@@ -198,7 +198,7 @@ void print_summary(const scenario::MachineScenario& s, const Found& found) {
   }
 }
 
-int attract(const AttractOptions& options) {
+int attract(const AttractCommand& options) {
   const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
   if (!options.picture.empty()) report::require_picture_ending(options.picture);
   if (!options.picture.empty() && options.picture == options.json)
@@ -217,7 +217,7 @@ int attract(const AttractOptions& options) {
 }  // namespace
 
 void add_attract(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<AttractOptions>();
+  const auto options = std::make_shared<AttractCommand>();
   CLI::App* command = app.add_subcommand("attract", "Where a machine with friction is certain to come to rest");
   command->add_option("system", options->system, "The machine, a TOML file with [machine]")->required();
   command->add_option("--json", options->json, "Write all findings as JSON to this file; - is standard output")

@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double most_points = 1e8;  // 0.9 GB
 
-struct BasinOptions {
+struct BasinCommand {
   std::string system, plane = "1,2", shard = "0/1", json, csv, picture, resume;
   std::vector<std::string> merge;
   int points = 101;
@@ -50,11 +50,11 @@ machine::Shard read_shard(const std::string& text) {
   return {(*shard)[0], (*shard)[1]};
 }
 
-machine::Grid read_grid(const BasinOptions& options, int coordinates) {
+machine::Grid read_grid(const BasinCommand& options, int coordinates) {
   return {options.points, options.window, read_plane(options.plane, coordinates)};
 }
 
-void check(const BasinOptions& options, const machine::Shard& shard) {
+void check(const BasinCommand& options, const machine::Shard& shard) {
   std::vector<std::string> outputs;
   for (const std::string& path : {options.json, options.csv, options.picture, options.resume}) {
     if (!path.empty()) outputs.push_back(path);
@@ -101,7 +101,7 @@ struct Simulated {
   double seconds = 0;
 };
 
-Simulated decide(const BasinOptions& options, const scenario::MachineScenario& s, Basin& basin) {
+Simulated decide(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
   std::optional<machine::Journal> journal;
   if (!options.resume.empty()) journal.emplace(options.resume, machine::table_label(basin.grid(), s), basin);
   const auto begin = Clock::now();
@@ -115,7 +115,7 @@ Simulated decide(const BasinOptions& options, const scenario::MachineScenario& s
   return {trajectories, seconds_since(begin)};
 }
 
-void merge(const BasinOptions& options, const scenario::MachineScenario& s, Basin& basin) {
+void merge(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
   for (const std::string& path : options.merge) {
     machine::read_table(path, machine::table_label(basin.grid(), s), basin);
   }
@@ -166,7 +166,7 @@ void print_summary(const scenario::MachineScenario& s, const Basin& basin, const
   }
 }
 
-int basin_of(const BasinOptions& options) {
+int basin_of(const BasinCommand& options) {
   const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
   const machine::Shard shard = read_shard(options.shard);
   const machine::Grid grid = read_grid(options, static_cast<int>(s.machine.coordinates()));
@@ -187,7 +187,7 @@ int basin_of(const BasinOptions& options) {
 }  // namespace
 
 void add_basin(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<BasinOptions>();
+  const auto options = std::make_shared<BasinCommand>();
   CLI::App* command = app.add_subcommand("basin", "Region of attraction of a machine with friction, on a grid");
   command->add_option("system", options->system, "The machine, a TOML file with [machine]")->required();
   command->add_option("--grid", options->points, "Points along each axis")->required()->check(CLI::Range(2, 1'000'000));

@@ -18,7 +18,7 @@ namespace {
 
 using scenario::Scenario;
 
-struct DesignOptions {
+struct DesignCommand {
   std::string axis, json, report, header;
 };
 
@@ -82,7 +82,7 @@ void print_report(const design::DesignReport& r) {
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
 
-void write_header(const DesignOptions& options, const Scenario& s, const design::AxisDesign& axis,
+void write_header(const DesignCommand& options, const Scenario& s, const design::AxisDesign& axis,
                   const design::DesignReport& report) {
   const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
   if (!flashed) throw scenario::InputError{fmt::format("{}: {}", options.axis, flashed.error().message)};
@@ -90,7 +90,7 @@ void write_header(const DesignOptions& options, const Scenario& s, const design:
 }
 
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
-int design_file(const DesignOptions& options) {
+int design_file(const DesignCommand& options) {
   const Scenario s = scenario::read_scenario(options.axis);
   const design::AxisDesign axis = scenario::axis_design(s);
   const auto report = design::design_axis(axis);
@@ -111,7 +111,7 @@ int design_file(const DesignOptions& options) {
 }  // namespace
 
 void add_design(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<DesignOptions>();
+  const auto options = std::make_shared<DesignCommand>();
   CLI::App* command =
       app.add_subcommand("design", "Check an axis: every assumption with its margin, accuracy, k3 table");
   command

@@ -13,7 +13,7 @@
 namespace breakaway::cli {
 namespace {
 
-struct K3Options {
+struct K3Command {
   design::KickPlant<double> plant{};
   std::vector<double> positions_m;
   std::string json;
@@ -49,7 +49,7 @@ void require_finite(const design::K3<double>& law, double position_m) {
       "--position: k3 at {} m is beyond the range of floating point for this axis; check the units", position_m)};
 }
 
-void k3(const K3Options& options) {
+void k3(const K3Command& options) {
   const auto law = design::K3<double>::make(options.plant);
   if (!law) throw scenario::InputError{law.error().message};
   for (const double y : options.positions_m) require_finite(*law, y);
@@ -60,7 +60,7 @@ void k3(const K3Options& options) {
 }  // namespace
 
 void add_k3(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<K3Options>();
+  const auto options = std::make_shared<K3Command>();
   CLI::App* command = app.add_subcommand("k3", "The exact impulse that sends a resting axis to its target");
   auto& plant = options->plant;
   command->add_option("--mass", plant.mass_kg, "Moving mass [kg]")->required()->check(positive_number);

@@ -22,13 +22,13 @@ namespace {
 using scenario::Result;
 using scenario::Scenario;
 
-struct SimulateOptions {
+struct SimulateCommand {
   std::string scenario, json, csv, candump, report;
   std::array<std::string, 4> outputs() const { return {json, csv, candump, report}; }
   bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
 };
 
-void print_summary(const SimulateOptions& options, const Scenario& s, const Result& r) {
+void print_summary(const SimulateCommand& options, const Scenario& s, const Result& r) {
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   if (r.settled) {
     fmt::print("  settled        at {:.6g} s\n", r.settling_time_s);
@@ -54,7 +54,7 @@ void report_progress(const char* what) {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
 }
 
-void check_outputs(const SimulateOptions& options, const char* no_bus) {
+void check_outputs(const SimulateCommand& options, const char* no_bus) {
   for (const std::string& path : options.outputs()) {
     if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
       throw scenario::InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
@@ -77,7 +77,7 @@ void print_summary(const scenario::MachineScenario& s, const machine::MachineRes
   }
 }
 
-int simulate_machine(const SimulateOptions& options, const scenario::MachineScenario& s) {
+int simulate_machine(const SimulateCommand& options, const scenario::MachineScenario& s) {
   check_outputs(options, "a [machine] has no bus; leave this out");
   const bool trace = !options.csv.empty() || !options.report.empty();
   const machine::MachineResult result = machine::run_machine(s, trace);
@@ -91,7 +91,7 @@ int simulate_machine(const SimulateOptions& options, const scenario::MachineScen
   return result.settled() ? done : failed_check;
 }
 
-int simulate_axis(const SimulateOptions& options, const Scenario& scene) {
+int simulate_axis(const SimulateCommand& options, const Scenario& scene) {
   check_outputs(options,
                 scene.ideal() ? "the scene has no bus; give it a [loop] and a [drive], or leave this out" : nullptr);
   report_progress("simulating");
@@ -108,7 +108,7 @@ int simulate_axis(const SimulateOptions& options, const Scenario& scene) {
   return result.settled ? done : failed_check;
 }
 
-int simulate(const SimulateOptions& options) {
+int simulate(const SimulateCommand& options) {
   const auto scene = scenario::read_any_scenario(options.scenario);
   if (const auto* machine = std::get_if<scenario::MachineScenario>(&scene)) return simulate_machine(options, *machine);
   return simulate_axis(options, std::get<Scenario>(scene));
@@ -117,7 +117,7 @@ int simulate(const SimulateOptions& options) {
 }  // namespace
 
 void add_simulate(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<SimulateOptions>();
+  const auto options = std::make_shared<SimulateCommand>();
   CLI::App* command =
       app.add_subcommand("simulate", "Simulate a scenario: does the axis or machine settle, when and how well?");
   command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();

@@ -18,7 +18,7 @@ namespace {
 
 using namespace scenario;
 
-struct StudyOptions {
+struct StudyCommand {
   std::string scenario, against, json;
   std::vector<std::pair<double, double>> starts{{-4, -4}, {-0.1, 0}, {-0.01, 0}};
   StudyOptions study;
@@ -137,7 +137,7 @@ std::string to_json(const std::vector<Study>& studies, const StudyOptions& optio
   return json.text();
 }
 
-int study(const StudyOptions& options) {
+int study(const StudyCommand& options) {
   StudyOptions what = options.study;
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
   std::vector<Study> studies{run(options.scenario, what)};
@@ -150,7 +150,7 @@ int study(const StudyOptions& options) {
 }  // namespace
 
 void add_study(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<StudyOptions>();
+  const auto options = std::make_shared<StudyCommand>();
   CLI::App* command =
       app.add_subcommand("study", "Run a scene under every friction law of its class, from several starts");
   command->add_option("scenario", options->scenario, "The scene; its own start is not used")->required();

@@ -30,7 +30,7 @@ using scenario::InputError;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-struct SynthesizeOptions {
+struct SynthesizeCommand {
   std::string system, gains = "full", json, scene, picture;
   std::vector<std::string> wants;
   std::vector<double> sweep;
@@ -54,13 +54,13 @@ void read_want(const std::string& text, PdWants& wants) {
   *to = value;
 }
 
-PdWants read_wants(const SynthesizeOptions& options) {
+PdWants read_wants(const SynthesizeCommand& options) {
   PdWants wants;
   for (const std::string& text : options.wants) read_want(text, wants);
   return wants;
 }
 
-void check_outputs(const SynthesizeOptions& options) {
+void check_outputs(const SynthesizeCommand& options) {
   std::vector<std::string> outputs;
   for (const std::string& path : {options.json, options.scene, options.picture}) {
     if (!path.empty()) outputs.push_back(path);
@@ -87,7 +87,7 @@ double velocity_norm_Ns_per_m(const PdDesign& design) {
   return Eigen::JacobiSVD<MatrixXd>(design.gains.velocity_Ns_per_m).singularValues()[0];
 }
 
-std::vector<design::GainSweepRow> sweep(const SynthesizeOptions& options, const Synthesis& s) {
+std::vector<design::GainSweepRow> sweep(const SynthesizeCommand& options, const Synthesis& s) {
   const double norm = velocity_norm_Ns_per_m(s.design);
   if (norm == 0) {
     if (options.sweep.empty()) return {};
@@ -100,7 +100,7 @@ std::vector<design::GainSweepRow> sweep(const SynthesizeOptions& options, const 
 
 // Where B is everything, the simulations start with up to ten times the energy that friction can hold at rest, and
 // more.
-void simulate(const SynthesizeOptions& options, Synthesis& s) {
+void simulate(const SynthesizeCommand& options, Synthesis& s) {
   const plant::LinearMachine<>& machine = s.closed_loop.machine;
   const auto& a = s.design.attractivity;
   s.simulated_level_J = std::isfinite(a.rho_star_J) ? a.rho_star_J : 100 * a.greatest_rest_J;
@@ -144,7 +144,7 @@ void write_sweep(report::JsonWriter& json, const std::vector<design::GainSweepRo
   });
 }
 
-std::string to_json(const Synthesis& s, const SynthesizeOptions& options) {
+std::string to_json(const Synthesis& s, const SynthesizeCommand& options) {
   report::JsonWriter json;
   json.object([&] {
     json.member("title", s.closed_loop.title);
@@ -185,7 +185,7 @@ std::string to_json(const Synthesis& s, const SynthesizeOptions& options) {
   return json.text();
 }
 
-void print_summary(const Synthesis& s, const SynthesizeOptions& options) {
+void print_summary(const Synthesis& s, const SynthesizeCommand& options) {
   const auto& a = s.design.attractivity;
   if (!s.closed_loop.title.empty()) fmt::print("{}\n", s.closed_loop.title);
   fmt::print("  position gain  {} N/m\n", matrix_text(s.design.gains.position_N_per_m));
@@ -210,7 +210,7 @@ void print_summary(const Synthesis& s, const SynthesizeOptions& options) {
   }
 }
 
-std::string draw(const SynthesizeOptions& options, const Synthesis& s, const plant::LinearMachine<>& open) {
+std::string draw(const SynthesizeCommand& options, const Synthesis& s, const plant::LinearMachine<>& open) {
   const double norm = velocity_norm_Ns_per_m(s.design);
   std::vector<machine::SweptMachine> machines;
   for (const auto& row : s.sweep) {
@@ -223,7 +223,7 @@ std::string draw(const SynthesizeOptions& options, const Synthesis& s, const pla
   return machine::draw_sweep(options.picture, machines);
 }
 
-int synthesize(const SynthesizeOptions& options) {
+int synthesize(const SynthesizeCommand& options) {
   check_outputs(options);
   const PdWants wants = read_wants(options);
   const scenario::OpenLoop open = scenario::read_open_loop(options.system);
@@ -257,7 +257,7 @@ int synthesize(const SynthesizeOptions& options) {
 }  // namespace
 
 void add_synthesize(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<SynthesizeOptions>();
+  const auto options = std::make_shared<SynthesizeCommand>();
   CLI::App* command = app.add_subcommand("synthesize", "PD gains of a machine for a wanted region and resting error");
   command
       ->add_option("system", options->system,
