@@ -37,7 +37,9 @@ void report_difference(const std::vector<LoggedFrame>& here, const std::vector<L
   while (i < here.size() && i < there.size() && here[i] == there[i]) ++i;
   const auto text = [&](const std::vector<LoggedFrame>& frames) {
     if (i == frames.size()) return std::string{"nothing"};
-    return fmt::format("period {}, {:03X} {:02X}", frames[i].period, frames[i].id, fmt::join(frames[i].data, " "));
+    std::string line = fmt::format("period {}, {:03X}", frames[i].period, frames[i].id);
+    for (const std::uint8_t byte : frames[i].data) line += fmt::format(" {:02X}", byte);
+    return line;
   };
   fmt::print("first difference, frame {}: host {}; emulated {}\n", i, text(here), text(there));
 }
