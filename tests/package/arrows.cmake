@@ -1,6 +1,6 @@
 # The design's arrows, written down here a second time so that a USES line that breaks them is caught: the controller and the
 # hal know nothing of each other, firmware joins them, and nothing below the simulation knows of it.
-set(hal_leaves hal canopen cia402 virtual_bus slcan bxcan xilinx_can)
+set(hal_leaves hal canopen cia402 virtual_bus slcan bxcan xilinx_can socketcan)
 set(law_may_see law)
 set(design_may_see law design)
 foreach(leaf IN LISTS hal_leaves)

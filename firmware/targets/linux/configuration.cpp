@@ -95,6 +95,7 @@ Configuration read_configuration(const Options& options) {
   c.loop = {.period = c.drive.period, .bit_rate = s.bus->bit_rate, .node_id = c.drive.master_node_id};
   c.tolerance_m = s.run && s.run->settle_tolerance_m > 0 ? s.run->settle_tolerance_m
                                                          : static_cast<double>(c.axis.parameters.position_tolerance_m);
+  c.force_per_per_mille_N = static_cast<float>(1e-6 * s.drive->rated_torque_mNm * s.drive->force_per_torque_N_per_Nm);
   plan_visits(c, s, options);
   return c;
 }

@@ -21,9 +21,10 @@ struct Configuration {
   firmware::LoopConfig loop;
   cia402::DriveConfig<float> drive;
   firmware::AxisLimits<float> limits;
-  std::vector<Visit> visits;  // at least one
-  bool timed = false;         // visits by time, not by rest
-  double tolerance_m = 0;     // at the end of a run the axis is this near to its target, or the run failed
+  std::vector<Visit> visits;        // at least one
+  bool timed = false;               // visits by time, not by rest
+  float force_per_per_mille_N = 0;  // of the scene's drive, for display
+  double tolerance_m = 0;           // at the end of a run the axis is this near to its target, or the run failed
 };
 
 // Throws scenario::InputError with the remedy: the file cannot be used, the axis is not certified by the checks of

@@ -39,7 +39,8 @@ std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Config
   if (const auto state = cia402::state_of(static_cast<std::uint16_t>(values[0]))) record.drive = shown_state(*state);
   record.position_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(values[1]));
   record.target_counts = record.position_counts;
-  // Torque in per mille of a rating that only the drive knows: shown as force for the scene's.
+  record.reported_N =
+      c.force_per_per_mille_N * static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
   return record;
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 using scenario::InputError;
 
-struct Options {
+struct DriveCommand {
   std::string scene, interface;
   unsigned node_id = 0;  // 0: the scene's
   double duration_s = 0;
@@ -135,7 +135,7 @@ void become_realtime() {
         fmt::format("--realtime: {}; run as root, or raise rtprio and memlock in limits.conf", std::strerror(errno))};
 }
 
-drive::DriveConfig drive_config(const scenario::Scenario& s, const Options& options) {
+drive::DriveConfig drive_config(const scenario::Scenario& s, const DriveCommand& options) {
   drive::DriveConfig config = *s.drive;
   if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
   if (!options.supported_modes.empty())
@@ -144,7 +144,7 @@ drive::DriveConfig drive_config(const scenario::Scenario& s, const Options& opti
   return config;
 }
 
-int drive_scene(const Options& options) {
+int drive_scene(const DriveCommand& options) {
   const scenario::Scenario s = scenario::read_scenario(options.scene);
   if (!s.drive) throw InputError{options.scene + ": has no [drive]; give a scene with a drive on a bus"};
   socketcan::KernelSocket socket;
@@ -166,7 +166,7 @@ int drive_scene(const Options& options) {
 }  // namespace
 
 void add_drive(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DriveCommand>();
   CLI::App* command = app.add_subcommand("drive", "Emulate a drive with its axis on a CAN interface, in real time");
   command->add_option("scene", options->scene, "The scene: its [plant], [friction] and [drive]")->required();
   command->add_option("--can", options->interface, "The CAN interface, can0 or vcan0, say")->required();

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/errqueue.h>
 #include <linux/if_arp.h>
 #include <linux/net_tstamp.h>
 #include <linux/sock_diag.h>
@@ -93,7 +94,8 @@ OpenResult KernelSocket::configure() noexcept {
   constexpr can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
   constexpr int yes = 1;
   // Old kernels and some drivers lack time stamps and drop counters: then reception is stamped when it is read.
-  constexpr int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
+  constexpr int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
+                         SOF_TIMESTAMPING_RAW_HARDWARE;
   set(socket_, SOL_SOCKET, SO_TIMESTAMPING, stamps);
   set(socket_, SOL_SOCKET, SO_RXQ_OVFL, yes);
   if (!set(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return fail(OpenResult::failed);
@@ -141,14 +143,21 @@ Io KernelSocket::read(can_frame& frame, hal::Time& received) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET) continue;
     if (part->cmsg_type == SO_TIMESTAMPING) {
-      timespec stamp{};
-      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-      received = on_monotonic_clock(to_time(stamp), now_on(CLOCK_REALTIME), now);
+      received = when(part, now);
     } else if (part->cmsg_type == SO_RXQ_OVFL) {
       std::memcpy(&lost_frames_, CMSG_DATA(part), sizeof lost_frames_);
     }
   }
   return Io::done;
+}
+
+hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
+  scm_timestamping stamps{};
+  std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
+  const hal::Time software = to_time(stamps.ts[0]), hardware = to_time(stamps.ts[2]);
+  hal::Time time = now;
+  if (software != hal::Time{0}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
+  return hardware != hal::Time{0} ? hardware_clock_.align(hardware, time) : time;
 }
 
 std::size_t KernelSocket::unsent_bytes() const noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <net/if.h>
+#include <sys/socket.h>
 
 #include <array>
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "breakaway/socketcan/hardware_clock.hpp"
 #include "breakaway/socketcan/port.hpp"
 
 namespace breakaway::socketcan {
@@ -78,6 +80,7 @@ class KernelSocket {
 
  private:
   OpenResult configure() noexcept;
+  hal::Time when(cmsghdr* part, hal::Time now) noexcept;
   OpenResult fail(OpenResult result) noexcept;
   void close() noexcept;
 
@@ -88,6 +91,7 @@ class KernelSocket {
   int carrier_ = -1;  // /sys/class/net/<name>/carrier
   int error_number_ = 0;
   std::uint32_t lost_frames_ = 0;
+  HardwareClock hardware_clock_;
 };
 
 static_assert(hal::CanPort<Port<KernelSocket>>);
