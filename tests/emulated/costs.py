@@ -79,8 +79,8 @@ Thumb code, the R5F Arm code.
 
 {steps_table(costs, host)}
 
-`toolchain/emulate.sh` fails above {bounds}. The results of all steps, hostile ones included, are equal to the host's bit
-for bit.
+`toolchain/emulate.sh` fails above {bounds}. The results of all steps, hostile ones included, are
+equal to the host's bit for bit.
 
 ## Instructions per step of the whole node
 
@@ -90,7 +90,8 @@ root 14 to 30), and flash or a peripheral may make it wait. `toolchain/emulate.s
 
 {node_table(costs)}
 
-On slcan the time in which the serial line takes the characters comes on top (22 at 1 Mbaud: 220 us).
+On top come, on slcan, the time in which the serial line takes the characters (22 at 1 Mbaud: 220 us), and on the R5F some 30
+accesses to peripherals, whose time on their bus an emulator does not know: 1.5% if each took 0.5 us.
 
 ## Memory, in bytes
 
