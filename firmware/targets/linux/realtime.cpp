@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/mman.h>
-#include <time.h>
 
 #include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <ctime>
 
 namespace breakaway::linux_node {
 namespace {

@@ -1,13 +1,13 @@
 #include "reporter.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <iterator>
 #include <string_view>
 

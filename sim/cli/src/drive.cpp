@@ -3,12 +3,12 @@
 #include <poll.h>
 #include <sched.h>
 #include <sys/mman.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <memory>
 
 #include "breakaway/drive/drive_emulator.hpp"

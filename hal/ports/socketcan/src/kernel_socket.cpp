@@ -9,13 +9,13 @@
 #include <linux/sock_diag.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 
 namespace breakaway::socketcan {
 namespace {
@@ -122,7 +122,7 @@ void KernelSocket::close() noexcept {
   socket_ = carrier_ = -1;
 }
 
-Io KernelSocket::write(const can_frame& frame) noexcept {
+Io KernelSocket::write(const can_frame& frame) const noexcept {
   const ssize_t written = ::send(socket_, &frame, sizeof frame, MSG_DONTWAIT);
   return written == static_cast<ssize_t>(sizeof frame) ? Io::done : failure(errno);
 }

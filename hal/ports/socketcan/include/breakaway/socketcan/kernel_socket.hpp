@@ -71,7 +71,7 @@ class KernelSocket {
 
   // RawSocket
 
-  Io write(const can_frame& frame) noexcept;
+  Io write(const can_frame& frame) const noexcept;
   Io read(can_frame& frame, hal::Time& received) noexcept;
   std::size_t unsent_bytes() const noexcept;
   bool on_bus() const noexcept;
