@@ -1,7 +1,12 @@
 # The RPU of a Zynq UltraScale+ (xlnx-zcu102): the controller on its first core and CAN0, the world on its second core and
 # CAN1, one bus between them. emulate.sh sources this.
 
-prove_images() { prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay}.elf; }
+prove_images() {
+  prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay}.elf
+  (cd -- "$work/emulated" && emulate "$tests/overflow.elf") ||
+    fail "the stack outgrew its memory without a fault there ($?)"
+  printf 'a stack that outgrows its memory faults\n'
+}
 
 # emulate <image> [QEMU option...]: the image at 0 for the first core of the RPU.
 emulate() {

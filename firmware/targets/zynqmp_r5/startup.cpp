@@ -36,7 +36,7 @@ extern "C" {
 
 // An exception ends here. The bus falls silent, the drives' command deadline and heartbeat consumer take the torque
 // off, and the watchdog, which nobody serves any more, resets the processor.
-[[noreturn]] void halt() {
+[[noreturn, gnu::weak]] void halt() {
   asm volatile("cpsid if");
   for (;;) asm volatile("wfi");
 }
