@@ -54,8 +54,10 @@ modules=(virtio_pci virtio_console 9pnet_virtio 9p overlay can can_raw vcan can_
 # Kernel, its modules in the order of their dependencies, and the guest's first program, as one archive to boot from.
 prepare_kernel() (
   cd -- "$cache"
-  package=$(apt-cache depends linux-image-rt-amd64 | sed -n 's/^ *Depends: *\(linux-image-[0-9].*-rt-amd64\)$/\1/p' | head -1)
-  [[ -n $package ]] || die "the package sources know no linux-image-rt-amd64; run apt-get update"
+  newest() { apt-cache depends linux-image-rt-amd64 2>/dev/null | sed -n 's/^ *Depends: *\(linux-image-[0-9].*-rt-amd64\)$/\1/p'; }
+  [[ -n $(newest) ]] || apt-get -q update >&2 || true # a machine whose lists were cleaned away
+  package=$(newest | head -1)
+  [[ -n $package ]] || die "the package sources know no linux-image-rt-amd64; run apt-get update as root"
   compgen -G "${package}_*.deb" >/dev/null || apt-get download -q "$package" 2>&1 | grep -v '^W:' >&2
   rm -rf -- kernel first
   dpkg -x "${package}"_*.deb kernel
