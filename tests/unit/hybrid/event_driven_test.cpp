@@ -172,6 +172,29 @@ TEST(EventDriven, StaysWhereStaticFrictionHolds) {
   EXPECT_EQ(outcome.events, 0U);
 }
 
+// It comes to rest in ever smaller slips, each stick at the limit of static friction: without end, but for rounding.
+TEST(EventDriven, EndsASlipThatIsLostInRounding) {
+  LinearMachine<3, 1> machine;
+  machine.mass << 1.8412899265423803, 0.66296487350257483, 0.36917077656401809, 0.66296487350257483,
+      0.97575605760044937, -0.076167786873186122, 0.36917077656401809, -0.076167786873186122, 0.67374139431349744;
+  machine.damping << 0.41668588862151285, 0.13335631378932172, -0.3157394395152085, 0.13335631378932172,
+      1.4112847613823758, 0.10637869139171144, -0.3157394395152085, 0.10637869139171144, 0.20361522054965264;
+  machine.stiffness << 5.6542942109856416, -2.0219919016572492, 2.4072143434813804, -2.0219919016572492,
+      1.0745721214237025, -1.0496592188587854, 2.4072143434813804, -1.0496592188587854, 3.1848395995985319;
+  machine.directions << 0.70218775702224212, -0.13490984870298306, 0.96238238108575047;
+  machine.friction_N << 0.74317635189179254;
+  const MachineState<3> start{
+      0, {3.6010703801429602, -2.8003992995060702, -7.5513588366606319}, {-10.74149938215376, -6.43362322, 1.10440567}};
+  const auto outcome = EventDriven<3, 1>(machine).run(start, 2000);
+  EXPECT_EQ(outcome.verdict, Verdict::at_rest);
+  EXPECT_TRUE(outcome.end.v.isZero(0));
+  // What the springs need lies along W, at the limit.
+  const Eigen::Vector3d springs = machine.stiffness * outcome.end.q;
+  const double share = springs.dot(machine.directions) / machine.directions.squaredNorm();
+  EXPECT_LT((springs - share * machine.directions).norm(), 1e-11);
+  EXPECT_NEAR(std::abs(share), machine.friction_N[0], 1e-11);
+}
+
 TEST(EventDriven, EndsOnTheCallersDecision) {
   const EventDriven<2, 2> integrator(two_mass_example(), [](const MachineState<2>& state) {
     return state.q.norm() < 1 ? Verdict::captured : Verdict::undecided;

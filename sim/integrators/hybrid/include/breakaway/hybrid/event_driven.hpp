@@ -73,7 +73,8 @@ class EventDriven {
 
   void start_segment(Walk& walk, const Set& in) const;
   void leave_segment(Walk& walk, const Set& in) const;
-  void handle_event(Walk& walk) const;
+  // doubtful: the same instant has been decided again and again.
+  void handle_event(Walk& walk, bool doubtful) const;
   void record(Walk& walk, const Signs& before) const;
   void pass_time(Walk& walk, double duration_s) const;
 
@@ -174,7 +175,7 @@ void EventDriven<N, M>::pass_time(Walk& walk, double duration_s) const {
 }
 
 template <int N, int M>
-void EventDriven<N, M>::handle_event(Walk& walk) const {
+void EventDriven<N, M>::handle_event(Walk& walk, bool doubtful) const {
   const Signs before = walk.at.signs;
   const Watch<N>& cause = walk.segment.ended_by();
   if (cause.facet >= 0) {
@@ -184,7 +185,7 @@ void EventDriven<N, M>::handle_event(Walk& walk) const {
     for (const Watch<N>& watch : walk.segment.watches()) {
       if (walk.segment.stops_too(watch)) stopped |= only(watch.direction);
     }
-    modes_.choose(walk.at, stopped);
+    modes_.choose(walk.at, stopped, doubtful);
   }
   record(walk, before);
 }
@@ -244,9 +245,11 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     const Ending ending = walk.segment.advance((end_time_s - walk.time_s) - walk.time_rest_s);
     leave_segment(walk, in);
     if (ending != Ending::event) return finish_without_event(walk, ending, end_time_s, observer);
-    handle_event(walk);
     at_once = walk.segment.elapsed_s() > 0 ? 0 : at_once + 1;
-    if (at_once > 4 * (modes_.machine().frictions() + 1)) {
+    const auto most_at_once = 2 * (modes_.machine().frictions() + 1);
+    handle_event(walk, at_once > most_at_once);
+    if (at_once > 2 * most_at_once) {
+      if (modes_.lost_in_rounding(walk.at)) return finish_at_rest(walk, observer);
       throw std::runtime_error{
           "the friction directions switch without end at one instant: the machine is too ill-scaled"};
     }

@@ -54,10 +54,14 @@ class HybridModes {
   Coordinates rounding(const State& at, const Set& in) const;
   // Neither velocity nor acceleration, to rounding.
   bool resting(const State& at, const Set& in) const;
+  // Slower than 1e-12 of what the energy in the springs could drive: what is left of a motion that dies out in ever
+  // smaller slips.
+  bool lost_in_rounding(const State& at) const;
 
   // Decides which of the stopped directions stick and which slide, and how. Throws std::runtime_error for a machine so
-  // ill-scaled that no friction forces can be found.
-  void choose(State& at, DirectionSet stopped) const;
+  // ill-scaled that no friction forces can be found. `keep`: what friction can bear sticks, even at its very limit,
+  // where rounding may say that it slides one way and, once sliding, that it stops again.
+  void choose(State& at, DirectionSet stopped, bool keep = false) const;
   // Directions at the very limit of static friction: the same problem one derivative later. A force that moves inward
   // keeps the direction stuck, one that moves outward lets it slide. `forced_facet`: the face that is being crossed, or
   // -1.
@@ -135,6 +139,11 @@ bool HybridModes<N, M>::resting(const State& at, const Set& in) const {
   return (coordinates(at, in).array().abs() <= rounding(at, in).array()).all();
 }
 
+template <int N, int M>
+bool HybridModes<N, M>::lost_in_rounding(const State& at) const {
+  return at.v.dot(machine_.mass * at.v) <= 1e-24 * at.q.dot(machine_.stiffness * at.q);
+}
+
 // Whether static friction can bear what sticking needs. At the very limit it can: whether it then gives way is for
 // release() to say.
 template <int N, int M>
@@ -148,7 +157,7 @@ bool HybridModes<N, M>::holds(const State& at, const Set& in) const {
 }
 
 template <int N, int M>
-void HybridModes<N, M>::choose(State& at, DirectionSet stopped) const {
+void HybridModes<N, M>::choose(State& at, DirectionSet stopped, bool keep) const {
   if (stopped != 0) stopped = set(stopped).sticking;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (contains(stopped, i)) at.signs[i] = 0;
@@ -158,7 +167,7 @@ void HybridModes<N, M>::choose(State& at, DirectionSet stopped) const {
     stopped &= ~release_by_acceleration(at, stopped);
     at.sticking = set(stopped).sticking;
   }
-  release(at, -1);
+  if (!keep) release(at, -1);
 }
 
 // The accelerations at a stop: gamma = A lambda + b with lambda_i in -f_i Sign(gamma_i). With lambda = f (z1 - 1) and

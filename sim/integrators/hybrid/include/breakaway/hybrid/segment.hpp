@@ -18,6 +18,9 @@ namespace breakaway::hybrid {
 
 inline constexpr double never = std::numeric_limits<double>::infinity();
 
+// A motion whose sums are no longer rounded relatively, which has decayed to nothing.
+inline constexpr double faded = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+
 // The largest h with c + c' h - bound h^2 / 2 >= 0, without products that could overflow.
 inline double safe_step(double value, double slope, double bound) {
   if (slope < 0) {
@@ -165,6 +168,11 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
   for (int step = 1;; ++step) {
     const double left_s = duration_s - elapsed_s_;
     const Proof proof = look_ahead(window_s);
+    if (amplitude_.sum() < faded) {
+      x_.setZero();
+      if (duration_s < never) move(left_s);
+      return Ending::forever;
+    }
     if (proof.crossing_s < never) {
       const double surely_s = 2 * proof.crossing_s;  // the crossing is unique up to here
       if (proof.at_crossing || (surely_s < proof.others_s && surely_s < left_s && surely_s < window_s)) {
