@@ -2,13 +2,13 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <string>
 #include <string_view>
 
 #include "breakaway/scenario/input_error.hpp"
+#include "toml.hpp"
 
 namespace breakaway::scenario {
 

@@ -12,7 +12,6 @@ namespace {
 
 using friction::ShapePtr;
 
-constexpr Range positive{0, 1e12, true};
 constexpr Range share{0, 1};
 // Friction that changes faster than this means nothing to a mass, and a run would take for ever to follow it.
 constexpr Range frequency{0, 1e5, true};

@@ -185,7 +185,7 @@ void read_impulse(const Section& section, MachineScenario& s) {
   s.impulses.push_back(std::move(impulse));
 }
 
-MachineScenario read(const toml::table& document, const std::string& name) {
+MachineScenario read_machine_document(const toml::table& document, const std::string& name) {
   const Section root{document, name, ""};
   MachineScenario s;
   s.file = name;
@@ -224,7 +224,7 @@ auto with_document(std::string_view text, const std::string& name, Read use) {
 }  // namespace
 
 MachineScenario parse_machine_scenario(std::string_view text, const std::string& name) {
-  return with_document(text, name, [&](const toml::table& document) { return read(document, name); });
+  return with_document(text, name, [&](const toml::table& document) { return read_machine_document(document, name); });
 }
 
 MachineScenario read_machine_scenario(const std::filesystem::path& file) {

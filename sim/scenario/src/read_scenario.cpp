@@ -14,7 +14,6 @@
 namespace breakaway::scenario {
 namespace {
 
-constexpr Range positive{0, 1e12, true};
 constexpr Range not_negative{0, 1e12};
 constexpr Range anywhere{-1e9, 1e9};
 constexpr Range delay{0, 1};
@@ -164,7 +163,7 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, const Scen
   }
 }
 
-Scenario read(const toml::table& document, const std::string& name) {
+Scenario read_axis(const toml::table& document, const std::string& name) {
   const Section root{document, name, ""};
   Scenario s;
   s.file = name;
@@ -191,7 +190,7 @@ Scenario read(const toml::table& document, const std::string& name) {
 
 Scenario parse_scenario(std::string_view text, const std::string& name) {
   try {
-    return read(parse_toml(text, name), name);
+    return read_axis(parse_toml(text, name), name);
   } catch (const toml::parse_error& error) {
     throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
   }

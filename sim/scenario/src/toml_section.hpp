@@ -2,7 +2,6 @@
 // errors about keys, types and ranges come from here, as InputError.
 #pragma once
 
-#include <toml++/toml.h>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "breakaway/hal/time.hpp"
+#include "toml.hpp"
 
 namespace breakaway::scenario {
 
@@ -25,6 +25,8 @@ struct Range {
 
   bool holds(double value) const { return (excludes_least ? value > least : value >= least) && value <= most; }
 };
+
+inline constexpr Range positive{0, 1e12, true};
 
 struct Entry {
   const toml::node& node;

@@ -74,6 +74,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"MisspeltKey", with(sound, "mass_kg", "mas_kg"), {":3:", "[plant]", "mas_kg", "mass_kg"}},
         BadInput{"EmptyKey", "\"\" = 1\n" + sound, {":1:", "not a key"}},
         BadInput{"KeyBeyondAscii", with(sound, "mass_kg", "\u00b5_kg"), {":3:", "not valid TOML"}},
+        BadInput{"ThreeBrackets", "[[[plant]]]\n" + sound, {":1:", "not valid TOML"}},
+        BadInput{"HeaderBeyondAscii", with(sound, "[plant]", "[\u00b5plant]"), {":2:", "not valid TOML"}},
         BadInput{"KeyWithLineBreak", "\"a\\nb\" = 1\n" + sound, {":1:", "a b"}},
         BadInput{"BeyondAsciiInLongString", "title = \"\"\"\\\n\u00a7\"\"\"\n" + sound, {":2:", "ASCII"}},
         BadInput{"MisspeltSection", with(sound, "[friction]", "[fricton]"), {":4:", "fricton", "friction"}},
