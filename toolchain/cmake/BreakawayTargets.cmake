@@ -41,8 +41,11 @@ add_library(breakaway_developer_warnings INTERFACE)
 option(BREAKAWAY_DEVELOPER_WARNINGS "Compile with the project's warnings as errors" OFF)
 if(BREAKAWAY_DEVELOPER_WARNINGS)
   target_compile_options(breakaway_developer_warnings INTERFACE
-    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Wcast-align
+    -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Wcast-align
     -Wnull-dereference -Werror)
+  if(NOT CMAKE_UNITY_BUILD)  # where one file's names are not another's
+    target_compile_options(breakaway_developer_warnings INTERFACE -Wshadow)
+  endif()
 endif()
 
 # breakaway_test(<name> SOURCES file... USES target... [LABELS label])

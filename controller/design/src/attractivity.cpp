@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "breakaway/design/energy_level.hpp"
 #include "eigencolumns.hpp"
+#include "infinite.hpp"
 #include "zonotope.hpp"
 
 namespace breakaway::design {
@@ -16,8 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // lambda^T H lambda / 2 is V at the equilibrium K^-1 W Lambda lambda, |lambda_i| <= 1.
 MatrixXd rest_energy_form(const LinearSystem& system) {

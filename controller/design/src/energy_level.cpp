@@ -4,8 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <limits>
 
+#include "infinite.hpp"
 #include "zonotope.hpp"
 
 namespace breakaway::design {
@@ -15,8 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using SymmetricEigen = Eigen::SelfAdjointEigenSolver<MatrixXd>;
 using GeneralEigen = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>;
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 MatrixXd symmetric_part(const MatrixXd& matrix) { return (matrix + matrix.transpose()) / 2; }
 

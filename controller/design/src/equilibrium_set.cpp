@@ -2,15 +2,14 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <limits>
 
+#include "infinite.hpp"
 #include "zonotope.hpp"
 #include "zonotope_vertices.hpp"
 
 namespace breakaway::design {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double most_vertex_candidates = 4e6;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }

@@ -17,7 +17,7 @@ namespace {
 
 // As SDPA's own defaults, but for the last digits of the result and the size of the starting point. Its reader expects
 // these lines in this order.
-constexpr const char* parameters = R"(200     unsigned int maxIteration;
+constexpr const char* solver_parameters = R"(200     unsigned int maxIteration;
 1.0E-8  double 0.0 < epsilonStar;
 1.0E4   double 0.0 < lambdaStar;
 2.0     double 1.0 < omegaStar;
@@ -85,7 +85,7 @@ int exit_code_of(std::array<std::string, 7> arguments) {
 Expected<std::string> sdpa_result(const std::string& problem) {
   const TemporaryFolder folder;
   if (!folder.made() || !written(folder.file("problem.dat-s"), problem) ||
-      !written(folder.file("parameters"), parameters)) {
+      !written(folder.file("parameters"), solver_parameters)) {
     return Error{"cannot write files for the solver sdpa; set TMPDIR to a folder that you may write and that has room"};
   }
   const int exit_code = exit_code_of(

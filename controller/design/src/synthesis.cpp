@@ -9,6 +9,7 @@
 
 #include "breakaway/design/equilibrium_set.hpp"
 #include "gain_search.hpp"
+#include "infinite.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -17,8 +18,6 @@ using Eigen::MatrixXd;
 
 // Relative: E is computed twice, from matrices that may be ill-conditioned.
 constexpr double resting_tolerance = 1e-9;
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // Of positions at rest: |q| = r has at most the energy lambda_max(K) r^2 / 2.
 double reach_m(const LinearSystem& closed, double level_J) {

@@ -76,7 +76,7 @@ std::string image(const Basin& basin, int stride) {
   return text + "END\n";
 }
 
-constexpr const char* style = R"(
+constexpr const char* basin_style = R"(
 set palette defined (-1 '#d9a441', 0 '#4d5966', 1 '#e3ebf1')
 set palette maxcolors 3
 set cbrange [-1.5:1.5]
@@ -95,7 +95,7 @@ std::string draw_basin(const std::string& path, const scenario::MachineScenario&
   const int stride = (grid.points - 1) / 1000 + 1;
   const double step = 2 * grid.half_width / (grid.points - 1) * stride, rim = grid.half_width + step / 2;
   std::string commands =
-      plane_style(s.machine, grid.plane, rim) + style + image(basin, stride) + region_outlines(regions);
+      plane_style(s.machine, grid.plane, rim) + basin_style + image(basin, stride) + region_outlines(regions);
   commands += fmt::format(
       "plot $fates matrix using ({0}+{1}*$1):({0}+{1}*$2):3 with image notitle, "
       "NaN with boxes linecolor '#e3ebf1' title 'attracted', NaN with boxes linecolor '#4d5966' title 'lost'",

@@ -32,10 +32,12 @@ std::string plane_style(const plant::LinearMachine<>& machine, const std::array<
 
 std::string outline(std::string_view name, const design::Polygon& polygon) {
   std::string text = fmt::format("${} << END\n", name);
-  for (std::size_t i = 0; i <= polygon.size() && !polygon.empty(); ++i) {
-    const Eigen::Vector2d& corner = polygon[i % polygon.size()];
+  const auto append = [&](const Eigen::Vector2d& corner) {
     text += fmt::format("{:.8g} {:.8g}\n", corner.x(), corner.y());
-  }
+  };
+  const std::size_t stride = polygon.size() / 500 + 1;
+  for (std::size_t i = 0; i < polygon.size(); i += stride) append(polygon[i]);
+  if (!polygon.empty()) append(polygon.front());
   return text + "END\n";
 }
 

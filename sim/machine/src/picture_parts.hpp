@@ -13,7 +13,7 @@ namespace breakaway::machine {
 // gnuplot's settings: frame, key, square axes; and the labels and ranges of the axes, from -rim to rim.
 std::string plane_style(const plant::LinearMachine<>& machine, const std::array<int, 2>& plane, double rim);
 
-// A data block $name of the polygon's corners, closed.
+// A data block $name of the polygon's corners, closed. A few hundred corners are an ellipse to the eye.
 std::string outline(std::string_view name, const design::Polygon& polygon);
 
 // The data blocks of B and E, and the parts of the plot command that draw them, each begun by a comma.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int finest_level = 10;  // about a thousand pixels along each axis: a picture shows no more
 
-constexpr const char* style = R"(
+constexpr const char* region_style = R"(
 set palette defined (0 '#4d5966', 1 '#e3ebf1', 2 '#f0cf8e', 3 '#a9803a')
 set palette maxcolors 4
 set cbrange [-0.5:3.5]
@@ -54,8 +54,8 @@ std::string draw_region(const std::string& path, const scenario::MachineScenario
   const Window& window = region.window();
   const int level = std::min(window.depth, finest_level);
   const double side = 2 * window.half_width / (1 << level);
-  std::string commands =
-      plane_style(s.machine, window.plane, window.half_width) + style + image(region, level) + region_outlines(regions);
+  std::string commands = plane_style(s.machine, window.plane, window.half_width) + region_style + image(region, level) +
+                         region_outlines(regions);
   commands += fmt::format(
       "plot $fates matrix using ({0}+{1}*($1+0.5)):({0}+{1}*($2+0.5)):3 with image notitle, "
       "NaN with boxes linecolor '#e3ebf1' title 'proved: attracted', "

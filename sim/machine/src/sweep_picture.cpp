@@ -11,11 +11,12 @@
 #include "breakaway/machine/basin_picture.hpp"
 #include "breakaway/machine/certificates.hpp"
 #include "breakaway/report/gnuplot.hpp"
+#include "picture_parts.hpp"
 
 namespace breakaway::machine {
 namespace {
 
-constexpr const char* style = R"(
+constexpr const char* sweep_style = R"(
 set encoding utf8
 set border 15 linecolor '#888888' front
 set tics out nomirror textcolor '#333333' front
@@ -23,18 +24,6 @@ set size ratio -1
 set key outside right top vertical maxrows 20 samplen 1.2 textcolor '#333333'
 set style fill solid 1
 )";
-
-// A data block of the polygon's corners, closed. A few hundred corners are an ellipse to the eye.
-std::string outline(std::string_view name, const design::Polygon& polygon) {
-  const std::size_t stride = polygon.size() / 500 + 1;
-  std::string text = fmt::format("${} << END\n", name);
-  const auto append = [&](const Eigen::Vector2d& corner) {
-    text += fmt::format("{:.6g} {:.6g}\n", corner.x(), corner.y());
-  };
-  for (std::size_t i = 0; i < polygon.size(); i += stride) append(polygon[i]);
-  if (!polygon.empty()) append(polygon.front());
-  return text + "END\n";
-}
 
 // How far B or E reaches along the axes of the plane.
 double reach(const design::Polygon& polygon) {
@@ -94,7 +83,7 @@ std::string draw_sweep(const std::string& path, const std::vector<SweptMachine>&
   const std::string axes =
       fmt::format("set xrange [{0}:{1}]\nset yrange [{0}:{1}]\nset xlabel '{2}  [m]'\nset ylabel '{3}'\n", -half_width,
                   half_width, planar ? "q_{1}" : "q", planar ? "q_{2}  [m]" : "v  [m/s]");
-  return report::draw_file(path, 900, 720, style + axes + blocks + plot + "\n");
+  return report::draw_file(path, 900, 720, sweep_style + axes + blocks + plot + "\n");
 }
 
 }  // namespace breakaway::machine

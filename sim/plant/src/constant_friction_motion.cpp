@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "breakaway/integrators/roots.hpp"
 
 namespace breakaway::plant {
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 // (1 - e^-z) / z and (1 - (1 - e^-z) / z) / z: mean value of e^-z over the time so far, and its own complement's mean.
 struct Decay {

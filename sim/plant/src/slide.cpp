@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,8 +11,6 @@
 
 namespace breakaway::plant {
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 // An axis whose push equals its friction level to rounding would stick and slip for ever: break away a little above it.
 constexpr double tie = 1 + 1e-12;

@@ -14,7 +14,6 @@ namespace {
 using design::AxisDesign;
 using design::DesignReport;
 
-constexpr int width_px = 900;
 constexpr int samples = 200;
 
 // A gnuplot data block of `row(0)` to `row(count - 1)`.

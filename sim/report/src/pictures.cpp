@@ -21,8 +21,6 @@ using scenario::Result;
 using scenario::Sample;
 using scenario::Scenario;
 
-constexpr int width_px = 900;
-
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
 
 // A gnuplot data block `$name`, one row an entry.

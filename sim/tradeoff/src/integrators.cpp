@@ -69,7 +69,7 @@ std::vector<Method> methods(bool quick) {
 
 using Run = std::function<Outcome(const State&)>;
 
-Run integrator(FromEventToEvent) {
+Run integrator() {
   return [driven = hybrid::EventDriven<2, 2>{two_masses()}](const State& start) { return driven.run(start, end_s); };
 }
 
@@ -90,7 +90,9 @@ Run integrator(const hybrid::AdaptiveOptions& options) {
 }
 
 Run integrator(const Method& method) {
-  return std::visit([](const auto& options) { return integrator(options); }, method.options);
+  if (const auto* stepping = std::get_if<hybrid::TimeSteppingOptions>(&method.options)) return integrator(*stepping);
+  if (const auto* adaptive = std::get_if<hybrid::AdaptiveOptions>(&method.options)) return integrator(*adaptive);
+  return integrator();
 }
 
 bool rests(const Outcome& outcome) {

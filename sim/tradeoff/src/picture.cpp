@@ -37,7 +37,7 @@ std::string block(const std::string& name, const Rows& rows, Wanted wanted, Line
   return text + "NaN NaN NaN\nEND\n";
 }
 
-std::string integrators(const Frontiers& f) {
+std::string plot_integrators(const Frontiers& f) {
   std::string text;
   for (const auto& [name, method] : {std::pair{"driven", "event-driven"}, std::pair{"adaptive", "adaptive"},
                                      std::pair{"midpoint", "midpoint"}, std::pair{"implicit", "implicit Euler"}}) {
@@ -79,7 +79,7 @@ plot $midpoint using 3:2 with linespoints linestyle 1 title 'midpoint', \
 )";
 }
 
-std::string evaluators(const Frontiers& f) {
+std::string plot_evaluators(const Frontiers& f) {
   std::string text;
   for (const auto& [name, method] :
        {std::pair{"nearest", "nearest node"}, std::pair{"linear", "linear"}, std::pair{"cubic", "cubic Hermite"},
@@ -109,7 +109,7 @@ unset offsets
                             unit(f));
 }
 
-std::string periods(const Frontiers& f) {
+std::string plot_periods(const Frontiers& f) {
   const auto at_floor = [](const PeriodRow& r) { return std::fabs(r.tolerance_m / r.floor_m - 1) < 1e-9; };
   const auto fine = [](const PeriodRow& r) { return r.resolution_m < r.floor_m / 40; };
   const auto line = [](const PeriodRow& r) {
@@ -136,10 +136,10 @@ plot $fine using 1:2 with linespoints linestyle 1 title 'fine encoder', \
 }  // namespace
 
 std::string to_svg(const Frontiers& f) {
-  return report::draw_svg("tradeoff", width_px, height_px,
-                          std::string{style} +
-                              "set multiplot layout 2,2 margins 0.08,0.98,0.09,0.95 spacing 0.1,0.17\n" +
-                              integrators(f) + order(f) + evaluators(f) + periods(f) + "unset multiplot\n") +
+  return report::draw_svg(
+             "tradeoff", width_px, height_px,
+             std::string{style} + "set multiplot layout 2,2 margins 0.08,0.98,0.09,0.95 spacing 0.1,0.17\n" +
+                 plot_integrators(f) + order(f) + plot_evaluators(f) + plot_periods(f) + "unset multiplot\n") +
          "\n";
 }
 

@@ -17,6 +17,7 @@
 #include "breakaway/machine/basin_table.hpp"
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
+#include "two_masses.hpp"
 
 namespace {
 
@@ -27,10 +28,6 @@ using machine::Grid;
 using machine::Shard;
 
 namespace fs = std::filesystem;
-
-scenario::MachineScenario two_masses() {
-  return scenario::read_machine_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/two_mass_example.toml");
-}
 
 constexpr Grid small{21, 6, {0, 1}};
 

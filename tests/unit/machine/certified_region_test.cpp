@@ -11,6 +11,7 @@
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/machine/region_picture.hpp"
 #include "breakaway/scenario/input_error.hpp"
+#include "two_masses.hpp"
 
 namespace {
 
@@ -19,10 +20,6 @@ using machine::Cell;
 using machine::CertifiedRegion;
 using machine::Fate;
 using machine::Window;
-
-scenario::MachineScenario two_masses() {
-  return scenario::read_machine_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/two_mass_example.toml");
-}
 
 CertifiedRegion region_of(const scenario::MachineScenario& s, const Window& window, int threads = 2) {
   return machine::certify_region(s, machine::certify(s.machine), window, threads);

@@ -8,14 +8,11 @@
 #include "breakaway/friction/shapes.hpp"
 #include "breakaway/machine/machine_report.hpp"
 #include "breakaway/scenario/input_error.hpp"
+#include "two_masses.hpp"
 
 namespace {
 
 using namespace breakaway;
-
-scenario::MachineScenario two_masses() {
-  return scenario::read_machine_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/two_mass_example.toml");
-}
 
 TEST(RunMachine, FollowsTheExampleThroughItsModes) {
   const auto result = machine::run_machine(two_masses());

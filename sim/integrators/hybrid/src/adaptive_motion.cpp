@@ -10,8 +10,7 @@
 namespace breakaway::hybrid {
 namespace {
 
-constexpr double rounding = 1e-14;  // of a sum of forces
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double force_rounding = 1e-14;  // of a sum of forces
 // Refused trials after which a motion that neither stops nor clearly goes on has stopped, to rounding.
 constexpr int most_refusals = 60;
 // Refused trials after which a limit that was near from the start is taken for kept.
@@ -45,7 +44,7 @@ AdaptiveStep::AdaptiveStep(AdaptiveWalk& walk, double tolerance)
   }
   const Vector forces = machine.force_N.cwiseAbs() + machine.stiffness.cwiseAbs() * q0_.cwiseAbs() +
                         machine.damping.cwiseAbs() * walk.v.cwiseAbs() + machine.directions.cwiseAbs() * friction_N;
-  const Vector accelerations = rounding * (held_.basis.cwiseAbs().transpose() * forces);
+  const Vector accelerations = force_rounding * (held_.basis.cwiseAbs().transpose() * forces);
   rounding_u_ = accelerations.maxCoeff();
   rounding_m_s2_ = held_.sliding.cwiseAbs() * accelerations;
   forget_ranges();
@@ -66,8 +65,8 @@ void AdaptiveStep::move_to(const Path& path, const Speeds& speeds) {
 }
 
 void AdaptiveStep::forget_ranges() {
-  for (Range& range : rates_) range = {never, -never};
-  for (Guard& guard : guards_) guard.range = {never, -never};
+  for (Range& range : rates_) range = {unlimited, -unlimited};
+  for (Guard& guard : guards_) guard.range = {unlimited, -unlimited};
 }
 
 // u' at a stage; `exchanged` >= 0 slides at exactly this speed. Keeps the ranges of what the step is judged by.
@@ -145,7 +144,7 @@ DirectionSet AdaptiveStep::stopped_at_start() const {
 // -1: none slows down.
 AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   Index next = -1;
-  double least_s = never;
+  double least_s = unlimited;
   for (Index i = 0; i < speed_m_s_.size(); ++i) {
     if (sign(i) == 0 || !(speed_m_s_[i] > 0) || !(rate_m_s2_[i] < 0)) continue;
     const double wait_s = speed_m_s_[i] / -rate_m_s2_[i];
@@ -178,7 +177,7 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
     return ending;
   };
   const Index stopping = next_to_stop();
-  const double wait_s = stopping < 0 ? never : speed_m_s_[stopping] / -rate_m_s2_[stopping];
+  const double wait_s = stopping < 0 ? unlimited : speed_m_s_[stopping] / -rate_m_s2_[stopping];
   double step_s = walk_.step_s;
   for (bool outlasts = false; refusals_ < most_refusals; ++refusals_) {
     const double step = std::min({step_s, longest_s, duration_s});

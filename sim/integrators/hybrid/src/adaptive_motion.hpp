@@ -1,11 +1,14 @@
 // One step of an AdaptiveWalk while the same directions slide.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "adaptive_walk.hpp"
 
 namespace breakaway::hybrid {
+
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 // Why a step ended where it did.
 struct Ending {

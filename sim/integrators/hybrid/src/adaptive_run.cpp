@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double never = std::numeric_limits<double>::infinity();
 // As plant::Slide: an excess for less than 2^-24 of the laws' scale of time is passed over.
 constexpr int scan_depth = 24;
 
@@ -81,7 +80,7 @@ Ending AdaptiveRun::wait(double duration_s) {
   }
   Limit least{};
   const auto excess_N = [&](double tau_s) {
-    double margin_N = never;
+    double margin_N = unlimited;
     for (std::size_t k = 0; k < walk_.held->facets.size(); ++k) {
       for (const int side : {-1, 1}) {
         const double here_N = walk_.margin_N({k, side}, force, walk_.time_after(tau_s));
@@ -95,7 +94,7 @@ Ending AdaptiveRun::wait(double duration_s) {
     const double high_s = std::min(low_s + window_s, duration_s);
     const double at_s = integrators::first_excess(excess_N, {low_s, excess_N(low_s)}, {high_s, excess_N(high_s)},
                                                   steepest_N_per_s, scan_depth);
-    if (at_s < never) {
+    if (at_s < unlimited) {
       excess_N(at_s);  // leaves the limit of this instant
       walk_.pass_time(at_s);
       return {Ending::Kind::limit, 0, least, 0, 0};

@@ -4,7 +4,11 @@
 // acceleration. Relative accuracy holds for flights however short: every formula is free of cancellation at tau -> 0.
 #pragma once
 
+#include <limits>
+
 namespace breakaway::plant {
+
+inline constexpr double never = std::numeric_limits<double>::infinity();  // the instant of what does not happen
 
 // speed' = acceleration + transient exp(-tau / time_constant) - 2 decay speed - stiffness distance, where either the
 // transient or both feedback terms are zero. Times in s, lengths in m.
@@ -21,7 +25,7 @@ struct ConstantFrictionMotion {
   double distance_at(double tau_s) const;
   double acceleration_at(double tau_s) const;
 
-  // The first instant in (0, horizon_s] at which the speed is zero; infinity for none.
+  // The first instant in (0, horizon_s] at which the speed is zero; never for none.
   double first_rest_s(double horizon_s) const;
   // The instant at which the distance is reached; the speed must not change sign before horizon_s and the distance must
   // be passed by then.

@@ -1,10 +1,13 @@
-// The look of the report's pictures, as commands to gnuplot that come before all others.
+// The look of the report's pictures.
 #pragma once
 
 #include <string>
 
 namespace breakaway::report {
 
+inline constexpr int width_px = 900;
+
+// Commands to gnuplot that come before all others.
 inline const std::string plot_style = R"(
 set encoding utf8
 set border 3 linecolor '#888888'
