@@ -162,7 +162,7 @@ void AxisRun::move() {
   const hal::Duration duration{std::llround(options_.duration_s * 1e9)};
   while (!telemetry_.stop && (duration == hal::Duration::zero() || now_ - begin < duration)) {
     step();
-    if (status().feedback.state == hal::DriveState::unusable) refuse_unusable_drive();
+    if (status().feedback.state == hal::DriveState::unusable) return;  // it came back as another drive
     if (!status().running) continue;
     if (!enabled_since_) enabled_since_ = now_;
     follow_visits(seconds(now_ - *enabled_since_));
