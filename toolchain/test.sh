@@ -80,6 +80,7 @@ step 'release tests' run_tests release
 if ! $quick; then
   step 'stm32f405 on an emulated machine' toolchain/emulate.sh stm32f405
   step 'zynqmp_r5 on an emulated machine' toolchain/emulate.sh zynqmp_r5
+  step 'linux node in a guest' toolchain/emulate.sh linux
   step 'sanitizer build' build asan-ubsan
   step 'sanitizer tests, fuzzers' run_tests asan-ubsan -LE '^(slow|package)$'
   step 'headers with clang' run_tests asan-ubsan -R '^header[.]'
