@@ -14,6 +14,7 @@
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "commands.hpp"
+#include "conditions_json.hpp"
 #include "plane_option.hpp"
 
 namespace breakaway::cli {
@@ -96,16 +97,7 @@ void write_equilibria(report::JsonWriter& json, const Found& found) {
 
 void write_theorem(report::JsonWriter& json, const Found& found) {
   const Attractivity& a = found.attractivity();
-  json.array("conditions", [&] {
-    for (const design::Condition& condition : a.conditions) {
-      json.object([&] {
-        json.member("name", condition.name);
-        json.member("holds", condition.holds);
-        json.member("margin", condition.margin);
-        json.member("reason", condition.reason);
-      });
-    }
-  });
+  write_conditions(json, a.conditions);
   json.member("certified", a.certified);
   json.member("reason", a.reason);
   json.array("eigenvalues", [&] {

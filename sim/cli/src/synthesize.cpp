@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
@@ -11,14 +10,13 @@
 
 #include "breakaway/design/synthesis.hpp"
 #include "breakaway/machine/certificates.hpp"
-#include "breakaway/machine/resting_batch.hpp"
 #include "breakaway/machine/sweep_picture.hpp"
 #include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/json_writer.hpp"
 #include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/open_loop.hpp"
 #include "commands.hpp"
+#include "synthesis_report.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -71,18 +69,6 @@ void check_outputs(const SynthesizeCommand& options) {
   if (!options.picture.empty()) report::require_picture_ending(options.picture);
 }
 
-// Everything that is reported.
-struct Synthesis {
-  design::ActuatedSystem system;
-  PdDesign design;
-  std::vector<design::Condition> conditions;
-  design::Theorem2 theorem_2;
-  std::vector<design::GainSweepRow> sweep;
-  scenario::MachineScenario closed_loop;
-  double simulated_level_J = 0, simulated_for_s = 0;
-  machine::RestingBatch batch;
-};
-
 double velocity_norm_Ns_per_m(const PdDesign& design) {
   return Eigen::JacobiSVD<MatrixXd>(design.gains.velocity_Ns_per_m).singularValues()[0];
 }
@@ -109,104 +95,7 @@ void simulate(const SynthesizeCommand& options, Synthesis& s) {
   // Near the border of B the energy hardly falls: so many periods of the slowest oscillation are plenty.
   s.simulated_for_s = std::max(s.closed_loop.duration_s, 2e4 * std::acos(-1.0) / std::sqrt(slowest.eigenvalues()[0]));
   if (s.simulated_level_J > 0) {
-    s.batch =
-        machine::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, options.seed);
-  }
-}
-
-std::string matrix_text(const MatrixXd& matrix) {
-  std::vector<std::string> rows;
-  for (const auto& line : matrix.rowwise())
-    rows.push_back(fmt::format("[{:.6g}]", fmt::join(std::vector<double>(line.begin(), line.end()), ", ")));
-  return fmt::format("[{}]", fmt::join(rows, ", "));
-}
-
-void write_matrix(report::JsonWriter& json, std::string_view name, const MatrixXd& matrix) {
-  json.array(name, [&] {
-    for (const auto& line : matrix.rowwise()) {
-      json.array([&] {
-        for (const double entry : line) json.value(entry);
-      });
-    }
-  });
-}
-
-void write_sweep(report::JsonWriter& json, const std::vector<design::GainSweepRow>& rows) {
-  json.array("sweep", [&] {
-    for (const auto& row : rows) {
-      json.object([&] {
-        json.member("d1", row.velocity_gain_Ns_per_m);
-        json.member("rho_star", row.rho_star_J);
-        json.member("global", std::isinf(row.rho_star_J));
-        json.member("E_certified", row.E_certified);
-      });
-    }
-  });
-}
-
-std::string to_json(const Synthesis& s, const SynthesizeCommand& options) {
-  report::JsonWriter json;
-  json.object([&] {
-    json.member("title", s.closed_loop.title);
-    json.member("structure", options.gains);
-    write_matrix(json, "actuators", s.system.actuators);
-    write_matrix(json, "position_gain", s.design.gains.position_N_per_m);
-    write_matrix(json, "velocity_gain", s.design.gains.velocity_Ns_per_m);
-    json.member("resting_error_m", s.design.extent_m.maxCoeff());
-    json.member("rho_star", s.design.attractivity.rho_star_J);
-    json.member("global", std::isinf(s.design.attractivity.rho_star_J));
-    json.member("reach_m", s.design.reach_m);
-    json.member("E_certified", s.design.attractivity.all_of_E);
-    json.array("conditions", [&] {
-      for (const design::Condition& condition : s.conditions) {
-        json.object([&] {
-          json.member("name", condition.name);
-          json.member("holds", condition.holds);
-          json.member("margin", condition.margin);
-          json.member("reason", condition.reason);
-        });
-      }
-    });
-    json.object("theorem_2", [&] {
-      write_matrix(json, "A", s.theorem_2.A);
-      write_matrix(json, "Y", s.theorem_2.Y);
-      json.member("least_eigenvalue_of_minus_A", s.theorem_2.hurwitz);
-      json.member("lmi_margin", s.theorem_2.lmi);
-    });
-    write_sweep(json, s.sweep);
-    json.object("simulation", [&] {
-      json.member("trajectories", s.batch.trajectories);
-      json.member("at_rest", s.batch.at_rest);
-      json.member("seed", options.seed);
-      json.member("level_J", s.simulated_level_J);
-      json.member("duration_s", s.simulated_for_s);
-    });
-  });
-  return json.text();
-}
-
-void print_summary(const Synthesis& s, const SynthesizeCommand& options) {
-  const auto& a = s.design.attractivity;
-  if (!s.closed_loop.title.empty()) fmt::print("{}\n", s.closed_loop.title);
-  fmt::print("  position gain  {} N/m\n", matrix_text(s.design.gains.position_N_per_m));
-  fmt::print("  velocity gain  {} N s/m\n", matrix_text(s.design.gains.velocity_Ns_per_m));
-  fmt::print("  resting error  {:.6g} m\n", s.design.extent_m.maxCoeff());
-  if (std::isinf(a.rho_star_J)) {
-    fmt::print("  region         everywhere\n");
-  } else {
-    fmt::print("  region         V < {:.6g} J, every rest within {:.6g} m\n", a.rho_star_J, s.design.reach_m);
-  }
-  for (const auto& row : s.sweep) {
-    const std::string level =
-        std::isinf(row.rho_star_J) ? std::string{"infinite"} : fmt::format("{:.6g} J", row.rho_star_J);
-    fmt::print("  d1 = {:<9.6g} rho* = {}{}\n", row.velocity_gain_Ns_per_m, level,
-               row.E_certified ? "" : ", not all of E");
-  }
-  fmt::print("  simulated      {} of {} starts with V < {:.6g} J came to rest (seed {})\n", s.batch.at_rest,
-             s.batch.trajectories, s.simulated_level_J, options.seed);
-  if (s.batch.not_at_rest) {
-    fmt::print("  COUNTER-EXAMPLE from q = {}, v = {}\n", matrix_text(s.batch.not_at_rest->q.transpose()),
-               matrix_text(s.batch.not_at_rest->v.transpose()));
+    s.batch = machine::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, s.seed);
   }
 }
 
@@ -231,6 +120,8 @@ int synthesize(const SynthesizeCommand& options) {
     throw InputError{options.system + ": [machine] force_N shifts every rest; compensate it, and leave it out here"};
   }
   Synthesis s;
+  s.structure = options.gains;
+  s.seed = options.seed;
   s.system = {machine::linear_system(open.scenario.machine), open.actuators};
   const auto structure = options.gains == "full" ? design::GainStructure::full : design::GainStructure::identical;
   const auto found = design::synthesize(s.system, wants, structure);
@@ -248,9 +139,9 @@ int synthesize(const SynthesizeCommand& options) {
 
   const std::string drawn = options.picture.empty() ? "" : draw(options, s, open.scenario.machine);
   if (!options.scene.empty()) report::write_output(options.scene, scene);
-  if (!options.json.empty()) report::write_output(options.json, to_json(s, options));
+  if (!options.json.empty()) report::write_output(options.json, to_json(s));
   if (!options.picture.empty()) report::write_output(options.picture, drawn);
-  if (options.json != "-" && options.scene != "-") print_summary(s, options);
+  if (options.json != "-" && options.scene != "-") print_summary(s);
   return s.batch.at_rest == s.batch.trajectories ? done : failed_check;
 }
 
