@@ -116,9 +116,9 @@ class Bench:
     def node(self, interface, *options, scene=SCENE):
         return self.start(self.node_command, "--can", interface, scene, *options)
 
-    def logged_node(self, interface, *options):
+    def logged_node(self, interface, *options, scene=SCENE):
         folder = tempfile.mkdtemp(dir="/dev/shm")
-        node = self.node(interface, "--candump", f"{folder}/log", "--csv", f"{folder}/csv", *options)
+        node = self.node(interface, "--candump", f"{folder}/log", "--csv", f"{folder}/csv", *options, scene=scene)
         node.folder = folder
         return node
 

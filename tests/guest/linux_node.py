@@ -48,6 +48,21 @@ def sixty_seconds_without_a_missed_tick(build):
     return f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, cyclictest {reference_us:.0f} us"
 
 
+def scene_with_period(period_s, path):
+    """The scene at a slower rate, with the accuracy that is certified there."""
+    floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
+    with open(bench.SCENE, encoding="utf-8") as text:
+        changed = text.read()
+    for old, new in (("period_s = 0.001", f"period_s = {period_s}"),
+                     ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
+                     ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):
+        require(old in changed, f"{bench.SCENE} has no '{old}'")
+        changed = changed.replace(old, new)
+    with open(path, "w", encoding="utf-8") as text:
+        text.write(changed)
+    return path
+
+
 def start_moving(b, interface="vcan0"):
     """An axis that is on its way, four metres from its target."""
     drive = b.drive(interface)
@@ -57,7 +72,7 @@ def start_moving(b, interface="vcan0"):
     return drive, node
 
 
-def require_recovery(node):
+def require_recovery(node, tolerance_m=3.5e-6):
     """After the operator's reset the axis runs again and comes to rest on its target."""
     time.sleep(0.2)
     require(node.output().rstrip().split("\n")[-1].find("FAULT") >= 0, f"the fault is not held:\n{node.output()}")
@@ -71,7 +86,7 @@ def require_recovery(node):
     code = node.terminate()
     require(code == 0, f"exit code {code}:\n{node.output()}")
     error_m = abs(float(re.search(r"([-+\d.e]+) m from its target", node.output())[1]))
-    require(error_m <= 3.5e-6, f"rests {error_m} m from its target")
+    require(error_m <= tolerance_m, f"rests {error_m} m from its target")
 
 
 @scene
@@ -259,11 +274,13 @@ def wait_for_state(interface, state):
 
 @scene
 def slcan_with_real_error_states(build):
-    """The adapter's controller goes error-passive, which is no fault, and bus-off, which is one."""
+    """The adapter's controller goes error-passive, which is no fault, and bus-off, which is one.
+
+    Each frame passes a pty, the kernel's workers and a Python program: at 1 kHz now and then one is late."""
     with Bench(build) as b:
         adapter = b.adapter("vcan1")
         drive = b.drive("vcan1")
-        node = b.logged_node("slcan0")
+        node = b.logged_node("slcan0", scene=scene_with_period(0.004, "/dev/shm/slcan.toml"))
         node.wait_for("enabled")
         time.sleep(0.25)
         adapter.tell("sp128200")
@@ -280,13 +297,13 @@ def slcan_with_real_error_states(build):
         bench.run("ip", "link", "set", "slcan0", "up")
         time.sleep(0.3)
         reset_s = time.time()
-        require_recovery(node)
+        require_recovery(node, 5e-5)
         frames = bench.frames_of(recorder)
         sent = [f for f in frames if f.can_id == 0x201 and f.time_s < reset_s]
-        silence = next(i for i in range(len(sent)) if sent[i + 1].time_s - sent[i].time_s > 0.1)
-        require(sent[silence].time_s < event_s, "commands went on after bus-off")
-        bench.require_force_before(sent[silence].time_s, frames, "bus-off")
-        bench.require_no_force_after(sent[silence].time_s, [f for f in frames if f.time_s < reset_s], "bus-off")
+        silence_s = next((a.time_s for a, b in zip(sent, sent[1:]) if b.time_s - a.time_s > 0.1), sent[-1].time_s)
+        require(silence_s < event_s, "commands went on after bus-off")
+        bench.require_force_before(silence_s, frames, "bus-off")
+        bench.require_no_force_after(silence_s, [f for f in frames if f.time_s < reset_s], "bus-off")
         ticks, missed, _ = latencies(node.output())
         require(missed == 0, f"{missed} of {ticks} ticks missed")
         require(drive.terminate() == 0, "the drive failed")
@@ -306,21 +323,6 @@ def a_foreign_master_commands_the_drive(build):
         require(code == 0 and "done" in master.output(), f"exit code {code}:\n{master.output()}")
         require(drive.terminate() == 0, "the drive failed")
     return f"{len(master.output().splitlines()) - 1} answers as they should be"
-
-
-def scene_with_period(period_s, path):
-    """The scene at a slower rate, with the accuracy that is certified there."""
-    floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
-    with open(bench.SCENE, encoding="utf-8") as text:
-        changed = text.read()
-    for old, new in (("period_s = 0.001", f"period_s = {period_s}"),
-                     ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
-                     ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):
-        require(old in changed, f"{bench.SCENE} has no '{old}'")
-        changed = changed.replace(old, new)
-    with open(path, "w", encoding="utf-8") as text:
-        text.write(changed)
-    return path
 
 
 @scene

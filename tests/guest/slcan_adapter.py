@@ -6,6 +6,7 @@ Makes the interface slcan0 and prints `ready`. Each line on standard input is to
 which means that the adapter's controller went bus-off (s, state, three digits of transmit and of receive errors).
 """
 import fcntl
+import gc
 import os
 import pty
 import select
@@ -53,6 +54,7 @@ def main():
     up = subprocess.Popen(f"ip link set slcan0 txqueuelen 100 type can bitrate {sys.argv[2]} && ip link set slcan0 up"
                           " && echo ready", shell=True)
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(75))
+    gc.disable()
     text = b""
     while True:
         ready, _, _ = select.select([adapter, bus, sys.stdin], [], [])
