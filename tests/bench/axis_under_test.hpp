@@ -36,9 +36,7 @@ inline design::KickPlant<double> kick_plant(const scenario::Scenario& s) {
 template <class Real>
 design::BuiltK3Table<Real> build_table(const scenario::Scenario& s) {
   const double range_m = static_cast<double>(scenario::axis_parameters<Real>(s).stick_radius_upper_m());
-  const auto built = design::build_k3_table<Real>(kick_plant(s), range_m);
-  if (!built) throw std::runtime_error(built.error().message);
-  return *built;
+  return design::build_k3_table<Real>(kick_plant(s), range_m);
 }
 
 // Gains of the switching law's approach and an integrator beside them: what is compared is the work, not the result.
@@ -52,7 +50,7 @@ law::PidController<Real> pid_controller(const scenario::Scenario& s) {
   pid.max_force_N = p.max_force_N;
   pid.max_approach_speed_m_s = p.max_approach_speed_m_s;
   pid.encoder_resolution_m = p.encoder_resolution_m;
-  pid.friction_lower_N = p.friction_lower_N;
+  pid.friction_lower_N = p.friction.lower_N;
   pid.period_s = p.period_s;
   return law::PidController<Real>{pid};
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "breakaway/design/k3.hpp"
-#include "breakaway/friction/shapes.hpp"
-#include "breakaway/scenario/run_bus_scene.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/sil/run_bus_scenario.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 
@@ -86,7 +86,7 @@ void time_k3(const scenario::Scenario& s) {
   const double range_m = scenario::axis_parameters<double>(s).stick_radius_upper_m();
   time_evaluator<float>("K3Table float", build_table<float>(s).table, range_m);
   time_evaluator<double>("K3Table double", build_table<double>(s).table, range_m);
-  time_evaluator<double>("K3 double", *design::K3<double>::make(kick_plant(s)), range_m);
+  time_evaluator<double>("K3 double", design::K3<double>::make(kick_plant(s)), range_m);
 }
 
 struct LoopCase {
@@ -136,10 +136,10 @@ void time_simulation(scenario::Scenario s) {
   time_plant("plant, friction of can_axis", s, r);
   benchmark::RegisterBenchmark("whole scene, with its set-up", [=](benchmark::State& state) {
     std::uint64_t ticks = 0;
-    for (auto _ : state) ticks = scenario::run_bus_scene(s, {}).loop->ticks;
+    for (auto _ : state) ticks = sil::run_bus_scenario(s, {}).loop->ticks;
     report_each(state, ticks);
   });
-  s.friction.law = {s.friction.law.bounds(), friction::constant(0.5)};
+  s.friction.law = {s.friction.law.bounds(), model::shape::constant(0.5)};
   time_plant("plant, constant friction", s, r);
 }
 

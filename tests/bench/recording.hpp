@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "axis_under_test.hpp"
-#include "breakaway/drive/drive_emulator.hpp"
+#include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/plant/slide.hpp"
+#include "breakaway/motion/slide.hpp"
 #include "tape_port.hpp"
 #include "tour.hpp"
 
@@ -38,7 +38,7 @@ inline constexpr std::size_t loss_interval = 97;
 
 struct ForceSegment {
   double until_s;
-  plant::AppliedForce force;
+  model::AppliedForce force;
 };
 
 struct RecordedStep {
@@ -60,11 +60,11 @@ struct Recording {
 };
 
 // The plant as a drive's mechanism; notes the forces on it while a list for them is set.
-class Axis final : public drive::Mechanism {
+class Axis final : public drive_emulator::Mechanism {
  public:
   explicit Axis(const scenario::Scenario& s)
       : slide_{s.plant.mass_kg, s.friction.law, {0, s.plant.position_m, s.plant.velocity_m_s}} {}
-  void advance_to(double time_s, const plant::AppliedForce& force) override {
+  void advance_to(double time_s, const model::AppliedForce& force) override {
     slide_.advance_to(time_s, force);
     if (notes_ != nullptr) notes_->push_back({time_s, force});
   }
@@ -72,7 +72,7 @@ class Axis final : public drive::Mechanism {
   void note_forces(std::vector<ForceSegment>* notes) { notes_ = notes; }
 
  private:
-  plant::Slide slide_;
+  motion::Slide slide_;
   std::vector<ForceSegment>* notes_ = nullptr;
 };
 
@@ -99,15 +99,15 @@ class EmulatedAxis {
   Axis& axis() { return axis_; }
 
  private:
-  static drive::DriveConfig config(const scenario::Scenario& s, std::uint8_t node_id) {
-    drive::DriveConfig c = *s.drive;
+  static drive_emulator::EmulatorConfig config(const scenario::Scenario& s, std::uint8_t node_id) {
+    drive_emulator::EmulatorConfig c = *s.drive;
     c.node_id = node_id;
     return c;
   }
 
   Axis axis_;
   std::vector<hal::ReceivedFrame> outbox_;
-  drive::DriveEmulator drive_;
+  drive_emulator::DriveEmulator drive_;
 };
 
 // Until the tour ends; its time starts when all axes run. Throws std::runtime_error when they do not.

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "breakaway/design/k3.hpp"
-#include "breakaway/friction/shapes.hpp"
-#include "breakaway/scenario/run_bus_scene.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/sil/run_bus_scenario.hpp"
 #include "callgrind_count.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
@@ -59,12 +59,12 @@ void count_k3() {
   const double range_m = scenario::axis_parameters<double>(s).stick_radius_upper_m();
   count_evaluator<float>("K3Table float", small.table, range_m);
   count_evaluator<double>("K3Table double", large.table, range_m);
-  count_evaluator<double>("K3 double", *exact, range_m);
+  count_evaluator<double>("K3 double", exact, range_m);
   std::printf("fact K3Table float/bytes %zu\nfact K3Table float/proved error %.3g\n", small.size_bytes,
               small.proved_error);
   std::printf("fact K3Table double/bytes %zu\nfact K3Table double/proved error %.3g\n", large.size_bytes,
               large.proved_error);
-  std::printf("fact K3 double/bytes %zu\n", sizeof(*exact));
+  std::printf("fact K3 double/bytes %zu\n", sizeof exact);
 }
 
 void count_loop(std::size_t axes) {
@@ -145,10 +145,10 @@ void count_scene(scenario::Scenario s) {
   s.run->stop_when_settled = false;
   const auto run = [&](double duration_s) {
     s.run->duration_s = duration_s;
-    scenario::Result result;
+    sil::Result result;
     start_counting();
     count(duration_s > s.loop->period_s ? "scene/whole run" : "scene/shortest run",
-          [&] { result = scenario::run_bus_scene(s, {}); });
+          [&] { result = sil::run_bus_scenario(s, {}); });
     stop_counting();
     return result.loop->ticks;
   };
@@ -165,7 +165,7 @@ void count_simulation() {
   count_plant("plant, friction of can_axis", s, r);
   count_emulator(s, r);
   count_scene(s);
-  s.friction.law = {s.friction.law.bounds(), friction::constant(0.5)};
+  s.friction.law = {s.friction.law.bounds(), model::shape::constant(0.5)};
   count_plant("plant, constant friction", s, r);
 }
 

@@ -3,7 +3,7 @@
 #include <breakaway/canopen/heartbeat.hpp>
 #include <breakaway/canopen/sync.hpp>
 #include <breakaway/cia402/drive.hpp>
-#include <breakaway/drive/drive_emulator.hpp>
+#include <breakaway/drive_emulator/drive_emulator.hpp>
 #include <breakaway/virtual_bus/virtual_bus.hpp>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using breakaway::cia402::Drive;
-using breakaway::drive::DriveEmulator;
+using breakaway::drive_emulator::DriveEmulator;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
@@ -29,16 +29,16 @@ constexpr std::uint8_t kNode = 5;
 constexpr Time kPeriod = 1ms;
 
 // Holds the axis where the test puts it.
-class HeldAxis final : public breakaway::drive::Mechanism {
+class HeldAxis final : public breakaway::drive_emulator::Mechanism {
  public:
-  void advance_to(double, const breakaway::plant::AppliedForce&) override {}
+  void advance_to(double, const breakaway::model::AppliedForce&) override {}
   double position_m() const override { return position; }
   double position = 0;
 };
 
 // 0.05 N a per mille, 50 N at most, 1 um a count.
-breakaway::drive::DriveConfig emulated_drive() {
-  breakaway::drive::DriveConfig config;
+breakaway::drive_emulator::EmulatorConfig emulated_drive() {
+  breakaway::drive_emulator::EmulatorConfig config;
   config.node_id = kNode;
   config.force_per_torque_N_per_Nm = 50;
   config.max_torque_per_mille = 1000;
@@ -47,7 +47,7 @@ breakaway::drive::DriveConfig emulated_drive() {
 
 class Bench {
  public:
-  explicit Bench(const breakaway::drive::DriveConfig& config = emulated_drive(),
+  explicit Bench(const breakaway::drive_emulator::EmulatorConfig& config = emulated_drive(),
                  const VirtualBusConfig& bus_config = {})
       : bus{bus_config},
         master{bus.add_port()},
@@ -157,14 +157,14 @@ TEST(DriveInterop, PositionArrivesToTheCount) {
 
 struct Quirk {
   std::string label;
-  breakaway::drive::DriveConfig config;
+  breakaway::drive_emulator::EmulatorConfig config;
 };
 void PrintTo(const Quirk& quirk, std::ostream* out) { *out << quirk.label; }
 
 std::vector<Quirk> quirks() {
   std::vector<Quirk> result;
   const auto add = [&result](std::string label, auto change) {
-    breakaway::drive::DriveConfig config = emulated_drive();
+    breakaway::drive_emulator::EmulatorConfig config = emulated_drive();
     change(config);
     result.push_back({std::move(label), config});
   };

@@ -12,24 +12,24 @@
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/friction/shapes.hpp"
 #include "breakaway/law/axis_controller.hpp"
-#include "breakaway/scenario/braked_slide.hpp"
-#include "breakaway/scenario/simulated_network.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/simulated_network.hpp"
 
 namespace breakaway::closed_loop {
 
 using namespace std::chrono_literals;
 using Real = float;
 using Controller = law::AxisController<Real>;
-using Loop = firmware::ControlLoop<scenario::SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real>;
+using Loop = firmware::ControlLoop<sil::SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real>;
 
 struct RigConfig {
   std::size_t axes = 1;
   hal::Duration period = 1ms;
   virtual_bus::VirtualBusConfig bus{};
   double start_m = -0.1;
-  friction::FrictionLaw friction{{2.5, 4.5}, friction::constant(1)};
+  model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
   std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;
 };
@@ -39,9 +39,9 @@ class Rig {
   explicit Rig(const RigConfig& config)
       : config_{config}, network_{config.bus}, loop_{network_.controller_port(), {config.period, config.bus.bit_rate}} {
     const law::AxisParameters<Real> p = parameters();
-    table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction_lower_N},
+    table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
-                 ->table;
+                 .table;
     for (std::size_t i = 0; i < config.axes; ++i) add_axis(static_cast<std::uint8_t>(i + 1), p);
   }
 
@@ -51,8 +51,8 @@ class Rig {
     p.stiffness_N_per_m = 400;
     p.approach_damping_Ns_per_m = 32;
     p.kick_damping_Ns_per_m = 60;
-    p.friction_lower_N = 2.5F;
-    p.friction_upper_N = 4.5F;
+    p.friction.lower_N = 2.5F;
+    p.friction.upper_N = 4.5F;
     p.max_force_N = 50;
     p.max_approach_speed_m_s = 5;
     p.encoder_resolution_m = 1e-6F;
@@ -100,9 +100,9 @@ class Rig {
   }
 
   Loop& loop() { return loop_; }
-  drive::DriveEmulator& drive(std::size_t axis) { return *drives_[axis]; }
-  scenario::SimulatedNetwork& network() { return network_; }
-  const plant::Slide& slide(std::size_t axis) const { return mechanisms_[axis]->slide(); }
+  drive_emulator::DriveEmulator& drive(std::size_t axis) { return *drives_[axis]; }
+  sil::SimulatedNetwork& network() { return network_; }
+  const motion::Slide& slide(std::size_t axis) const { return mechanisms_[axis]->slide(); }
   double position_m(std::size_t axis) const { return mechanisms_[axis]->position_m(); }
   double force_N(std::size_t axis) const { return drives_[axis]->force().at_N(seconds(now_), 0, 0); }
   hal::Time now() const { return now_; }
@@ -113,8 +113,8 @@ class Rig {
 
   void add_axis(std::uint8_t node_id, const law::AxisParameters<Real>& p) {
     mechanisms_.push_back(
-        std::make_unique<scenario::BrakedSlide>(plant::Slide{p.mass_kg, config_.friction, {0, config_.start_m, 0}}));
-    drive::DriveConfig emulated;
+        std::make_unique<sil::BrakedSlide>(motion::Slide{p.mass_kg, config_.friction, {0, config_.start_m, 0}}));
+    drive_emulator::EmulatorConfig emulated;
     emulated.node_id = node_id;
     emulated.rated_torque_mNm = 500;
     emulated.max_torque_per_mille = 2000;
@@ -137,9 +137,9 @@ class Rig {
 
   RigConfig config_;
   law::K3Table<Real> table_;
-  std::vector<std::unique_ptr<scenario::BrakedSlide>> mechanisms_;
-  scenario::SimulatedNetwork network_;
-  std::vector<drive::DriveEmulator*> drives_;
+  std::vector<std::unique_ptr<sil::BrakedSlide>> mechanisms_;
+  sil::SimulatedNetwork network_;
+  std::vector<drive_emulator::DriveEmulator*> drives_;
   Loop loop_;
   hal::Time now_{0};
 };

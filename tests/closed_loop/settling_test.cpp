@@ -5,8 +5,8 @@
 #include <string>
 
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/scenario/run_bus_scene.hpp"
-#include "breakaway/scenario/study.hpp"
+#include "breakaway/sil/run_bus_scenario.hpp"
+#include "breakaway/study/friction_study.hpp"
 #include "rig.hpp"
 
 namespace breakaway::closed_loop {
@@ -14,8 +14,8 @@ namespace {
 
 const std::string scenarios = std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/";
 
-scenario::StudyOptions three_starts(int random_laws) {
-  scenario::StudyOptions options;
+study::StudyOptions three_starts(int random_laws) {
+  study::StudyOptions options;
   options.starts = {{-4, -4}, {-0.1, 0}, {-0.01, 0}};
   options.random_laws = random_laws;
   return options;
@@ -23,7 +23,7 @@ scenario::StudyOptions three_starts(int random_laws) {
 
 TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
   const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  for (const auto& row : scenario::run_study(scene, three_starts(100))) {
+  for (const auto& row : study::run_study(scene, three_starts(100))) {
     SCOPED_TRACE(row.start.position_m);
     ASSERT_EQ(row.runs.size(), 104U);
     for (const auto& run : row.runs) {
@@ -39,16 +39,16 @@ TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
 TEST(ImpulsiveAxis, ReachesTheTargetInDoubleAndWithNaivePulsesToo) {
   auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
   scene.controller.scalar = scenario::ScalarType::float64;
-  for (const auto& row : scenario::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+  for (const auto& row : study::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
   scene.controller.impulsive->kick = scenario::Kick::naive;
   scene.run->settle_tolerance_m = 10e-6;  // the naive pulse overshoots: its floor is 4 Ts^2 times 1 m/s^2 and more
-  for (const auto& row : scenario::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+  for (const auto& row : study::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
 }
 
 TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
   const auto scene = scenario::read_scenario(scenarios + "can_axis_pid.toml");
   std::size_t settled = 0, runs = 0;
-  for (const auto& row : scenario::run_study(scene, three_starts(10))) {
+  for (const auto& row : study::run_study(scene, three_starts(10))) {
     settled += settled_runs(row);
     runs += row.runs.size();
     EXPECT_LE(largest_force_N(row), 50);
@@ -58,7 +58,7 @@ TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
 
 TEST(BusScene, GivesTheSameResultTwice) {
   const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  const auto first = scenario::run_bus_scene(scene, {}), second = scenario::run_bus_scene(scene, {.trace = true});
+  const auto first = sil::run_bus_scenario(scene, {}), second = sil::run_bus_scenario(scene, {.trace = true});
   EXPECT_EQ(first.final_error_m, second.final_error_m);
   EXPECT_EQ(first.settling_time_s, second.settling_time_s);
   ASSERT_EQ(first.kicks.size(), second.kicks.size());
@@ -67,7 +67,7 @@ TEST(BusScene, GivesTheSameResultTwice) {
 TEST(BusScene, FollowsTargetChangesAtAnyTime) {
   auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
   scene.controller.targets = {{0.05, 0.3}, {0.4, -0.2}, {2.0, 0.1234565}};
-  const auto result = scenario::run_bus_scene(scene, {});
+  const auto result = sil::run_bus_scenario(scene, {});
   EXPECT_TRUE(result.settled);
   EXPECT_LT(result.settling_time_s, 1.0) << "counted from the last change";
   EXPECT_GT(result.duration_s, 2.0);
@@ -77,7 +77,7 @@ TEST(BusScene, FollowsTargetChangesAtAnyTime) {
 
 TEST(Axes, SettleTogetherAtTheRateThatTheBusAllows) {
   for (const auto& [axes, period] : {std::pair<std::size_t, hal::Duration>{2, 1ms}, {8, 3ms}}) {
-    Rig rig{{.axes = axes, .period = period, .friction = {{2.5, 4.5}, friction::static_kinetic(1, 0)}}};
+    Rig rig{{.axes = axes, .period = period, .friction = {{2.5, 4.5}, model::shape::static_kinetic(1, 0)}}};
     ASSERT_TRUE(rig.loop().check_configuration().ok());
     ASSERT_TRUE(rig.start()) << axes;
     rig.run(4s);
@@ -92,7 +92,7 @@ TEST(Axes, SettleTogetherAtTheRateThatTheBusAllows) {
 }
 
 TEST(Axis, StaysWhereItIsOnceItHolds) {
-  Rig rig{{.friction = {{2.5, 4.5}, friction::random_dwell({.seed = 4})}}};
+  Rig rig{{.friction = {{2.5, 4.5}, model::shape::random_dwell({.seed = 4})}}};
   ASSERT_TRUE(rig.start());
   rig.run(2s);
   const double held_m = rig.position_m(0);

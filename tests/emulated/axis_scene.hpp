@@ -2,31 +2,29 @@
 // machine. A test holds the two together.
 #pragma once
 
-#include "breakaway/drive/config.hpp"
-#include "breakaway/friction/friction_law.hpp"
-#include "breakaway/friction/shapes.hpp"
-#include "breakaway/plant/slide.hpp"
+#include "breakaway/drive_emulator/config.hpp"
+#include "breakaway/model/friction_law.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/motion/slide.hpp"
 
 namespace breakaway::emulated {
 
 inline constexpr double mass_kg = 1, start_m = -4, settle_tolerance_m = 3e-6;
 
-inline friction::FrictionBounds friction_bounds() {
-  return friction::FrictionBounds::from_coefficients(mass_kg, 10, 0.25, 0.45);
-}
+inline model::FrictionBounds friction_bounds() { return model::bounds_from_coefficients(mass_kg, 10, 0.25, 0.45); }
 
-inline plant::Slide resting_axis() {
-  auto shape = friction::mean({0.5, 0.5}, [] {
-    std::vector<friction::ShapePtr> parts;
-    parts.push_back(friction::stribeck(2));
-    parts.push_back(friction::sine_in_time(4));
+inline motion::Slide resting_axis() {
+  auto shape = model::shape::mean({0.5, 0.5}, [] {
+    std::vector<model::ShapePtr> parts;
+    parts.push_back(model::shape::stribeck(2));
+    parts.push_back(model::shape::sine_in_time(4));
     return parts;
   }());
   return {mass_kg, {friction_bounds(), std::move(shape)}, {0, start_m, 0}};
 }
 
-inline drive::DriveConfig drive_config() {
-  drive::DriveConfig c;
+inline drive_emulator::EmulatorConfig drive_config() {
+  drive_emulator::EmulatorConfig c;
   c.rated_torque_mNm = 500;
   c.rated_current_mA = 2000;
   c.max_torque_per_mille = 2000;

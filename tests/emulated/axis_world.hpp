@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "axis_scene.hpp"
-#include "breakaway/drive/drive_emulator.hpp"
-#include "breakaway/scenario/braked_slide.hpp"
+#include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/sil/braked_slide.hpp"
 #include "node_config.hpp"
 #include "tour.hpp"
 
@@ -104,10 +104,10 @@ class AxisWorld {
   }
 
   Send send_;
-  scenario::BrakedSlide mechanism_;
+  sil::BrakedSlide mechanism_;
   std::vector<LoggedFrame> frames_;
   std::vector<double> positions_m_;
-  drive::DriveEmulator drive_;
+  drive_emulator::DriveEmulator drive_;
   double tour_time_s_ = 0;
   std::int32_t target_counts_ = 0;
   std::uint32_t periods_ = 0;

@@ -80,7 +80,7 @@ constexpr law::PidParameters<float> pid_parameters(const law::AxisParameters<flo
   pid.max_force_N = p.max_force_N;
   pid.max_approach_speed_m_s = p.max_approach_speed_m_s;
   pid.encoder_resolution_m = p.encoder_resolution_m;
-  pid.friction_lower_N = p.friction_lower_N;
+  pid.friction_lower_N = p.friction.lower_N;
   pid.period_s = p.period_s;
   return pid;
 }

@@ -2,14 +2,17 @@
 # hal know nothing of each other, firmware joins them, and nothing below the simulation knows of it.
 set(hal_leaves hal canopen cia402 virtual_bus slcan bxcan xilinx_can socketcan)
 set(law_may_see law)
-set(design_may_see law design)
+set(input_may_see input)
+set(stability_may_see input stability)
+set(design_may_see law input stability design)
 foreach(leaf IN LISTS hal_leaves)
   set(${leaf}_may_see ${hal_leaves})
 endforeach()
 set(firmware_may_see law hal canopen cia402 firmware)
+set(config_may_see input ${firmware_may_see} config)
 
 # One test a leaf that has headers to keep out: to a user of this leaf, none of them may be within reach.
-foreach(room IN ITEMS law design ${hal_leaves} firmware)
+foreach(room IN ITEMS law input stability design ${hal_leaves} firmware config)
   if(NOT TARGET breakaway_${room})
     continue()
   endif()

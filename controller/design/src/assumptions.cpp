@@ -23,19 +23,22 @@ double log_pole_ratio_for(double exponent) noexcept {
   }
 }
 
-bool satisfies_18(double mass_kg, double stiffness_N_per_m, double damping_Ns_per_m, const FrictionBounds& friction) {
-  const auto law = K3<double>::make({mass_kg, stiffness_N_per_m, damping_Ns_per_m, friction.lower_N});
-  return law && friction.ratio() > ratio_threshold_18(law->unit());
+// False, too, for a damping at which there is no kick.
+bool satisfies_18(const KickPlant<double>& plant, const law::FrictionBounds<double>& friction) try {
+  return friction.ratio() > ratio_threshold_18(K3<double>::make(plant).unit());
+} catch (const InputError&) {
+  return false;
 }
 
 }  // namespace
 
-std::optional<Error> unless_valid(const FrictionBounds& friction) {
-  if (auto error = unless_positive("friction_lower_N", friction.lower_N)) return error;
-  if (auto error = unless_positive("friction_upper_N", friction.upper_N)) return error;
-  if (friction.lower_N <= friction.upper_N) return std::nullopt;
-  return Error{"friction_lower_N is " + to_text(friction.lower_N) + ", above friction_upper_N = " +
-               to_text(friction.upper_N) + "; Assumption 1 needs lower <= upper: exchange or correct them"};
+void require_valid(const law::FrictionBounds<double>& friction) {
+  require_positive("friction_lower_N", friction.lower_N);
+  require_positive("friction_upper_N", friction.upper_N);
+  if (friction.lower_N <= friction.upper_N) return;
+  throw InputError{"friction_lower_N", "is " + to_text(friction.lower_N) +
+                                           ", above friction_upper_N = " + to_text(friction.upper_N) +
+                                           "; Assumption 1 needs lower <= upper: exchange or correct them"};
 }
 
 double ratio_threshold_18(const UnitKick<double>& kick) noexcept {
@@ -58,10 +61,11 @@ double exact_ratio_threshold(const UnitKick<double>& kick) noexcept {
   }
 }
 
-Expected<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m, const FrictionBounds& friction) {
-  if (auto error = unless_positive("mass_kg", mass_kg)) return *error;
-  if (auto error = unless_positive("stiffness k1", stiffness_N_per_m)) return *error;
-  if (auto error = unless_valid(friction)) return *error;
+std::optional<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m,
+                                           const law::FrictionBounds<double>& friction) {
+  require_positive("mass_kg", mass_kg);
+  require_positive("stiffness k1", stiffness_N_per_m);
+  require_valid(friction);
   // (18) reads settling_exponent(u) < -ln(1 - ratio), with zeta = cosh(u / 2).
   const double exponent = friction.ratio() < 0.5 ? -std::log1p(-friction.ratio()) : -std::log(friction.gap());
   const double u = exponent >= 1 ? 0 : log_pole_ratio_for(exponent);
@@ -69,19 +73,19 @@ Expected<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m, 
   // That is a few roundings from the first number that passes.
   for (int i = 0; i < 4; ++i) damping = std::nextafter(damping, 0);
   for (int i = 0; i < 1000 && std::isfinite(damping); ++i, damping = std::nextafter(damping, HUGE_VAL)) {
-    if (satisfies_18(mass_kg, stiffness_N_per_m, damping, friction)) return damping;
+    if (satisfies_18({mass_kg, stiffness_N_per_m, damping, friction.lower_N}, friction)) return damping;
   }
-  return Error{"friction_lower_N / friction_upper_N = " + to_text(friction.ratio()) +
-               " is too small for any damping k22 to satisfy (18); narrow the friction bounds"};
+  return std::nullopt;
 }
 
-double finite_time_bound_s(double mass_kg, const FrictionBounds& friction, double position_error_m) noexcept {
+double finite_time_bound_s(double mass_kg, const law::FrictionBounds<double>& friction,
+                           double position_error_m) noexcept {
   // 1 / (1 - sqrt(1 - ratio)) = (1 + sqrt(1 - ratio)) / ratio
   const double kicks = (1 + std::sqrt(friction.gap())) / friction.ratio();
   return std::sqrt(2 * std::fabs(position_error_m) * mass_kg / friction.lower_N) * kicks;
 }
 
-double accuracy_floor_m(double mass_kg, const FrictionBounds& friction, double period_s) noexcept {
+double accuracy_floor_m(double mass_kg, const law::FrictionBounds<double>& friction, double period_s) noexcept {
   return friction.upper_N * (friction.upper_N - friction.lower_N) / (2 * mass_kg * friction.lower_N) * period_s *
          period_s;
 }

@@ -33,8 +33,10 @@ std::string parameters(const law::AxisParameters<float>& p) {
   return "    .parameters = {\n" + member("mass_kg", p.mass_kg, "kg") +
          member("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1") +
          member("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21") +
-         member("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22") +
-         member("friction_lower_N", p.friction_lower_N, "N") + member("friction_upper_N", p.friction_upper_N, "N") +
+         member("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22") + "        .friction = {" +
+         number(p.friction.lower_N) + ", " + number(p.friction.upper_N) + "},  // " +
+         formatted("%.9g to %.9g N\n", static_cast<double>(p.friction.lower_N),
+                   static_cast<double>(p.friction.upper_N)) +
          member("max_force_N", p.max_force_N, "N") + member("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s") +
          member("position_tolerance_m", p.position_tolerance_m, "m") +
          member("encoder_resolution_m", p.encoder_resolution_m, "m, one count") + member("period_s", p.period_s, "s") +
@@ -79,24 +81,23 @@ std::string statement(const DesignReport& report, const std::string& source) {
 
 }  // namespace
 
-Expected<law::FlashedAxis<float>> flashed_axis(law::AxisParameters<float> parameters, const AxisDesign& design,
-                                               const DesignReport& report) {
+law::FlashedAxis<float> flashed_axis(law::AxisParameters<float> parameters, const AxisDesign& design,
+                                     const DesignReport& report) {
   if (!report.certified)
-    return Error{"the design is not certified, so nothing is written to be flashed: " + report.reasons.front()};
+    throw InputError{"the design is not certified, so nothing is written to be flashed: " + report.reasons.front()};
   const auto most_N = static_cast<float>(design.max_force_N);
   parameters.max_force_N = std::min(parameters.max_force_N, most_N);
   if (const auto error = law::validate(parameters); error != law::ParameterError::none) {
-    return Error{"in float, which the firmware computes in, " + std::string{to_string(error)}};
+    throw InputError{"in float, which the firmware computes in, " + std::string{to_string(error)}};
   }
   const auto built = build_k3_table<float>(
-      {parameters.mass_kg, parameters.stiffness_N_per_m, parameters.kick_damping_Ns_per_m, parameters.friction_lower_N},
+      {parameters.mass_kg, parameters.stiffness_N_per_m, parameters.kick_damping_Ns_per_m, parameters.friction.lower_N},
       parameters.stick_radius_upper_m());
-  if (!built) return built.error();
   law::FlashedAxis<float> axis{.parameters = parameters,
-                               .k3_table = built->table,
+                               .k3_table = built.table,
                                .limits = {.certified = true,
-                                          .friction_lower_N = parameters.friction_lower_N,
-                                          .friction_upper_N = parameters.friction_upper_N,
+                                          .friction_lower_N = parameters.friction.lower_N,
+                                          .friction_upper_N = parameters.friction.upper_N,
                                           .max_force_N = parameters.max_force_N,
                                           .period_s = parameters.period_s,
                                           .position_tolerance_m = static_cast<float>(design.position_tolerance_m)}};

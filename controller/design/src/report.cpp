@@ -5,27 +5,29 @@
 #include <cstdio>
 #include <limits>
 
-#include "breakaway/design/attractivity.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/stability/attractivity.hpp"
 
 namespace breakaway::design {
 namespace {
 
-std::optional<Error> unless_in_range(const AxisDesign& axis) {
-  if (auto error = unless_positive("mass_kg", axis.mass_kg)) return error;
-  if (auto error = unless_positive("stiffness k1", axis.stiffness_N_per_m)) return error;
-  if (auto error = unless_positive("approach damping k21", axis.approach_damping_Ns_per_m)) return error;
-  if (auto error = unless_positive("max_force_N", axis.max_force_N)) return error;
-  if (auto error = unless_positive("position_tolerance_m", axis.position_tolerance_m)) return error;
-  if (auto error = unless_not_negative("period_s", axis.period_s)) return error;
-  if (auto error = unless_not_negative("encoder_resolution_m", axis.encoder_resolution_m)) return error;
+void require_in_range(const AxisDesign& axis) {
+  require_positive("mass_kg", axis.mass_kg);
+  require_positive("stiffness k1", axis.stiffness_N_per_m);
+  require_positive("approach damping k21", axis.approach_damping_Ns_per_m);
+  require_positive("max_force_N", axis.max_force_N);
+  require_positive("position_tolerance_m", axis.position_tolerance_m);
+  require_not_negative("period_s", axis.period_s);
+  require_not_negative("encoder_resolution_m", axis.encoder_resolution_m);
   if (axis.latency_ticks < 0) {
-    return Error{"latency_ticks is " + std::to_string(axis.latency_ticks) + "; give 0 or a whole number of periods"};
+    throw InputError{"latency_ticks",
+                     "is " + std::to_string(axis.latency_ticks) + "; give 0 or a whole number of periods"};
   }
   if (!std::isfinite(axis.smooth_friction_slope_Ns_per_m)) {
-    return Error{"smooth_friction_slope_Ns_per_m is not a finite number; give 0 when there is no smooth friction"};
+    throw InputError{"smooth_friction_slope_Ns_per_m",
+                     "is not a finite number; give 0 when there is no smooth friction"};
   }
-  return unless_valid(axis.friction);
+  require_valid(axis.friction);
 }
 
 // Six digits, as people read them.
@@ -60,7 +62,7 @@ Check above(std::string name, std::string source, double ratio, double threshold
 // Propositions 2 and 3 cover different friction: the one that fits the axis is required. (17) and (18) are sufficient
 // for Assumption 3, the exact threshold is necessary too.
 std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport& report) {
-  const FrictionBounds& friction = axis.friction;
+  const law::FrictionBounds<double>& friction = axis.friction;
   Check assumption_1{
       "assumption_1",
       true,
@@ -95,8 +97,9 @@ std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport&
 Check rest_check(const AxisDesign& axis) {
   const double damping = axis.approach_damping_Ns_per_m + axis.smooth_friction_slope_Ns_per_m;
   const auto scalar = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
-  const Attractivity rest = certify_attractivity({scalar(axis.mass_kg), scalar(damping), scalar(axis.stiffness_N_per_m),
-                                                  scalar(1), Eigen::VectorXd::Constant(1, axis.friction.lower_N)});
+  const stability::Attractivity rest =
+      stability::certify_attractivity({scalar(axis.mass_kg), scalar(damping), scalar(axis.stiffness_N_per_m), scalar(1),
+                                       Eigen::VectorXd::Constant(1, axis.friction.lower_N)});
   const bool from_everywhere = rest.certified && std::isinf(rest.rho_star_J);
   return {"approach_comes_to_rest",
           true,
@@ -167,15 +170,13 @@ std::vector<std::string> conditions(const AxisDesign& axis) {
 
 }  // namespace
 
-Expected<DesignReport> design_axis(const AxisDesign& axis) {
-  if (auto error = unless_in_range(axis)) return *error;
+DesignReport design_axis(const AxisDesign& axis) {
+  require_in_range(axis);
   const double m = axis.mass_kg, k1 = axis.stiffness_N_per_m;
   const KickPlant<double> plant{m, k1, axis.kick_damping_Ns_per_m, axis.friction.lower_N};
   const auto law = K3<double>::make(plant);
-  if (!law) return law.error();
   const double c_lower = axis.friction.lower_N / k1, c_upper = axis.friction.upper_N / k1;
   const auto built = build_k3_table<float>(plant, c_upper);
-  if (!built) return built.error();
   const auto least_damping = least_damping_for_18(m, k1, axis.friction);
 
   DesignReport report{
@@ -183,17 +184,17 @@ Expected<DesignReport> design_axis(const AxisDesign& axis) {
       .zeta_kick = damping_ratio(m, k1, axis.kick_damping_Ns_per_m),
       .c_lower_m = c_lower,
       .c_upper_m = c_upper,
-      .largest_impulse_Ns = law->impulse_Ns(-c_upper),
+      .largest_impulse_Ns = law.impulse_Ns(-c_upper),
       .accuracy_floor_m = accuracy_floor_m(m, axis.friction, axis.period_s),
       .finite_time_bound_s = finite_time_bound_s(m, axis.friction, c_lower),
       .contraction_per_kick = axis.friction.gap(),
       .ratio = axis.friction.ratio(),
-      .ratio_threshold_18 = ratio_threshold_18(law->unit()),
-      .exact_ratio_threshold = exact_ratio_threshold(law->unit()),
+      .ratio_threshold_18 = ratio_threshold_18(law.unit()),
+      .exact_ratio_threshold = exact_ratio_threshold(law.unit()),
       .least_damping_Ns_per_m = least_damping ? *least_damping : std::numeric_limits<double>::quiet_NaN(),
-      .table_bytes = built->size_bytes,
-      .table_proved_error = built->proved_error,
-      .table_measured_error = built->measured_error,
+      .table_bytes = built.size_bytes,
+      .table_proved_error = built.proved_error,
+      .table_measured_error = built.measured_error,
       .checks = {},
       .certified = false,
       .reasons = {},

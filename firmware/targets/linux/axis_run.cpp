@@ -11,13 +11,12 @@
 #include "breakaway/canopen/nmt.hpp"
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/objects.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 
 namespace breakaway::linux_node {
 namespace {
 
 using namespace std::chrono_literals;
-using scenario::InputError;
 
 double seconds(hal::Duration duration) { return std::chrono::duration<double>(duration).count(); }
 double microseconds(hal::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }

@@ -22,7 +22,7 @@ class AxisRun {
           Telemetry& telemetry);
 
   // Until the operator or --duration ends it; the axis is stopped then. Nothing in it waits but for the next tick.
-  // Throws scenario::InputError, before anything moved, when the drive cannot be used.
+  // Throws InputError, before anything moved, when the drive cannot be used.
   ExitCode run();
 
   // What happened, in lines; after run().

@@ -6,15 +6,14 @@
 
 #include "breakaway/design/flashed_header.hpp"
 #include "breakaway/design/report.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/axis_config.hpp"
 #include "breakaway/scenario/axis_design.hpp"
-#include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 
 namespace breakaway::linux_node {
 namespace {
 
-using scenario::InputError;
 using scenario::Scenario;
 
 void require_parts(const Scenario& s) {
@@ -29,14 +28,12 @@ void require_parts(const Scenario& s) {
 law::FlashedAxis<float> certified_axis(const Scenario& s) {
   const design::AxisDesign axis = scenario::axis_design(s);
   const auto report = design::design_axis(axis);
-  if (!report) throw InputError{fmt::format("{}: {}", s.file, report.error().message)};
-  if (!report->certified) {
+  if (!report.certified) {
     throw InputError{fmt::format("{}: not certified: {}; `breakaway design {}` shows every check", s.file,
-                                 report->reasons.front(), s.file)};
+                                 report.reasons.front(), s.file)};
   }
-  const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, *report);
-  if (!flashed) throw InputError{fmt::format("{}: {}", s.file, flashed.error().message)};
-  return *flashed;
+  const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
+  return flashed;
 }
 
 // A lower force limit is still covered by the certificate, as long as the axis can be moved with it.

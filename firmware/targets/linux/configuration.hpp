@@ -27,7 +27,7 @@ struct Configuration {
   double tolerance_m = 0;           // at the end of a run the axis is this near to its target, or the run failed
 };
 
-// Throws scenario::InputError with the remedy: the file cannot be used, the axis is not certified by the checks of
+// Throws InputError with the remedy: the file cannot be used, the axis is not certified by the checks of
 // `breakaway design`, a limit contradicts the certificate.
 Configuration read_configuration(const Options& options);
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "axis_run.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
 #include "listen.hpp"
@@ -19,8 +19,6 @@
 
 namespace breakaway::linux_node {
 namespace {
-
-using scenario::InputError;
 
 constexpr const char* examples =
     "Example: breakaway-node --can can0 sim/scenarios/can_axis.toml --target 0.25\n"
@@ -104,7 +102,7 @@ int main(int argc, char** argv) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     return linux_node::refuse(fmt::format("{} (breakaway-node --help tells more)", error.what()));
-  } catch (const scenario::InputError& error) {
+  } catch (const InputError& error) {
     return linux_node::refuse(error.what());
   } catch (const std::exception& error) {
     return linux_node::refuse(fmt::format("unexpected failure: {}", error.what()));

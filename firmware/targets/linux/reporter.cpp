@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "realtime.hpp"
 
 namespace breakaway::linux_node {
@@ -73,7 +73,7 @@ Reporter::Reporter(const Options& options, Telemetry& telemetry, double encoder_
 Reporter::File Reporter::open(const std::string& path) {
   if (path.empty()) return {};
   File file{std::fopen(path.c_str(), "w")};
-  if (!file) throw scenario::InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+  if (!file) throw InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
   return file;
 }
 

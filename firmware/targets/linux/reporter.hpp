@@ -14,7 +14,7 @@ namespace breakaway::linux_node {
 class Reporter {
  public:
   // From here on SIGINT, SIGTERM and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another thread,
-  // and before the caller takes a real-time priority. Throws scenario::InputError: a log cannot be written.
+  // and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
   Reporter(const Options& options, Telemetry& telemetry, double encoder_resolution_m);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;

@@ -5,14 +5,14 @@
 #include <memory>
 #include <thread>
 
-#include "breakaway/machine/basin_picture.hpp"
-#include "breakaway/machine/certified_region.hpp"
-#include "breakaway/machine/region_picture.hpp"
-#include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/json_writer.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/format/gnuplot.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/report/basin_picture.hpp"
+#include "breakaway/report/region_picture.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/study/certified_region.hpp"
 #include "commands.hpp"
 #include "conditions_json.hpp"
 #include "plane_option.hpp"
@@ -20,9 +20,8 @@
 namespace breakaway::cli {
 namespace {
 
-using design::Attractivity;
-using machine::Fate;
-using scenario::InputError;
+using stability::Attractivity;
+using study::Fate;
 
 struct AttractCommand {
   std::string system, plane = "1,2", json, picture;
@@ -38,12 +37,12 @@ struct SweepRow {
 
 // All that the command finds out. Where nothing is certified there is no region.
 struct Found {
-  machine::Certificates certificates;
-  design::EquilibriumSet equilibria;
+  sil::Certificates certificates;
+  stability::EquilibriumSet equilibria;
   std::optional<double> closed_form_J;
   std::vector<SweepRow> sweep;
-  std::optional<machine::CertifiedRegion> region;
-  machine::Regions sections;
+  std::optional<study::CertifiedRegion> region;
+  report::Regions sections;
 
   const Attractivity& attractivity() const { return certificates.attractivity; }
 };
@@ -53,49 +52,56 @@ bool global(const Attractivity& a) { return std::isinf(a.level_J); }
 std::vector<SweepRow> swept(const scenario::MachineScenario& s) {
   std::vector<SweepRow> rows;
   if (!s.sweep) return rows;
-  design::LinearSystem system = machine::linear_system(s.machine);
+  stability::LinearMachine<> system = s.machine;
   for (const double d1 : s.sweep->d1) {
     system.damping = s.sweep->damping + d1 * s.sweep->per_d1;
-    rows.push_back({d1, design::certify_attractivity(system)});
+    rows.push_back({d1, stability::certify_attractivity(system)});
   }
   return rows;
 }
 
 Found find(const AttractCommand& options, const scenario::MachineScenario& s) {
-  const design::LinearSystem system = machine::linear_system(s.machine);
   const std::array<int, 2> plane = read_plane(options.plane, static_cast<int>(s.machine.coordinates()));
-  auto equilibria = design::EquilibriumSet::make(system);
-  if (!equilibria) throw InputError{fmt::format("{}: {}", s.file, equilibria.error().message)};
-  Found found{machine::certify(s.machine), *equilibria, design::closed_form_rho_J(system), swept(s), {}, {}};
+  Found found{sil::certify(s.machine),
+              stability::EquilibriumSet::make(s.machine),
+              stability::closed_form_rho_J(s.machine),
+              swept(s),
+              {},
+              {}};
   if (found.attractivity().level_J == 0) return found;
   const double half_width =
-      options.window > 0 ? options.window : machine::fitting_half_width(s.machine, found.attractivity(), plane);
-  found.region = machine::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads);
-  found.sections = machine::regions(s.machine, found.certificates, {2, half_width, plane});
+      options.window > 0 ? options.window : study::fitting_half_width(s.machine, found.attractivity(), plane);
+  found.region = study::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads);
+  found.sections = report::regions(s.machine, found.certificates, {2, half_width, plane});
   return found;
 }
 
 template <class Vector>
-void write_numbers(report::JsonWriter& json, const Vector& numbers) {
+void write_numbers(format::JsonWriter& json, const Vector& numbers) {
   json.array([&] {
     for (const double number : numbers) json.value(number);
   });
 }
 
-void write_equilibria(report::JsonWriter& json, const Found& found) {
-  const auto vertices = found.equilibria.vertices();
+void write_equilibria(format::JsonWriter& json, const Found& found) {
+  Eigen::MatrixXd vertices;
+  std::string reason;
+  try {
+    vertices = found.equilibria.vertices();
+  } catch (const InputError& error) {
+    reason = error.what();
+  }
   json.array("vertices", [&] {
-    if (!vertices) return;
-    for (const auto corner : vertices->colwise()) write_numbers(json, corner);
+    for (const auto corner : vertices.colwise()) write_numbers(json, corner);
   });
   json.array("extent", [&] {
     for (const double extent : found.equilibria.extent()) json.value(extent);
   });
-  json.member("section_area", design::area(found.sections.equilibria));
-  json.member("reason", vertices.error().message);
+  json.member("section_area", stability::area(found.sections.equilibria));
+  json.member("reason", reason);
 }
 
-void write_theorem(report::JsonWriter& json, const Found& found) {
+void write_theorem(format::JsonWriter& json, const Found& found) {
   const Attractivity& a = found.attractivity();
   write_conditions(json, a.conditions);
   json.member("certified", a.certified);
@@ -119,13 +125,13 @@ void write_theorem(report::JsonWriter& json, const Found& found) {
   json.member("remark_3_holds", a.remark_3_J < a.rho_star_J);
 }
 
-void write_region(report::JsonWriter& json, const Found& found) {
-  const machine::CertifiedRegion& region = *found.region;
+void write_region(format::JsonWriter& json, const Found& found) {
+  const study::CertifiedRegion& region = *found.region;
   json.array("plane", [&] {
     for (const int place : region.window().plane) json.value(place + 1);
   });
   json.member("window", region.window().half_width);
-  json.member("certified_area_theorem_1", design::area(found.sections.certified));
+  json.member("certified_area_theorem_1", stability::area(found.sections.certified));
   json.member("certified_area", region.area(Fate::attracted));
   json.member("certified_lost_area", region.area(Fate::lost));
   json.member("true_area", region.area_simulated());
@@ -134,7 +140,7 @@ void write_region(report::JsonWriter& json, const Found& found) {
 }
 
 std::string to_json(const scenario::MachineScenario& s, const Found& found) {
-  report::JsonWriter json;
+  format::JsonWriter json;
   json.object([&] {
     json.member("title", s.title);
     write_theorem(json, found);
@@ -160,9 +166,9 @@ std::string to_json(const scenario::MachineScenario& s, const Found& found) {
 }
 
 void print_region(const Found& found) {
-  const machine::CertifiedRegion& region = *found.region;
-  fmt::print("  equilibria     area {:.6g}\n", design::area(found.sections.equilibria));
-  fmt::print("  by Theorem 1   area {:.6g}\n", design::area(found.sections.certified));
+  const study::CertifiedRegion& region = *found.region;
+  fmt::print("  equilibria     area {:.6g}\n", stability::area(found.sections.equilibria));
+  fmt::print("  by Theorem 1   area {:.6g}\n", stability::area(found.sections.certified));
   fmt::print("  proved         area {:.6g} attracted, {:.6g} lost, by {} motions\n", region.area(Fate::attracted),
              region.area(Fate::lost), region.motions());
   fmt::print("  simulated      area {:.6g} attracted, of which {:.3g} % are proved\n", region.area_simulated(),
@@ -172,7 +178,7 @@ void print_region(const Found& found) {
 void print_summary(const scenario::MachineScenario& s, const Found& found) {
   const Attractivity& a = found.attractivity();
   if (!s.title.empty()) fmt::print("{}\n", s.title);
-  for (const design::Condition& condition : a.conditions) {
+  for (const stability::Condition& condition : a.conditions) {
     fmt::print("  {:5} {}\n        {:.6g}: {}\n", condition.holds ? "holds" : "fails", condition.name, condition.margin,
                condition.reason);
   }
@@ -192,16 +198,16 @@ void print_summary(const scenario::MachineScenario& s, const Found& found) {
 
 int attract(const AttractCommand& options) {
   const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
-  if (!options.picture.empty()) report::require_picture_ending(options.picture);
+  if (!options.picture.empty()) format::require_picture_ending(options.picture);
   if (!options.picture.empty() && options.picture == options.json)
     throw InputError{fmt::format("{}: two outputs would go there; give each its own file", options.json)};
   const Found found = find(options, s);
   if (!options.picture.empty() && !found.region)
     throw InputError{fmt::format("--picture: there is no region to draw: {}", found.attractivity().reason)};
   const std::string drawn =
-      options.picture.empty() ? "" : machine::draw_region(options.picture, s, *found.region, found.sections);
-  if (!options.json.empty()) report::write_output(options.json, to_json(s, found));
-  if (!options.picture.empty()) report::write_output(options.picture, drawn);
+      options.picture.empty() ? "" : report::draw_region(options.picture, s, *found.region, found.sections);
+  if (!options.json.empty()) format::write_output(options.json, to_json(s, found));
+  if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-") print_summary(s, found);
   return found.attractivity().level_J > 0 ? done : failed_check;
 }

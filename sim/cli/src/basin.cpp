@@ -10,24 +10,23 @@
 #include <thread>
 #include <vector>
 
-#include "breakaway/machine/basin.hpp"
-#include "breakaway/machine/basin_picture.hpp"
-#include "breakaway/machine/basin_table.hpp"
-#include "breakaway/machine/certificates.hpp"
-#include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/json_writer.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/format/gnuplot.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/report/basin_picture.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/sil/certificates.hpp"
+#include "breakaway/study/basin.hpp"
+#include "breakaway/study/basin_table.hpp"
 #include "commands.hpp"
 #include "plane_option.hpp"
 
 namespace breakaway::cli {
 namespace {
 
-using machine::Basin;
-using machine::Fate;
-using scenario::InputError;
+using study::Basin;
+using study::Fate;
 using Clock = std::chrono::steady_clock;
 
 constexpr double most_points = 1e8;  // 0.9 GB
@@ -42,7 +41,7 @@ struct BasinCommand {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-machine::Shard read_shard(const std::string& text) {
+study::Shard read_shard(const std::string& text) {
   const auto shard = two_integers(text, '/');
   if (!shard || (*shard)[1] < 1 || (*shard)[0] < 0 || (*shard)[0] > (*shard)[1]) {
     throw InputError{fmt::format("--shard {}: give i/n with n >= 1 and i from 1 to n; 0 is the same as n", text)};
@@ -50,11 +49,11 @@ machine::Shard read_shard(const std::string& text) {
   return {(*shard)[0], (*shard)[1]};
 }
 
-machine::Grid read_grid(const BasinCommand& options, int coordinates) {
+study::Grid read_grid(const BasinCommand& options, int coordinates) {
   return {options.points, options.window, read_plane(options.plane, coordinates)};
 }
 
-void check(const BasinCommand& options, const machine::Shard& shard) {
+void check(const BasinCommand& options, const study::Shard& shard) {
   std::vector<std::string> outputs;
   for (const std::string& path : {options.json, options.csv, options.picture, options.resume}) {
     if (!path.empty()) outputs.push_back(path);
@@ -62,7 +61,7 @@ void check(const BasinCommand& options, const machine::Shard& shard) {
   std::ranges::sort(outputs);
   if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
     throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
-  if (!options.picture.empty()) report::require_picture_ending(options.picture);
+  if (!options.picture.empty()) format::require_picture_ending(options.picture);
   if (!options.merge.empty() && (shard.count > 1 || !options.resume.empty()))
     throw InputError{"--merge joins whole shards: leave out --shard and --resume"};
   const double points = static_cast<double>(options.points) * options.points / shard.count;
@@ -102,12 +101,12 @@ struct Simulated {
 };
 
 Simulated decide(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
-  std::optional<machine::Journal> journal;
-  if (!options.resume.empty()) journal.emplace(options.resume, machine::table_label(basin.grid(), s), basin);
+  std::optional<study::Journal> journal;
+  if (!options.resume.empty()) journal.emplace(options.resume, study::table_label(basin.grid(), s), basin);
   const auto begin = Clock::now();
   Progress progress{basin.count(Fate::pending)};
   std::size_t before = 0;
-  const std::size_t trajectories = machine::decide_pending(basin, s, options.threads, [&](int row, std::size_t done) {
+  const std::size_t trajectories = study::decide_pending(basin, s, options.threads, [&](int row, std::size_t done) {
     if (journal && done > before) journal->append(basin, row);
     before = done;
     progress.tell(done);
@@ -117,7 +116,7 @@ Simulated decide(const BasinCommand& options, const scenario::MachineScenario& s
 
 void merge(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
   for (const std::string& path : options.merge) {
-    machine::read_table(path, machine::table_label(basin.grid(), s), basin);
+    study::read_table(path, study::table_label(basin.grid(), s), basin);
   }
   if (const std::size_t missing = basin.count(Fate::pending); missing > 0) {
     throw InputError{fmt::format("--merge: {} of {} points are in none of the files; add the missing shards", missing,
@@ -125,9 +124,9 @@ void merge(const BasinCommand& options, const scenario::MachineScenario& s, Basi
   }
 }
 
-std::string to_json(const scenario::MachineScenario& s, const Basin& basin, const machine::Certificates& certificates,
-                    const machine::Regions& regions, const Simulated& simulated) {
-  report::JsonWriter json;
+std::string to_json(const scenario::MachineScenario& s, const Basin& basin, const sil::Certificates& certificates,
+                    const report::Regions& regions, const Simulated& simulated) {
+  format::JsonWriter json;
   json.object([&] {
     json.member("title", s.title);
     json.member("grid", basin.grid().points);
@@ -141,8 +140,8 @@ std::string to_json(const scenario::MachineScenario& s, const Basin& basin, cons
     json.member("lost", basin.count(Fate::lost));
     json.member("undecided", basin.count(Fate::undecided));
     json.member("area_true", basin.area(Fate::attracted));
-    json.member("area_certified", design::area(regions.certified));
-    json.member("area_equilibria", design::area(regions.equilibria));
+    json.member("area_certified", stability::area(regions.certified));
+    json.member("area_equilibria", stability::area(regions.equilibria));
     json.member("rho_star_J", certificates.attractivity.rho_star_J);
     json.member("certified", certificates.attractivity.certified);
     json.member("reason", certificates.attractivity.reason);
@@ -153,13 +152,13 @@ std::string to_json(const scenario::MachineScenario& s, const Basin& basin, cons
   return json.text();
 }
 
-void print_summary(const scenario::MachineScenario& s, const Basin& basin, const machine::Regions& regions,
+void print_summary(const scenario::MachineScenario& s, const Basin& basin, const report::Regions& regions,
                    const Simulated& simulated) {
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   fmt::print("  attracted      {} of {} points, area {:.6g}\n", basin.count(Fate::attracted), basin.size(),
              basin.area(Fate::attracted));
   fmt::print("  lost           {}\n  undecided      {}\n", basin.count(Fate::lost), basin.count(Fate::undecided));
-  fmt::print("  certified      area {:.6g}\n", design::area(regions.certified));
+  fmt::print("  certified      area {:.6g}\n", stability::area(regions.certified));
   if (simulated.trajectories > 0) {
     fmt::print("  simulated      {} trajectories in {:.3g} s, {:.3g} each second\n", simulated.trajectories,
                simulated.seconds, static_cast<double>(simulated.trajectories) / simulated.seconds);
@@ -168,18 +167,18 @@ void print_summary(const scenario::MachineScenario& s, const Basin& basin, const
 
 int basin_of(const BasinCommand& options) {
   const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
-  const machine::Shard shard = read_shard(options.shard);
-  const machine::Grid grid = read_grid(options, static_cast<int>(s.machine.coordinates()));
+  const study::Shard shard = read_shard(options.shard);
+  const study::Grid grid = read_grid(options, static_cast<int>(s.machine.coordinates()));
   check(options, shard);
-  const machine::Certificates certificates = machine::certify(s.machine);
-  const machine::Regions regions = machine::regions(s.machine, certificates, grid);
+  const sil::Certificates certificates = sil::certify(s.machine);
+  const report::Regions regions = report::regions(s.machine, certificates, grid);
   Basin basin{grid, shard};
   Simulated simulated;
   options.merge.empty() ? static_cast<void>(simulated = decide(options, s, basin)) : merge(options, s, basin);
-  const std::string drawn = options.picture.empty() ? "" : machine::draw_basin(options.picture, s, basin, regions);
-  if (!options.csv.empty()) report::write_output(options.csv, machine::table_parts(basin));
-  if (!options.json.empty()) report::write_output(options.json, to_json(s, basin, certificates, regions, simulated));
-  if (!options.picture.empty()) report::write_output(options.picture, drawn);
+  const std::string drawn = options.picture.empty() ? "" : report::draw_basin(options.picture, s, basin, regions);
+  if (!options.csv.empty()) format::write_output(options.csv, study::table_parts(basin));
+  if (!options.json.empty()) format::write_output(options.json, to_json(s, basin, certificates, regions, simulated));
+  if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-" && options.csv != "-") print_summary(s, basin, regions, simulated);
   return done;
 }

@@ -2,14 +2,14 @@
 
 #include <vector>
 
-#include "breakaway/design/attractivity.hpp"
-#include "breakaway/report/json_writer.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/stability/attractivity.hpp"
 
 namespace breakaway::cli {
 
-inline void write_conditions(report::JsonWriter& json, const std::vector<design::Condition>& conditions) {
+inline void write_conditions(format::JsonWriter& json, const std::vector<stability::Condition>& conditions) {
   json.array("conditions", [&] {
-    for (const design::Condition& condition : conditions) {
+    for (const stability::Condition& condition : conditions) {
       json.object([&] {
         json.member("name", condition.name);
         json.member("holds", condition.holds);

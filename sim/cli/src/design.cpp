@@ -5,11 +5,11 @@
 
 #include "breakaway/design/flashed_header.hpp"
 #include "breakaway/design/report.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/report/design_html.hpp"
-#include "breakaway/report/json_writer.hpp"
-#include "breakaway/report/output_file.hpp"
 #include "breakaway/scenario/axis_design.hpp"
-#include "breakaway/scenario/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "commands.hpp"
 
@@ -22,7 +22,7 @@ struct DesignCommand {
   std::string axis, json, report, header;
 };
 
-void write_check(report::JsonWriter& json, const design::Check& check) {
+void write_check(format::JsonWriter& json, const design::Check& check) {
   json.member("name", check.name);
   json.member("required", check.required);
   json.member("holds", check.holds);
@@ -32,7 +32,7 @@ void write_check(report::JsonWriter& json, const design::Check& check) {
 }
 
 std::string to_json(const design::DesignReport& report) {
-  report::JsonWriter json;
+  format::JsonWriter json;
   json.object([&] {
     json.member("certified", report.certified);
     json.array("reasons", [&] {
@@ -85,27 +85,31 @@ void print_report(const design::DesignReport& r) {
 void write_header(const DesignCommand& options, const Scenario& s, const design::AxisDesign& axis,
                   const design::DesignReport& report) {
   const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
-  if (!flashed) throw scenario::InputError{fmt::format("{}: {}", options.axis, flashed.error().message)};
-  report::write_output(options.header, design::flashed_header(*flashed, report, options.axis));
+  format::write_output(options.header, design::flashed_header(flashed, report, options.axis));
+}
+
+design::DesignReport checked(const std::string& file, const design::AxisDesign& axis) try {
+  return design::design_axis(axis);
+} catch (const InputError& error) {
+  throw error.in_file(file);
 }
 
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const DesignCommand& options) {
   const Scenario s = scenario::read_scenario(options.axis);
   const design::AxisDesign axis = scenario::axis_design(s);
-  const auto report = design::design_axis(axis);
-  if (!report) throw scenario::InputError{fmt::format("{}: {}", options.axis, report.error().message)};
-  if (!options.json.empty()) report::write_output(options.json, to_json(*report));
+  const auto report = checked(options.axis, axis);
+  if (!options.json.empty()) format::write_output(options.json, to_json(report));
   if (!options.report.empty()) {
     const std::string title = "Design: " + (s.title.empty() ? "a positioning axis" : s.title);
-    report::write_output(options.report, report::design_html(title, options.axis, axis, *report));
+    format::write_output(options.report, report::design_html(title, options.axis, axis, report));
   }
-  if (options.json != "-" && options.report != "-" && options.header != "-") print_report(*report);
-  if (!options.header.empty() && report->certified) write_header(options, s, axis, *report);
-  if (!options.header.empty() && !report->certified) {
-    fmt::print(stderr, "{}: not certified, so no header is written: {}\n", options.axis, report->reasons.front());
+  if (options.json != "-" && options.report != "-" && options.header != "-") print_report(report);
+  if (!options.header.empty() && report.certified) write_header(options, s, axis, report);
+  if (!options.header.empty() && !report.certified) {
+    fmt::print(stderr, "{}: not certified, so no header is written: {}\n", options.axis, report.reasons.front());
   }
-  return report->certified ? done : failed_check;
+  return report.certified ? done : failed_check;
 }
 
 }  // namespace

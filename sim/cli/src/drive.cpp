@@ -11,17 +11,15 @@
 #include <ctime>
 #include <memory>
 
-#include "breakaway/drive/drive_emulator.hpp"
-#include "breakaway/scenario/braked_slide.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/sil/braked_slide.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
-
-using scenario::InputError;
 
 struct DriveCommand {
   std::string scene, interface;
@@ -43,7 +41,7 @@ hal::Time monotonic_now() {
 // A drive in real time: frames in at their time stamps, events at theirs.
 class LiveDrive {
  public:
-  LiveDrive(const scenario::Scenario& s, const drive::DriveConfig& config, socketcan::KernelSocket& socket)
+  LiveDrive(const scenario::Scenario& s, const drive_emulator::EmulatorConfig& config, socketcan::KernelSocket& socket)
       : socket_{socket},
         mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
         drive_{config, mechanism_, [this](const hal::CanFrame& frame, hal::Time) { transmit(frame); }} {
@@ -105,11 +103,11 @@ class LiveDrive {
   }
 
   socketcan::KernelSocket& socket_;
-  scenario::BrakedSlide mechanism_;
+  sil::BrakedSlide mechanism_;
   hal::Time start_ = monotonic_now();
   hal::Time last_{0};
   std::uint64_t lost_ = 0;
-  drive::DriveEmulator drive_;
+  drive_emulator::DriveEmulator drive_;
 };
 
 volatile std::sig_atomic_t stop_wanted = 0;
@@ -135,8 +133,8 @@ void become_realtime() {
         fmt::format("--realtime: {}; run as root, or raise rtprio and memlock in limits.conf", std::strerror(errno))};
 }
 
-drive::DriveConfig drive_config(const scenario::Scenario& s, const DriveCommand& options) {
-  drive::DriveConfig config = *s.drive;
+drive_emulator::EmulatorConfig drive_config(const scenario::Scenario& s, const DriveCommand& options) {
+  drive_emulator::EmulatorConfig config = *s.drive;
   if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
   if (!options.supported_modes.empty())
     config.supported_modes = static_cast<std::uint32_t>(std::stoul(options.supported_modes, nullptr, 16));
@@ -153,7 +151,7 @@ int drive_scene(const DriveCommand& options) {
     throw InputError{fmt::format("{}: {}", options.interface, to_string(opened))};
   const sigset_t mask = prepare_signals();
   if (options.realtime) become_realtime();
-  const drive::DriveConfig config = drive_config(s, options);
+  const drive_emulator::EmulatorConfig config = drive_config(s, options);
   LiveDrive drive{s, config, socket};
   fmt::print("drive {} on {}\n", config.node_id, options.interface);
   std::fflush(stdout);

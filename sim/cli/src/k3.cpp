@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "breakaway/report/json_writer.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -20,7 +20,7 @@ struct K3Command {
 };
 
 std::string to_json(const design::K3<double>& law, const std::vector<double>& positions_m) {
-  report::JsonWriter json;
+  format::JsonWriter json;
   json.object([&] {
     json.array("rows", [&] {
       for (const double y : positions_m) {
@@ -45,16 +45,15 @@ void print_table(const design::K3<double>& law, const std::vector<double>& posit
 // Extreme inputs leave the range of double.
 void require_finite(const design::K3<double>& law, double position_m) {
   if (std::isfinite(law.impulse_Ns(position_m)) && std::isfinite(law.time_to_go_s(position_m))) return;
-  throw scenario::InputError{fmt::format(
+  throw InputError{fmt::format(
       "--position: k3 at {} m is beyond the range of floating point for this axis; check the units", position_m)};
 }
 
 void k3(const K3Command& options) {
   const auto law = design::K3<double>::make(options.plant);
-  if (!law) throw scenario::InputError{law.error().message};
-  for (const double y : options.positions_m) require_finite(*law, y);
-  if (!options.json.empty()) report::write_output(options.json, to_json(*law, options.positions_m));
-  if (options.json != "-") print_table(*law, options.positions_m);
+  for (const double y : options.positions_m) require_finite(law, y);
+  if (!options.json.empty()) format::write_output(options.json, to_json(law, options.positions_m));
+  if (options.json != "-") print_table(law, options.positions_m);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "commands.hpp"
 
 namespace {
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     return std::cout.flush() ? code : refuse("standard output: cannot be written");
   } catch (const CLI::ParseError& error) {
     return refuse(explain(app, error));
-  } catch (const scenario::InputError& error) {
+  } catch (const InputError& error) {
     return refuse(error.what());
   } catch (const std::exception& error) {
     return refuse(fmt::format("unexpected failure: {}", error.what()));

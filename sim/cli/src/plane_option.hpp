@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 
 namespace breakaway::cli {
 
@@ -22,14 +22,13 @@ inline std::optional<std::array<int, 2>> two_integers(const std::string& text, c
   return two;
 }
 
-// From 0, in place of 1. Throws scenario::InputError.
+// From 0, in place of 1. Throws InputError.
 inline std::array<int, 2> read_plane(const std::string& text, int coordinates) {
   const auto places = two_integers(text, ',');
   const auto valid = [&](int place) { return place >= 1 && place <= 2 * coordinates; };
   if (!places || !valid((*places)[0]) || !valid((*places)[1]) || (*places)[0] == (*places)[1]) {
-    throw scenario::InputError{
-        fmt::format("--plane {}: give two different places of the state as i,j: 1..{} are q, {}..{} are v", text,
-                    coordinates, coordinates + 1, 2 * coordinates)};
+    throw InputError{fmt::format("--plane {}: give two different places of the state as i,j: 1..{} are q, {}..{} are v",
+                                 text, coordinates, coordinates + 1, 2 * coordinates)};
   }
   return {(*places)[0] - 1, (*places)[1] - 1};
 }

@@ -6,21 +6,21 @@
 #include <memory>
 #include <variant>
 
-#include "breakaway/machine/machine_report.hpp"
-#include "breakaway/machine/run_machine.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/report/formats.hpp"
 #include "breakaway/report/html.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/report/machine_report.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
-#include "breakaway/scenario/run_scene.hpp"
+#include "breakaway/sil/run_machine.hpp"
+#include "breakaway/sil/run_scenario.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
 
-using scenario::Result;
 using scenario::Scenario;
+using sil::Result;
 
 struct SimulateCommand {
   std::string scenario, json, csv, candump, report;
@@ -57,13 +57,13 @@ void report_progress(const char* what) {
 void check_outputs(const SimulateCommand& options, const char* no_bus) {
   for (const std::string& path : options.outputs()) {
     if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
-      throw scenario::InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
+      throw InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
     }
   }
-  if (!options.candump.empty() && no_bus != nullptr) throw scenario::InputError{fmt::format("--candump: {}", no_bus)};
+  if (!options.candump.empty() && no_bus != nullptr) throw InputError{fmt::format("--candump: {}", no_bus)};
 }
 
-void print_summary(const scenario::MachineScenario& s, const machine::MachineResult& r) {
+void print_summary(const scenario::MachineScenario& s, const sil::MachineResult& r) {
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   const auto& end = r.outcome.end;
   fmt::print("  {:<14} at {:.9g} s\n", r.settled() ? "at rest" : "NOT at rest", end.time_s);
@@ -80,13 +80,13 @@ void print_summary(const scenario::MachineScenario& s, const machine::MachineRes
 int simulate_machine(const SimulateCommand& options, const scenario::MachineScenario& s) {
   check_outputs(options, "a [machine] has no bus; leave this out");
   const bool trace = !options.csv.empty() || !options.report.empty();
-  const machine::MachineResult result = machine::run_machine(s, trace);
+  const sil::MachineResult result = sil::run_machine(s, trace);
   if (!result.warning.empty()) fmt::print(stderr, "breakaway: warning: {}\n", result.warning);
   // As for an axis: an error here leaves no file behind.
-  const std::string html = options.report.empty() ? "" : machine::to_html(s, result);
-  if (!options.json.empty()) report::write_output(options.json, machine::to_json(s, result));
-  if (!options.csv.empty()) report::write_output(options.csv, machine::to_csv(s, result));
-  if (!options.report.empty()) report::write_output(options.report, html);
+  const std::string html = options.report.empty() ? "" : report::to_html(s, result);
+  if (!options.json.empty()) format::write_output(options.json, report::to_json(s, result));
+  if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(s, result));
+  if (!options.report.empty()) format::write_output(options.report, html);
   if (!options.quiet()) print_summary(s, result);
   return result.settled() ? done : failed_check;
 }
@@ -96,14 +96,14 @@ int simulate_axis(const SimulateCommand& options, const Scenario& scene) {
                 scene.ideal() ? "the scene has no bus; give it a [loop] and a [drive], or leave this out" : nullptr);
   report_progress("simulating");
   const bool trace = !options.csv.empty() || !options.report.empty();
-  const Result result = scenario::run_scene(scene, {.trace = trace, .frames = !options.candump.empty()});
+  const Result result = sil::run_scenario(scene, {.trace = trace, .frames = !options.candump.empty()});
   if (!options.report.empty()) report_progress("drawing the pictures");
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string html = options.report.empty() ? "" : report::to_html(scene, result);
-  if (!options.json.empty()) report::write_output(options.json, report::to_json(scene, result));
-  if (!options.csv.empty()) report::write_output(options.csv, report::to_csv(result));
-  if (!options.candump.empty()) report::write_output(options.candump, report::to_candump(result));
-  if (!options.report.empty()) report::write_output(options.report, html);
+  if (!options.json.empty()) format::write_output(options.json, report::to_json(scene, result));
+  if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(result));
+  if (!options.candump.empty()) format::write_output(options.candump, report::to_candump(result));
+  if (!options.report.empty()) format::write_output(options.report, html);
   if (!options.quiet()) print_summary(options, scene, result);
   return result.settled ? done : failed_check;
 }

@@ -1,4 +1,4 @@
-#include "breakaway/scenario/study.hpp"
+#include "breakaway/study/friction_study.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -6,17 +6,18 @@
 #include <cmath>
 #include <memory>
 
-#include "breakaway/report/json_writer.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/format/json_writer.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/scenario/run_scene.hpp"
+#include "breakaway/sil/run_scenario.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
 
-using namespace scenario;
+using namespace study;
+using scenario::Scenario;
 
 struct StudyCommand {
   std::string scenario, against, json;
@@ -33,9 +34,9 @@ struct Study {
 const char* controller_name(const Scenario& s) { return s.controller.pid ? "PID" : "impulsive"; }
 
 Scenario read_bus_scenario(const std::string& file) {
-  Scenario s = read_scenario(file);
+  Scenario s = scenario::read_scenario(file);
   if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenes with a [loop] and a [drive]"};
-  require_complete(s);
+  sil::require_complete(s);
   return s;
 }
 
@@ -93,7 +94,7 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
   for (const Study& study : studies) print_rows(study);
 }
 
-void write_run(report::JsonWriter& json, const StudyRun& run) {
+void write_run(format::JsonWriter& json, const StudyRun& run) {
   json.member("law", run.law);
   json.member("settled", run.settled);
   json.member("settling_time_s", run.settling_time_s);
@@ -102,11 +103,11 @@ void write_run(report::JsonWriter& json, const StudyRun& run) {
   json.member("kicks", run.kicks);
   json.member("limit_cycle", run.limit_cycle);
   json.array("faults", [&] {
-    for (const FaultRecord& fault : run.faults) json.value(fault.name);
+    for (const sil::FaultRecord& fault : run.faults) json.value(fault.name);
   });
 }
 
-void write_row(report::JsonWriter& json, const Study& study, const StudyRow& row) {
+void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row) {
   json.member("controller", controller_name(study.scenario));
   json.member("scenario", study.file);
   json.member("position_m", row.start.position_m);
@@ -124,7 +125,7 @@ void write_row(report::JsonWriter& json, const Study& study, const StudyRow& row
 }
 
 std::string to_json(const std::vector<Study>& studies, const StudyOptions& options) {
-  report::JsonWriter json;
+  format::JsonWriter json;
   json.object([&] {
     json.member("random_laws", options.random_laws);
     json.member("seed", options.seed);
@@ -142,7 +143,7 @@ int study(const StudyCommand& options) {
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
   std::vector<Study> studies{run(options.scenario, what)};
   if (!options.against.empty()) studies.push_back(run(options.against, what));
-  if (!options.json.empty()) report::write_output(options.json, to_json(studies, what));
+  if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
   if (options.json != "-") print_table(studies, what);
   return all_settled(studies.front()) ? done : failed_check;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "breakaway/report/json_writer.hpp"
+#include "breakaway/format/json_writer.hpp"
 #include "conditions_json.hpp"
 
 namespace breakaway::cli {
@@ -21,7 +21,7 @@ std::string matrix_text(const MatrixXd& matrix) {
   return fmt::format("[{}]", fmt::join(rows, ", "));
 }
 
-void write_matrix(report::JsonWriter& json, std::string_view name, const MatrixXd& matrix) {
+void write_matrix(format::JsonWriter& json, std::string_view name, const MatrixXd& matrix) {
   json.array(name, [&] {
     for (const auto& line : matrix.rowwise()) {
       json.array([&] {
@@ -31,7 +31,7 @@ void write_matrix(report::JsonWriter& json, std::string_view name, const MatrixX
   });
 }
 
-void write_sweep(report::JsonWriter& json, const std::vector<design::GainSweepRow>& rows) {
+void write_sweep(format::JsonWriter& json, const std::vector<stability::GainSweepRow>& rows) {
   json.array("sweep", [&] {
     for (const auto& row : rows) {
       json.object([&] {
@@ -47,7 +47,7 @@ void write_sweep(report::JsonWriter& json, const std::vector<design::GainSweepRo
 }  // namespace
 
 std::string to_json(const Synthesis& s) {
-  report::JsonWriter json;
+  format::JsonWriter json;
   json.object([&] {
     json.member("title", s.closed_loop.title);
     json.member("structure", s.structure);

@@ -8,23 +8,22 @@
 #include <memory>
 #include <vector>
 
-#include "breakaway/design/synthesis.hpp"
-#include "breakaway/machine/certificates.hpp"
-#include "breakaway/machine/sweep_picture.hpp"
-#include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/output_file.hpp"
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/format/gnuplot.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/report/sweep_picture.hpp"
 #include "breakaway/scenario/open_loop.hpp"
+#include "breakaway/sil/certificates.hpp"
+#include "breakaway/stability/synthesis.hpp"
 #include "commands.hpp"
 #include "synthesis_report.hpp"
 
 namespace breakaway::cli {
 namespace {
 
-using design::PdDesign;
-using design::PdWants;
 using Eigen::MatrixXd;
-using scenario::InputError;
+using stability::PdDesign;
+using stability::PdWants;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -66,14 +65,14 @@ void check_outputs(const SynthesizeCommand& options) {
   std::ranges::sort(outputs);
   if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
     throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
-  if (!options.picture.empty()) report::require_picture_ending(options.picture);
+  if (!options.picture.empty()) format::require_picture_ending(options.picture);
 }
 
 double velocity_norm_Ns_per_m(const PdDesign& design) {
   return Eigen::JacobiSVD<MatrixXd>(design.gains.velocity_Ns_per_m).singularValues()[0];
 }
 
-std::vector<design::GainSweepRow> sweep(const SynthesizeCommand& options, const Synthesis& s) {
+std::vector<stability::GainSweepRow> sweep(const SynthesizeCommand& options, const Synthesis& s) {
   const double norm = velocity_norm_Ns_per_m(s.design);
   if (norm == 0) {
     if (options.sweep.empty()) return {};
@@ -81,13 +80,13 @@ std::vector<design::GainSweepRow> sweep(const SynthesizeCommand& options, const 
   }
   std::vector<double> norms = options.sweep;
   if (norms.empty()) norms = {0.5 * norm, 0.6 * norm, 0.7 * norm, 0.8 * norm, 0.9 * norm, norm};
-  return design::sweep_velocity_gain(s.system, s.design.gains, norms);
+  return stability::sweep_velocity_gain(s.system, s.design.gains, norms);
 }
 
 // Where B is everything, the simulations start with up to ten times the energy that friction can hold at rest, and
 // more.
 void simulate(const SynthesizeCommand& options, Synthesis& s) {
-  const plant::LinearMachine<>& machine = s.closed_loop.machine;
+  const stability::LinearMachine<>& machine = s.closed_loop.machine;
   const auto& a = s.design.attractivity;
   s.simulated_level_J = std::isfinite(a.rho_star_J) ? a.rho_star_J : 100 * a.greatest_rest_J;
   const auto slowest = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(machine.stiffness, machine.mass,
@@ -95,21 +94,28 @@ void simulate(const SynthesizeCommand& options, Synthesis& s) {
   // Near the border of B the energy hardly falls: so many periods of the slowest oscillation are plenty.
   s.simulated_for_s = std::max(s.closed_loop.duration_s, 2e4 * std::acos(-1.0) / std::sqrt(slowest.eigenvalues()[0]));
   if (s.simulated_level_J > 0) {
-    s.batch = machine::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, s.seed);
+    s.batch = study::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, s.seed);
   }
 }
 
-std::string draw(const SynthesizeCommand& options, const Synthesis& s, const plant::LinearMachine<>& open) {
+std::string draw(const SynthesizeCommand& options, const Synthesis& s, const stability::LinearMachine<>& open) {
   const double norm = velocity_norm_Ns_per_m(s.design);
-  std::vector<machine::SweptMachine> machines;
+  std::vector<report::SweptMachine> machines;
   for (const auto& row : s.sweep) {
     const MatrixXd velocity_gain = s.design.gains.velocity_Ns_per_m * (row.velocity_gain_Ns_per_m / norm);
     machines.push_back(
         {row.velocity_gain_Ns_per_m,
-         plant::with_feedback(open, s.system.actuators, s.design.gains.position_N_per_m, velocity_gain)});
+         stability::with_feedback(open, s.system.actuators, s.design.gains.position_N_per_m, velocity_gain)});
   }
   if (machines.empty()) machines.push_back({0, s.closed_loop.machine});
-  return machine::draw_sweep(options.picture, machines);
+  return report::draw_sweep(options.picture, machines);
+}
+
+stability::PdDesign synthesized(const std::string& file, const stability::ActuatedSystem& system, const PdWants& wants,
+                                stability::GainStructure structure) try {
+  return stability::synthesize(system, wants, structure);
+} catch (const InputError& error) {
+  throw error.in_file(file);
 }
 
 int synthesize(const SynthesizeCommand& options) {
@@ -122,14 +128,12 @@ int synthesize(const SynthesizeCommand& options) {
   Synthesis s;
   s.structure = options.gains;
   s.seed = options.seed;
-  s.system = {machine::linear_system(open.scenario.machine), open.actuators};
-  const auto structure = options.gains == "full" ? design::GainStructure::full : design::GainStructure::identical;
-  const auto found = design::synthesize(s.system, wants, structure);
-  if (!found) throw InputError{options.system + ": " + found.error().message};
-  s.design = *found;
-  s.conditions = design::machine_conditions(s.system);
-  for (const auto& condition : design::loop_conditions(s.design.closed_loop)) s.conditions.push_back(condition);
-  s.theorem_2 = design::verify_theorem_2(s.system, s.design.gains.position_N_per_m);
+  s.system = {open.scenario.machine, open.actuators};
+  const auto structure = options.gains == "full" ? stability::GainStructure::full : stability::GainStructure::identical;
+  s.design = synthesized(options.system, s.system, wants, structure);
+  s.conditions = stability::machine_conditions(s.system);
+  for (const auto& condition : stability::loop_conditions(s.design.closed_loop)) s.conditions.push_back(condition);
+  s.theorem_2 = stability::verify_theorem_2(s.system, s.design.gains.position_N_per_m);
   s.sweep = sweep(options, s);
   // What is simulated is what the file will say.
   const std::string scene =
@@ -138,9 +142,9 @@ int synthesize(const SynthesizeCommand& options) {
   simulate(options, s);
 
   const std::string drawn = options.picture.empty() ? "" : draw(options, s, open.scenario.machine);
-  if (!options.scene.empty()) report::write_output(options.scene, scene);
-  if (!options.json.empty()) report::write_output(options.json, to_json(s));
-  if (!options.picture.empty()) report::write_output(options.picture, drawn);
+  if (!options.scene.empty()) format::write_output(options.scene, scene);
+  if (!options.json.empty()) format::write_output(options.json, to_json(s));
+  if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-" && options.scene != "-") print_summary(s);
   return s.batch.at_rest == s.batch.trajectories ? done : failed_check;
 }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "breakaway/report/output_file.hpp"
+#include "breakaway/format/output_file.hpp"
 #include "breakaway/tradeoff/frontiers.hpp"
 #include "commands.hpp"
 
@@ -68,9 +68,9 @@ void run_tradeoff(const TradeoffFiles& files) {
   const auto frontiers = tradeoff::measure(options);
   if (options.counting.progress) fmt::print(stderr, "\r\033[K");
   const std::string picture = files.picture.empty() ? "" : tradeoff::to_svg(frontiers);
-  if (!files.json.empty()) report::write_output(files.json, tradeoff::to_json(frontiers));
-  if (!files.picture.empty()) report::write_output(files.picture, picture);
-  if (!files.page.empty()) report::write_output(files.page, tradeoff::to_page(frontiers));
+  if (!files.json.empty()) format::write_output(files.json, tradeoff::to_json(frontiers));
+  if (!files.picture.empty()) format::write_output(files.picture, picture);
+  if (!files.page.empty()) format::write_output(files.page, tradeoff::to_page(frontiers));
   if (files.json != "-" && files.picture != "-" && files.page != "-") print_frontiers(frontiers);
 }
 

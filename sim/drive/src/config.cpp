@@ -1,21 +1,20 @@
-#include "breakaway/drive/config.hpp"
+#include "breakaway/drive_emulator/config.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 namespace {
 
 void require(bool condition, const std::string& remedy) {
-  if (!condition) throw std::invalid_argument("drive: " + remedy);
+  if (!condition) throw InputError{"drive: " + remedy};
 }
 
 bool positive(double value) { return std::isfinite(value) && value > 0; }
 
 }  // namespace
 
-void validate(const DriveConfig& config) {
+void validate(const EmulatorConfig& config) {
   require(config.node_id >= 1 && config.node_id <= 127, "node_id must be 1..127");
   require(config.rated_torque_mNm > 0, "rated_torque_mNm must be above 0");
   require(config.rated_current_mA > 0, "rated_current_mA must be above 0");
@@ -37,4 +36,4 @@ void validate(const DriveConfig& config) {
   require(config.quirks.mode_display_delay.count() >= 0, "quirks.mode_display_delay must not be negative");
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

@@ -1,12 +1,12 @@
-#include "breakaway/drive/drive_emulator.hpp"
+#include "breakaway/drive_emulator/drive_emulator.hpp"
 
 #include <algorithm>
 #include <chrono>
 
 #include "breakaway/canopen/cob_id.hpp"
-#include "breakaway/drive/objects.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::NmtCommand;
 using canopen::NmtState;
@@ -14,14 +14,14 @@ namespace object = cia402::object;
 
 namespace {
 
-const DriveConfig& validated(const DriveConfig& config) {
+const EmulatorConfig& validated(const EmulatorConfig& config) {
   validate(config);
   return config;
 }
 
 }  // namespace
 
-DriveEmulator::DriveEmulator(const DriveConfig& config, Mechanism& mechanism, Send send)
+DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism, Send send)
     : config_(validated(config)),
       send_(std::move(send)),
       emergency_(dictionary_,
@@ -145,4 +145,4 @@ void DriveEmulator::flush() {
 
 void DriveEmulator::post(const hal::CanFrame& frame, hal::Duration delay) { outgoing_.emplace(now_ + delay, frame); }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

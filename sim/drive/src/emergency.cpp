@@ -1,9 +1,9 @@
-#include "breakaway/drive/emergency.hpp"
+#include "breakaway/drive_emulator/emergency.hpp"
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 namespace {
 
@@ -60,4 +60,4 @@ void EmergencyProducer::remember(std::uint16_t code) {
   dictionary_.set({kHistory, 0}, std::min<std::int64_t>(count + 1, depth));
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

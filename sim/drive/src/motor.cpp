@@ -1,9 +1,9 @@
-#include "breakaway/drive/motor.hpp"
+#include "breakaway/drive_emulator/motor.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 double Motor::clamped(double force_N) const { return std::clamp(force_N, -peak_force_N_, peak_force_N_); }
 
@@ -29,4 +29,4 @@ std::int32_t encoder_counts(double position_m, double resolution_m) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(wrapped)));
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

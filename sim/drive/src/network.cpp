@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "breakaway/canopen/cob_id.hpp"
-#include "breakaway/drive/drive_emulator.hpp"
+#include "breakaway/drive_emulator/drive_emulator.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::NmtCommand;
 using canopen::NmtState;
@@ -248,4 +248,4 @@ hal::Duration DriveEmulator::tpdo_delay() {
   return config_.min_tpdo_delay + hal::Duration{static_cast<std::int64_t>(random_() % (span + 1))};
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

@@ -1,8 +1,8 @@
-#include "breakaway/drive/object_dictionary.hpp"
+#include "breakaway/drive_emulator/object_dictionary.hpp"
 
 #include <utility>
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::SdoAbort;
 
@@ -94,4 +94,4 @@ void ObjectDictionary::restore_power_on_values(std::uint16_t first_index, std::u
     if (address.index >= first_index && address.index <= last_index) entries_[address] = entry;
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

@@ -1,8 +1,8 @@
-#include "breakaway/drive/objects.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
 #include "breakaway/canopen/cob_id.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::SdoAbort;
 namespace object = cia402::object;
@@ -37,7 +37,7 @@ void add_option_codes(ObjectDictionary& dictionary) {
                  {.type = Type::i16, .access = rw, .value = 2, .low = 0, .high = 4});
 }
 
-void add_torque_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+void add_torque_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   dictionary.add({object::target_torque, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
   dictionary.add({object::max_torque, 0},
                  {.type = Type::u16, .access = rw, .value = config.max_torque_per_mille, .mapping = Mapping::both});
@@ -48,7 +48,7 @@ void add_torque_objects(ObjectDictionary& dictionary, const DriveConfig& config)
   dictionary.add({object::torque_offset, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
 }
 
-void add_mode_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+void add_mode_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   dictionary.add({object::mode, 0}, {.type = Type::i8, .access = rw, .mapping = Mapping::both});
   dictionary.add({object::mode_display, 0}, {.type = Type::i8, .mapping = Mapping::transmit});
   dictionary.add({object::supported_modes, 0}, {.type = Type::u32, .value = config.supported_modes});
@@ -67,7 +67,7 @@ void add_mode_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
 
 }  // namespace
 
-void add_communication_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+void add_communication_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   const std::uint8_t node = config.node_id;
   dictionary.add({object::device_type, 0}, {.type = Type::u32, .value = kServoDriveProfile});
   dictionary.add({object::error_register, 0}, {.type = Type::u8, .mapping = Mapping::transmit});
@@ -92,7 +92,7 @@ void add_communication_objects(ObjectDictionary& dictionary, const DriveConfig& 
   set_communication_rules(dictionary);
 }
 
-void add_drive_objects(ObjectDictionary& dictionary, const DriveConfig& config) {
+void add_drive_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   dictionary.add({object::error_code, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
   dictionary.add({object::controlword, 0}, {.type = Type::u16, .access = rw, .mapping = Mapping::both});
   dictionary.add({object::statusword, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
@@ -104,4 +104,4 @@ void add_drive_objects(ObjectDictionary& dictionary, const DriveConfig& config) 
   add_mode_objects(dictionary, config);
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

@@ -1,8 +1,8 @@
-#include "breakaway/drive/pdo.hpp"
+#include "breakaway/drive_emulator/pdo.hpp"
 
 #include "breakaway/canopen/cob_id.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::SdoAbort;
 
@@ -41,7 +41,7 @@ Pdo::Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, 
     std::uint32_t entry = 0;
     if (sub <= mapped.size()) {
       const Address object = *(mapped.begin() + sub - 1);
-      const auto bits = static_cast<std::uint32_t>(8 * drive::size_bytes(dictionary.find(object)->type));
+      const auto bits = static_cast<std::uint32_t>(8 * drive_emulator::size_bytes(dictionary.find(object)->type));
       entry = static_cast<std::uint32_t>(object.index) << 16 | static_cast<std::uint32_t>(object.sub) << 8 | bits;
     }
     dictionary.add({mapping_, sub}, {.type = Type::u32, .access = rw, .value = entry});
@@ -83,7 +83,7 @@ std::optional<SdoAbort> Pdo::check_mapped_object(std::uint32_t entry) const {
   if (object == nullptr) return SdoAbort::no_such_object;
   const Mapping needed = direction_ == PdoDirection::receive ? Mapping::receive : Mapping::transmit;
   if (object->mapping != needed && object->mapping != Mapping::both) return SdoAbort::not_mappable;
-  if (mapped_bits(entry) != 8 * drive::size_bytes(object->type)) return SdoAbort::not_mappable;
+  if (mapped_bits(entry) != 8 * drive_emulator::size_bytes(object->type)) return SdoAbort::not_mappable;
   return std::nullopt;
 }
 
@@ -117,4 +117,4 @@ void Pdo::unpack(std::span<const std::uint8_t> data) {
   }
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

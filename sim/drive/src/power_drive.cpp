@@ -1,10 +1,10 @@
-#include "breakaway/drive/power_drive.hpp"
+#include "breakaway/drive_emulator/power_drive.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using cia402::State;
 namespace object = cia402::object;
@@ -22,13 +22,13 @@ std::int64_t saturate_i16(double value) {
   return static_cast<std::int64_t>(std::clamp(std::round(value), -32768.0, 32767.0));
 }
 
-double force_per_per_mille(const DriveConfig& config) {
+double force_per_per_mille(const EmulatorConfig& config) {
   return config.rated_torque_mNm * 1e-6 * config.force_per_torque_N_per_Nm;
 }
 
 }  // namespace
 
-PowerDrive::PowerDrive(const DriveConfig& config, ObjectDictionary& dictionary, EmergencyProducer& emergency,
+PowerDrive::PowerDrive(const EmulatorConfig& config, ObjectDictionary& dictionary, EmergencyProducer& emergency,
                        Mechanism& mechanism)
     : config_(config),
       dictionary_(dictionary),
@@ -203,4 +203,4 @@ void PowerDrive::on_time(hal::Time at) {
   }
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

@@ -1,10 +1,10 @@
-#include "breakaway/drive/sdo_server.hpp"
+#include "breakaway/drive_emulator/sdo_server.hpp"
 
 #include <algorithm>
 
 #include "breakaway/canopen/bytes.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using canopen::SdoAbort;
 
@@ -137,4 +137,4 @@ SdoServer::Payload SdoServer::download_segment(const Payload& request) {
   return Payload{static_cast<std::uint8_t>(0x20U | answered_toggle)};
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

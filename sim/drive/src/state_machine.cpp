@@ -1,6 +1,6 @@
-#include "breakaway/drive/state_machine.hpp"
+#include "breakaway/drive_emulator/state_machine.hpp"
 
-namespace breakaway::drive {
+namespace breakaway::drive_emulator {
 
 using cia402::State;
 
@@ -83,4 +83,4 @@ void StateMachine::fall_back_to_switched_on() {
   if (state_ == State::operation_enabled) state_ = State::switched_on;
 }
 
-}  // namespace breakaway::drive
+}  // namespace breakaway::drive_emulator

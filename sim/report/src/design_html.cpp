@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "breakaway/report/html_page.hpp"
+#include "breakaway/format/html_page.hpp"
 #include "design_pictures.hpp"
 
 namespace breakaway::report {
@@ -13,25 +13,26 @@ using design::DesignReport;
 
 // With the remedies when the design fails.
 std::string verdict(const DesignReport& report) {
-  const std::string lines = html_list(report.certified ? report.conditions : report.reasons);
-  return html_section(report.certified ? "Certified, provided that" : "Not certified, because", lines,
-                      report.certified ? "What must be true of the machine. A certificate says nothing about a machine "
-                                         "that breaks one of these conditions."
-                                       : "Each line names the check that fails, in numbers, and what mends it.");
+  const std::string lines = format::html_list(report.certified ? report.conditions : report.reasons);
+  return format::html_section(report.certified ? "Certified, provided that" : "Not certified, because", lines,
+                              report.certified
+                                  ? "What must be true of the machine. A certificate says nothing about a machine "
+                                    "that breaks one of these conditions."
+                                  : "Each line names the check that fails, in numbers, and what mends it.");
 }
 
 std::string checks(const DesignReport& report, bool required, std::string_view title, std::string_view caption) {
-  HtmlTable table;
+  format::HtmlTable table;
   for (const design::Check& check : report.checks) {
     if (check.required != required) continue;
     table.row(fmt::format("{} {}", check.holds ? "&#10003;" : "&#10007;", check.name),
               fmt::format("{}. Margin {:.4g}. Source: {}.", check.reason, check.margin, check.source));
   }
-  return html_section(title, table.text(), caption);
+  return format::html_section(title, table.text(), caption);
 }
 
 std::string axis_table(const AxisDesign& axis, const std::string& source) {
-  HtmlTable table;
+  format::HtmlTable table;
   table.row("Read from", source);
   table.quantity("Moving mass", axis.mass_kg, "kg");
   table.row("Dry friction", fmt::format("{:g} to {:g} N", axis.friction.lower_N, axis.friction.upper_N));
@@ -48,7 +49,7 @@ std::string axis_table(const AxisDesign& axis, const std::string& source) {
 }
 
 std::string results_table(const DesignReport& report) {
-  HtmlTable table;
+  format::HtmlTable table;
   table.row("Damping ratio ζ",
             fmt::format("{:.4g} in the approach, {:.4g} in the kick phase", report.zeta_approach, report.zeta_kick));
   table.quantity("Minimal stick set, c<sub>lower</sub> of (9)", 1e3 * report.c_lower_m, "mm");
@@ -89,9 +90,10 @@ std::string design_html(const std::string& title, const std::string& source, con
              "The margin is positive when a check holds, in the unit of what is compared.") +
       checks(report, false, "For information", "Sufficient conditions of the paper; the exact ones are above.");
   for (const Picture& picture : draw_design_pictures(axis, report)) {
-    sections += html_section(picture.title, picture.svg, picture.caption);
+    sections += format::html_section(picture.title, picture.svg, picture.caption);
   }
-  return html_page(title, report.certified, report.certified ? "certified" : "not certified", sections + legend);
+  return format::html_page(title, report.certified, report.certified ? "certified" : "not certified",
+                           sections + legend);
 }
 
 }  // namespace breakaway::report

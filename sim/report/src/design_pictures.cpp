@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "breakaway/design/k3.hpp"
-#include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/plot_style.hpp"
+#include "breakaway/format/gnuplot.hpp"
+#include "breakaway/format/plot_style.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -29,7 +29,7 @@ std::string data_block(std::string_view name, int count, Row row) {
 }
 
 design::K3<double> law_of(const AxisDesign& axis, double damping_Ns_per_m) {
-  return *design::K3<double>::make({axis.mass_kg, axis.stiffness_N_per_m, damping_Ns_per_m, axis.friction.lower_N});
+  return design::K3<double>::make({axis.mass_kg, axis.stiffness_N_per_m, damping_Ns_per_m, axis.friction.lower_N});
 }
 
 Picture friction_uncertainty(const AxisDesign& axis, const DesignReport& report) {
@@ -41,7 +41,7 @@ Picture friction_uncertainty(const AxisDesign& axis, const DesignReport& report)
     return std::array{zeta, exact_ratio_threshold(law.unit()), std::min(ratio_threshold_18(law.unit()), 0.5)};
   };
   const std::string commands =
-      plot_style + data_block("limits", samples, thresholds) +
+      format::plot_style + data_block("limits", samples, thresholds) +
       fmt::format(
           "set xlabel 'damping ratio of the kick phase, ζ'\nset ylabel 'f_{{lower}} / f_{{upper}}'\n"
           "set logscale x\nset xtics (1, 1.5, 2, 3, 5, 10, 20, 50, 100)\nset xrange [1:{}]\nset yrange [0:1.05]\n"
@@ -55,7 +55,7 @@ Picture friction_uncertainty(const AxisDesign& axis, const DesignReport& report)
           fmt::format("Above the line every kick ends nearer to the target than it began, whatever the friction does "
                       "within its bounds. This axis: ratio {:.4g} at ζ = {:.4g}, limit {:.4g}.",
                       report.ratio, report.zeta_kick, report.exact_ratio_threshold),
-          draw_svg("uncertainty", width_px, 380, commands)};
+          format::draw_svg("uncertainty", format::width_px, 380, commands)};
 }
 
 Picture guaranteed_errors(const AxisDesign& axis, const DesignReport& report) {
@@ -70,7 +70,7 @@ Picture guaranteed_errors(const AxisDesign& axis, const DesignReport& report) {
           ? fmt::format(", {} with lines linestyle 2 title 'accuracy floor'", report.accuracy_floor_m)
           : std::string{};
   const std::string commands =
-      plot_style + data_block("bound", kicks, bound) +
+      format::plot_style + data_block("bound", kicks, bound) +
       fmt::format(
           "set xlabel 'kicks'\nset ylabel '|position error| [m]'\nset logscale y\nset format y '10^{{%T}}'\n"
           "set xrange [-0.5:*]\n"
@@ -81,7 +81,7 @@ Picture guaranteed_errors(const AxisDesign& axis, const DesignReport& report) {
           fmt::format("From the edge of the maximal stick set: a kick leaves at most {:.4g} of the error before it, by "
                       "the bounds of friction. Below the accuracy floor a pulse of one period is too coarse.",
                       report.contraction_per_kick),
-          draw_svg("errors", width_px, 360, commands)};
+          format::draw_svg("errors", format::width_px, 360, commands)};
 }
 
 Picture impulse_curve(const AxisDesign& axis, const DesignReport& report) {
@@ -91,7 +91,7 @@ Picture impulse_curve(const AxisDesign& axis, const DesignReport& report) {
     return std::array{-y, law.impulse_Ns(y), law.time_to_go_s(y)};
   };
   const std::string commands =
-      plot_style + data_block("k3", samples, point) +
+      format::plot_style + data_block("k3", samples, point) +
       "set multiplot layout 1,2\nset logscale xy\nset format xy '10^{%T}'\nset xlabel '|position error| [m]'\n"
       "set ylabel 'impulse k_3 [N s]'\nplot $k3 using 1:2 with lines linestyle 1 notitle\n"
       "set ylabel 'time to the target [s]'\nplot $k3 using 1:3 with lines linestyle 3 notitle\n";
@@ -99,16 +99,16 @@ Picture impulse_curve(const AxisDesign& axis, const DesignReport& report) {
           fmt::format("The impulse that takes a resting axis to rest on the target under the least friction, and how "
                       "long it takes; (12) to (15). Tabulated in {} bytes with a proved relative error of {:.3g}.",
                       report.table_bytes, report.table_proved_error),
-          draw_svg("k3", width_px, 340, commands)};
+          format::draw_svg("k3", format::width_px, 340, commands)};
 }
 
 Picture period_trade(const AxisDesign& axis, const DesignReport& report) {
   const auto floor = [&](int i) {
     const double period_s = axis.period_s * std::pow(10.0, -1 + 2.0 * i / (samples - 1));
-    return std::array{1e3 * period_s, 1e6 * accuracy_floor_m(axis.mass_kg, axis.friction, period_s)};
+    return std::array{1e3 * period_s, 1e6 * design::accuracy_floor_m(axis.mass_kg, axis.friction, period_s)};
   };
   const std::string commands =
-      plot_style + data_block("floor", samples, floor) +
+      format::plot_style + data_block("floor", samples, floor) +
       fmt::format(
           "set logscale xy\nset format y '%h'\nset xlabel 'control period [ms]'\nset ylabel 'accuracy [µm]'\n"
           "plot $floor using 1:2 with lines linestyle 1 title 'accuracy floor', "
@@ -119,7 +119,7 @@ Picture period_trade(const AxisDesign& axis, const DesignReport& report) {
   return {"Accuracy against control period",
           "What a pulse of one period is sure to do at least, f_upper (f_upper − f_lower) T² / (2 m f_lower): half the "
           "period is a quarter of the floor.",
-          draw_svg("period", width_px, 340, commands)};
+          format::draw_svg("period", format::width_px, 340, commands)};
 }
 
 }  // namespace

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <iterator>
 
-#include "breakaway/report/json_writer.hpp"
+#include "breakaway/format/json_writer.hpp"
 
 namespace breakaway::report {
 namespace {
 
-void write_ideal(JsonWriter& json, const scenario::IdealFigures& ideal) {
+void write_ideal(format::JsonWriter& json, const sil::IdealFigures& ideal) {
   json.member("t1_s", ideal.t1_s);
   json.member("t2_s", ideal.t2_s);
   json.member("y2_m", ideal.y2_m);
@@ -20,13 +20,13 @@ void write_ideal(JsonWriter& json, const scenario::IdealFigures& ideal) {
   json.member("steps", ideal.steps);
 }
 
-void write_loop(JsonWriter& json, const scenario::LoopFigures& loop) {
+void write_loop(format::JsonWriter& json, const sil::LoopFigures& loop) {
   json.member("ticks", loop.ticks);
   json.member("missed_ticks", loop.missed_ticks);
   json.member("bus_load", loop.bus_load);
 }
 
-void write_kick(JsonWriter& json, const scenario::KickRecord& kick, bool ideal) {
+void write_kick(format::JsonWriter& json, const sil::KickRecord& kick, bool ideal) {
   json.member("time_s", kick.time_s);
   json.member("position_m", kick.position_m);
   json.member("error_m", kick.error_m);
@@ -41,8 +41,8 @@ void write_kick(JsonWriter& json, const scenario::KickRecord& kick, bool ideal) 
 
 }  // namespace
 
-std::string to_json(const scenario::Scenario& scene, const scenario::Result& result) {
-  JsonWriter json;
+std::string to_json(const scenario::Scenario& scene, const sil::Result& result) {
+  format::JsonWriter json;
   json.object([&] {
     json.member("title", scene.title);
     json.member("settled", result.settled);
@@ -68,7 +68,7 @@ std::string to_json(const scenario::Scenario& scene, const scenario::Result& res
   return json.text();
 }
 
-std::string to_csv(const scenario::Result& result) {
+std::string to_csv(const sil::Result& result) {
   std::string text = "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n";
   for (const auto& s : result.trace) {
     fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}\n", s.time_s,
@@ -78,7 +78,7 @@ std::string to_csv(const scenario::Result& result) {
   return text;
 }
 
-std::string to_candump(const scenario::Result& result) {
+std::string to_candump(const sil::Result& result) {
   std::string text;
   for (const auto& [time_s, frame] : result.frames) {
     fmt::format_to(std::back_inserter(text), "({:017.6f}) can0 {:03X}#", time_s, frame.id);

@@ -4,17 +4,17 @@
 
 #include <cmath>
 
-#include "breakaway/report/html_page.hpp"
+#include "breakaway/format/html_page.hpp"
 #include "pictures.hpp"
 
 namespace breakaway::report {
 namespace {
 
-using scenario::Result;
 using scenario::Scenario;
+using sil::Result;
 
 std::string outcome(const Result& r) {
-  HtmlTable table;
+  format::HtmlTable table;
   table.quantity("Settling time", r.settling_time_s, "s");
   table.quantity("Final position error", r.final_error_m, "m");
   if (r.ideal) {
@@ -37,7 +37,7 @@ std::string outcome(const Result& r) {
 }
 
 std::string inputs(const Scenario& s) {
-  HtmlTable table;
+  format::HtmlTable table;
   table.quantity("Mass", s.plant.mass_kg, "kg");
   table.row("Start", fmt::format("{:g} m, {:g} m/s", s.plant.position_m, s.plant.velocity_m_s));
   table.row("Friction bounds", fmt::format("{:g} to {:g} N", s.friction.lower_N, s.friction.upper_N));
@@ -73,9 +73,9 @@ std::string to_html(const Scenario& s, const Result& r) {
       "</section>\n",
       outcome(r), inputs(s));
   for (const Picture& picture : draw_pictures(s, r))
-    sections += html_section(picture.title, picture.svg, picture.caption);
-  return html_page(s.title.empty() ? "Positioning run" : s.title, r.settled,
-                   r.settled ? "settled on the target" : "did not settle", sections);
+    sections += format::html_section(picture.title, picture.svg, picture.caption);
+  return format::html_page(s.title.empty() ? "Positioning run" : s.title, r.settled,
+                           r.settled ? "settled on the target" : "did not settle", sections);
 }
 
 }  // namespace breakaway::report

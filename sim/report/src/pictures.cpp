@@ -9,17 +9,17 @@
 #include <optional>
 
 #include "breakaway/design/k3.hpp"
-#include "breakaway/report/gnuplot.hpp"
-#include "breakaway/report/plot_style.hpp"
+#include "breakaway/format/gnuplot.hpp"
+#include "breakaway/format/plot_style.hpp"
 #include "thin.hpp"
 
 namespace breakaway::report {
 namespace {
 
-using scenario::KickRecord;
-using scenario::Result;
-using scenario::Sample;
 using scenario::Scenario;
+using sil::KickRecord;
+using sil::Result;
+using sil::Sample;
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
 
@@ -43,8 +43,8 @@ std::string data(std::string_view name, const std::vector<Point>& points) {
 template <class Value>
 std::string series(std::string_view name, const Result& result, Value value) {
   std::vector<Point> points;
-  for (const Sample& s : result.trace) points.push_back({s.time_s, std::invoke(value, s)});
-  return data(name, thin_series(points, width_px));
+  for (const sil::Sample& s : result.trace) points.push_back({s.time_s, std::invoke(value, s)});
+  return data(name, thin_series(points, format::width_px));
 }
 
 // Dashed verticals at the instants that the theory names.
@@ -87,9 +87,10 @@ Picture response(const Scenario& s, const Result& result) {
   const bool loop = result.loop.has_value();
   const int panels = loop ? 3 : 2;
   const int height_px = 230 * panels + 132;
-  std::string commands = plot_style + series("target", result, &Sample::target_m) +
-                         series("position", result, &Sample::position_m) +
-                         series("velocity", result, &Sample::velocity_m_s) + series("force", result, &Sample::force_N) +
+  std::string commands = format::plot_style + series("target", result, &sil::Sample::target_m) +
+                         series("position", result, &sil::Sample::position_m) +
+                         series("velocity", result, &sil::Sample::velocity_m_s) +
+                         series("force", result, &sil::Sample::force_N) +
                          fmt::format(
                              "set multiplot layout {},1 margins 0.1, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
                              "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key at "
@@ -104,28 +105,29 @@ Picture response(const Scenario& s, const Result& result) {
   if (loop) {
     commands += panel(result, false, true,
                       fmt::format("set ylabel 'force [N]'\nplot $force using 1:2 with {} linestyle 3 notitle",
-                                  result.trace.size() > most_of_series(width_px) ? "lines" : "steps"));
+                                  result.trace.size() > most_of_series(format::width_px) ? "lines" : "steps"));
   }
-  return {"Response", response_caption(s, result), draw_svg("response", width_px, height_px, commands)};
+  return {"Response", response_caption(s, result), format::draw_svg("response", format::width_px, height_px, commands)};
 }
 
 bool ever_off_target(const Result& result) {
-  return std::ranges::any_of(result.trace, [](const Sample& x) { return x.position_m != x.target_m; });
+  return std::ranges::any_of(result.trace, [](const sil::Sample& x) { return x.position_m != x.target_m; });
 }
 
 // |error| on a logarithmic axis shows the last micrometres.
 Picture error_over_time(const Scenario& s, const Result& result) {
   const auto shown = [](double error_m) { return error_m == 0 ? std::nan("") : std::fabs(error_m); };
-  std::string commands = plot_style +
-                         series("error", result, [&](const Sample& x) { return shown(x.position_m - x.target_m); }) +
-                         data("kicks", result.kicks,
-                              [&](const KickRecord& k) {
-                                return std::array{k.time_s, shown(k.error_m)};
-                              }) +
-                         instants(result, true) +
-                         "set tmargin 4\nset logscale y\nset format y '10^{%T}'\nset ylabel '|position error| "
-                         "[m]'\nset xlabel 'time [s]'\n" +
-                         fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s));
+  std::string commands =
+      format::plot_style +
+      series("error", result, [&](const sil::Sample& x) { return shown(x.position_m - x.target_m); }) +
+      data("kicks", result.kicks,
+           [&](const sil::KickRecord& k) {
+             return std::array{k.time_s, shown(k.error_m)};
+           }) +
+      instants(result, true) +
+      "set tmargin 4\nset logscale y\nset format y '10^{%T}'\nset ylabel '|position error| "
+      "[m]'\nset xlabel 'time [s]'\n" +
+      fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s));
   std::string plots = "plot $error using 1:2 with lines linestyle 1 title 'error'";
   if (!result.kicks.empty()) plots += ", $kicks using 1:2 with points linestyle 8 title 'kicks'";
   if (s.run && s.run->settle_tolerance_m > 0) {
@@ -139,7 +141,7 @@ Picture error_over_time(const Scenario& s, const Result& result) {
   return {"Position error",
           fmt::format("The distance from the target on a logarithmic axis. {}here the curve is level, the axis stands.",
                       result.kicks.empty() ? "W" : "Each dot is a kick; w"),
-          draw_svg("error", width_px, 420, commands + plots + "\n")};
+          format::draw_svg("error", format::width_px, 420, commands + plots + "\n")};
 }
 
 // c_hi and c_lo of (9): where the axis can stick.
@@ -167,8 +169,8 @@ Window window_of(const Result& result, Value value) {
 // Position and velocity to a fifth of a pixel of what is shown.
 std::string solution(const Result& result, Window position_m, Window velocity_m_s) {
   std::vector<Point> points;
-  for (const Sample& s : result.trace) points.push_back({s.position_m, s.velocity_m_s});
-  const double share = 0.2 / width_px;
+  for (const sil::Sample& s : result.trace) points.push_back({s.position_m, s.velocity_m_s});
+  const double share = 0.2 / format::width_px;
   return data("solution", thin_curve(points, std::max(share * position_m.width(), 1e-30),
                                      std::max(share * velocity_m_s.width(), 1e-30)));
 }
@@ -177,7 +179,7 @@ std::string phase_plot(const Scenario& s, const Result& result, Window position_
                        const std::string& settings) {
   const auto [upper_m, lower_m] = stick_sets(s);
   const double target_m = result.trace.back().target_m;
-  return plot_style + solution(result, position_m, velocity_m_s) +
+  return format::plot_style + solution(result, position_m, velocity_m_s) +
          fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
                      number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
          "set tmargin 3\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n" + settings +
@@ -188,10 +190,10 @@ std::string phase_plot(const Scenario& s, const Result& result, Window position_
 }
 
 Picture phase_plane(const Scenario& s, const Result& result) {
-  const std::string plot =
-      phase_plot(s, result, window_of(result, &Sample::position_m), window_of(result, &Sample::velocity_m_s), "") +
-      ", $solution every ::0::0 using 1:2 with points pointtype 7 pointsize 0.6 linecolor "
-      "'#1c5d99' title 'start'";
+  const std::string plot = phase_plot(s, result, window_of(result, &sil::Sample::position_m),
+                                      window_of(result, &sil::Sample::velocity_m_s), "") +
+                           ", $solution every ::0::0 using 1:2 with points pointtype 7 pointsize 0.6 linecolor "
+                           "'#1c5d99' title 'start'";
   return {"Phase plane",
           s.controller.pid
               ? "The solution in the plane of position and velocity, with the sets in which friction can hold "
@@ -199,15 +201,15 @@ Picture phase_plane(const Scenario& s, const Result& result) {
               : "The solution in the plane of position and velocity, with the sets in which the axis can "
                 "stick: for the greatest friction (maximal) and for the least (minimal). Compare Figure 6 of "
                 "van de Wouw & Leine.",
-          draw_svg("phase", width_px, 460, plot)};
+          format::draw_svg("phase", format::width_px, 460, plot)};
 }
 
 // Around the final target, as fast as the axis moves on its last way there.
 std::optional<std::array<Window, 2>> window_near_target(const Scenario& s, const Result& result) {
   const double target_m = result.trace.back().target_m, upper_m = stick_sets(s).upper_m;
-  if (upper_m > 0.03 * window_of(result, &Sample::position_m).width()) return std::nullopt;  // seen in the whole
+  if (upper_m > 0.03 * window_of(result, &sil::Sample::position_m).width()) return std::nullopt;  // seen in the whole
   Window v{0, 0};
-  for (const Sample& x : result.trace) {
+  for (const sil::Sample& x : result.trace) {
     if (x.target_m != target_m || std::fabs(x.position_m - target_m) > upper_m / 3) continue;
     v = {std::min(v.least, x.velocity_m_s), std::max(v.most, x.velocity_m_s)};
   }
@@ -224,7 +226,7 @@ Picture phase_plane_near_target(const Scenario& s, const Result& result, Window 
           s.controller.pid ? "The same around the stick sets."
                            : "The same around the stick sets: each kick gives the axis speed, and it slides to rest "
                              "closer to the target.",
-          draw_svg("phase_near", width_px, 420, phase_plot(s, result, x, v, window))};
+          format::draw_svg("phase_near", format::width_px, 420, phase_plot(s, result, x, v, window))};
 }
 
 Picture kick_law(const Scenario& s, const Result& result) {
@@ -234,14 +236,14 @@ Picture kick_law(const Scenario& s, const Result& result) {
   const double upper_m = s.friction.upper_N / gains.stiffness_N_per_m;
   std::vector<double> places;
   for (int i = -200; i <= 200; ++i) places.push_back(upper_m * i * std::abs(i) / 40000.0);
-  std::string commands = plot_style +
+  std::string commands = format::plot_style +
                          data("law", places,
                               [&](double y) {
-                                return std::array{y, law->impulse_Ns(y)};
+                                return std::array{y, law.impulse_Ns(y)};
                               }) +
                          data("kicks", result.kicks,
-                              [&](const KickRecord& k) {
-                                return std::array{k.error_m, result.ideal ? k.impulse_Ns : law->impulse_Ns(k.error_m)};
+                              [&](const sil::KickRecord& k) {
+                                return std::array{k.error_m, result.ideal ? k.impulse_Ns : law.impulse_Ns(k.error_m)};
                               }) +
                          fmt::format("set xrange [{}:{}]\n", number(-1.05 * upper_m), number(1.05 * upper_m)) +
                          "set xlabel 'position error [m]'\nset ylabel 'impulse k_3 [N s]'\n"
@@ -254,7 +256,7 @@ Picture kick_law(const Scenario& s, const Result& result) {
       "Impulse law k₃",
       "The impulse that sends the axis from rest at a position error to its target under the least friction, over the "
       "maximal stick set. Compare Figure 4 of van de Wouw & Leine.",
-      draw_svg("law", width_px, 400, commands + "\n")};
+      format::draw_svg("law", format::width_px, 400, commands + "\n")};
 }
 
 Picture friction_along(const Scenario& s, const Result& result) {
@@ -262,9 +264,9 @@ Picture friction_along(const Scenario& s, const Result& result) {
   const double lower = s.friction.lower_N / unit, upper = s.friction.upper_N / unit;
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
   const std::string commands =
-      plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
-      series("friction", result, [&](const Sample& x) { return x.friction_level_N / unit; }) + instants(result, true) +
-      fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
+      format::plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
+      series("friction", result, [&](const sil::Sample& x) { return x.friction_level_N / unit; }) +
+      instants(result, true) + fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
       fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
                   s.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
       fmt::format(
@@ -275,16 +277,16 @@ Picture friction_along(const Scenario& s, const Result& result) {
   return {"Friction",
           "The friction that the moving axis meets, within the bounds that the controller is designed for. The "
           "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
-          draw_svg("friction", width_px, 380, commands)};
+          format::draw_svg("friction", format::width_px, 380, commands)};
 }
 
 Picture kicks(const Result& result) {
   int index = 0;
   const bool ideal = result.ideal.has_value();
   const std::string commands =
-      plot_style +
+      format::plot_style +
       data("kicks", result.kicks,
-           [&](const KickRecord& k) {
+           [&](const sil::KickRecord& k) {
              const double strength = std::fabs(ideal ? k.impulse_Ns : k.force_N);
              return std::array{static_cast<double>(++index), std::fabs(k.error_m), strength};
            }) +
@@ -300,19 +302,19 @@ Picture kicks(const Result& result) {
       ideal ? "Each kick leaves a smaller error, by at least the factor that the friction bounds imply, so infinitely "
               "many kicks end in a finite time."
             : "The error from which each kick starts, and the force commanded in its first period.",
-      draw_svg("kicks", width_px, 360, commands)};
+      format::draw_svg("kicks", format::width_px, 360, commands)};
 }
 
 Picture bus_load(const Result& result) {
   // The first sample has no period before it.
-  const auto share = [](const Sample& x) { return x.time_s > 0 ? 100 * x.bus_load : std::nan(""); };
-  const std::string commands = plot_style + series("load", result, share) +
+  const auto share = [](const sil::Sample& x) { return x.time_s > 0 ? 100 * x.bus_load : std::nan(""); };
+  const std::string commands = format::plot_style + series("load", result, share) +
                                "set xlabel 'time [s]'\nset ylabel 'bus load [%]'\nset yrange [0:100]\n"
                                "plot $load using 1:2 with lines linestyle 5 notitle\n";
   return {"Bus load",
           fmt::format("The share of each control period in which a frame is on the wire; {:.1f} % on average.",
                       100 * result.loop->bus_load),
-          draw_svg("bus", width_px, 300, commands)};
+          format::draw_svg("bus", format::width_px, 300, commands)};
 }
 
 }  // namespace

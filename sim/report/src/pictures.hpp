@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "breakaway/scenario/result.hpp"
 #include "breakaway/scenario/scenario.hpp"
+#include "breakaway/sil/result.hpp"
 
 namespace breakaway::report {
 
@@ -16,6 +16,6 @@ struct Picture {
 };
 
 // Those for which the result holds something to see.
-std::vector<Picture> draw_pictures(const scenario::Scenario& scenario, const scenario::Result& result);
+std::vector<Picture> draw_pictures(const scenario::Scenario& scenario, const sil::Result& result);
 
 }  // namespace breakaway::report

@@ -1,10 +1,13 @@
 #include "breakaway/scenario/axis_design.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
-#include "breakaway/scenario/input_error.hpp"
-#include "breakaway/scenario/run_bus_scene.hpp"
+#include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/scenario/axis_config.hpp"
 
 namespace breakaway::scenario {
 namespace {
@@ -25,6 +28,18 @@ double max_force_N(const Scenario& s) {
 
 }  // namespace
 
+void require_fitting_bus(const Scenario& s) {
+  if (!s.loop || !s.bus) return;
+  const hal::Duration period = nanoseconds(s.loop->period_s);
+  if (canopen::check_bus_budget(1, period, s.bus->bit_rate).ok()) return;
+  const auto budget = canopen::bus_budget(1, period, s.bus->bit_rate);
+  throw InputError(fmt::format(
+      "{}: 1 axis at [loop] period_s = {} does not fit a [bus] of {} bit/s: a period needs {} us on the bus and has {} "
+      "us; "
+      "choose a period_s of at least {:.6f}",
+      s.file, s.loop->period_s, s.bus->bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6));
+}
+
 design::AxisDesign axis_design(const Scenario& s) {
   if (!s.controller.impulsive) {
     throw InputError{"[controller] kind is \"pid\"; design checks the impulsive law only"};
@@ -35,7 +50,7 @@ design::AxisDesign axis_design(const Scenario& s) {
           .stiffness_N_per_m = p.stiffness_N_per_m,
           .approach_damping_Ns_per_m = p.approach_damping_Ns_per_m,
           .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
-          .friction = {p.friction_lower_N, p.friction_upper_N},
+          .friction = {p.friction.lower_N, p.friction.upper_N},
           .smooth_friction_slope_Ns_per_m = s.friction.smooth_slope_Ns_per_m,
           .max_force_N = max_force_N(s),
           .period_s = p.period_s,

@@ -3,10 +3,12 @@
 #include <sstream>
 #include <utility>
 
-#include "file_contents.hpp"
-#include "parse_toml.hpp"
+#include "breakaway/config/file_contents.hpp"
+#include "breakaway/config/parse_toml.hpp"
 
 namespace breakaway::scenario {
+
+using namespace config;
 namespace {
 
 // Of a file that parse_machine_scenario has accepted.

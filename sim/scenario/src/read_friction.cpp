@@ -5,12 +5,14 @@
 #include <array>
 #include <stdexcept>
 
-#include "breakaway/friction/shapes.hpp"
+#include "breakaway/model/shapes.hpp"
 
 namespace breakaway::scenario {
+
+using namespace config;
 namespace {
 
-using friction::ShapePtr;
+using model::ShapePtr;
 
 constexpr Range share{0, 1};
 // Friction that changes faster than this means nothing to a mass, and a run would take for ever to follow it.
@@ -34,14 +36,14 @@ Value shapes(std::vector<ShapePtr>& to) {
 ShapePtr read_constant(const Section& section) {
   double value = 1;
   read_keys(section, {optional("value", number(value, "", share))});
-  return friction::constant(value);
+  return model::shape::constant(value);
 }
 
 ShapePtr read_static_kinetic(const Section& section) {
   double at_rest = 1, sliding = 0;
   read_keys(section, {optional("static_value", number(at_rest, "", share)),
                       optional("kinetic_value", number(sliding, "", share))});
-  return friction::static_kinetic(at_rest, sliding);
+  return model::shape::static_kinetic(at_rest, sliding);
 }
 
 double read_stribeck_velocity(const Section& section) {
@@ -54,30 +56,30 @@ ShapePtr read_sine_in_time(const Section& section) {
   double frequency_rad_s = 0, phase_rad = 0;
   read_keys(section, {required("angular_frequency_rad_s", number(frequency_rad_s, "rad/s", frequency)),
                       optional("phase_rad", number(phase_rad, "rad"))});
-  return friction::sine_in_time(frequency_rad_s, phase_rad);
+  return model::shape::sine_in_time(frequency_rad_s, phase_rad);
 }
 
 ShapePtr read_sine_in_position(const Section& section) {
   double period_m = 0, phase_rad = 0;
   read_keys(section,
             {required("period_m", number(period_m, "m", wavelength)), optional("phase_rad", number(phase_rad, "rad"))});
-  return friction::sine_in_position(period_m, phase_rad);
+  return model::shape::sine_in_position(period_m, phase_rad);
 }
 
 ShapePtr read_position_table(const Section& section) {
   std::vector<double> edges_m, values;
   read_keys(section, {required("edges_m", numbers(edges_m, "m")), required("values", numbers(values, "", share))});
-  return friction::position_table(std::move(edges_m), std::move(values));
+  return model::shape::position_table(std::move(edges_m), std::move(values));
 }
 
 ShapePtr read_random_dwell(const Section& section) {
-  friction::RandomDwell p;
+  model::shape::RandomDwell p;
   read_keys(section,
             {optional("seed", integer([&](std::int64_t n) { p.seed = static_cast<std::uint64_t>(n); }, 0, INT64_MAX)),
              optional("shortest_dwell_s", number(p.shortest_dwell_s, "s", dwell)),
              optional("longest_dwell_s", number(p.longest_dwell_s, "s", dwell)),
              optional("bound_share", number(p.bound_share, "", share))});
-  return friction::random_dwell(p);
+  return model::shape::random_dwell(p);
 }
 
 ShapePtr read_mean(const Section& section) {
@@ -85,7 +87,7 @@ ShapePtr read_mean(const Section& section) {
   std::vector<ShapePtr> parts;
   read_keys(section, {optional("weights", numbers(weights, "", {0, 1e12})), required("parts", shapes(parts))});
   if (weights.empty()) weights.assign(parts.size(), 1.0);
-  return friction::mean(std::move(weights), std::move(parts));
+  return model::shape::mean(std::move(weights), std::move(parts));
 }
 
 std::vector<ShapePtr> read_parts(const Section& section) {
@@ -97,7 +99,7 @@ std::vector<ShapePtr> read_parts(const Section& section) {
 ShapePtr read_complement(const Section& section) {
   ShapePtr part;
   read_keys(section, {required("part", table([&](const Section& inner) { part = read_shape(inner); }))});
-  return friction::complement(std::move(part));
+  return model::shape::complement(std::move(part));
 }
 
 struct Kind {
@@ -108,16 +110,17 @@ struct Kind {
 constexpr std::array kinds{
     Kind{"constant", read_constant},
     Kind{"static_kinetic", read_static_kinetic},
-    Kind{"stribeck", [](const Section& s) { return friction::stribeck(read_stribeck_velocity(s)); }},
-    Kind{"stribeck_gaussian", [](const Section& s) { return friction::stribeck_gaussian(read_stribeck_velocity(s)); }},
+    Kind{"stribeck", [](const Section& s) { return model::shape::stribeck(read_stribeck_velocity(s)); }},
+    Kind{"stribeck_gaussian",
+         [](const Section& s) { return model::shape::stribeck_gaussian(read_stribeck_velocity(s)); }},
     Kind{"sine_in_time", read_sine_in_time},
     Kind{"sine_in_position", read_sine_in_position},
     Kind{"position_table", read_position_table},
     Kind{"random_dwell", read_random_dwell},
     Kind{"mean", read_mean},
-    Kind{"product", [](const Section& s) { return friction::product(read_parts(s)); }},
-    Kind{"maximum", [](const Section& s) { return friction::maximum(read_parts(s)); }},
-    Kind{"minimum", [](const Section& s) { return friction::minimum(read_parts(s)); }},
+    Kind{"product", [](const Section& s) { return model::shape::product(read_parts(s)); }},
+    Kind{"maximum", [](const Section& s) { return model::shape::maximum(read_parts(s)); }},
+    Kind{"minimum", [](const Section& s) { return model::shape::minimum(read_parts(s)); }},
     Kind{"complement", read_complement},
 };
 
@@ -127,7 +130,7 @@ ShapePtr read_shape(const Section& section) {
   for (const Kind& known : kinds) {
     if (kind == known.name) try {
         return known.read(section);
-      } catch (const std::invalid_argument& error) {
+      } catch (const InputError& error) {
         section.fail("kind", fmt::format("= \"{}\": {}", *kind, error.what()));
       }
     names += (names.empty() ? "" : ", ") + std::string{known.name};
@@ -143,21 +146,21 @@ void require_ordered(const Section& section, std::string_view lower, double low,
 
 }  // namespace
 
-friction::FrictionLaw read_friction_law(const Section& section) {
+model::FrictionLaw read_friction_law(const Section& section) {
   double lower_N = 0, upper_N = 0;
-  ShapePtr shape = friction::constant(1);
+  ShapePtr shape = model::shape::constant(1);
   section.read({required("lower_N", number(lower_N, "N", positive)),
                 required("upper_N", number(upper_N, "N", positive)),
                 optional("law", table([&](const Section& law) { shape = read_shape(law); }))});
   require_ordered(section, "lower_N", lower_N, "upper_N", upper_N);
-  return {friction::FrictionBounds{lower_N, upper_N}, std::move(shape)};
+  return {law::FrictionBounds<double>{lower_N, upper_N}, std::move(shape)};
 }
 
 Friction read_friction(const Section& section, double mass_kg) {
   Friction f;
   const bool coefficients = section.has("mu_lower") || section.has("mu_upper") || section.has("gravity_m_s2");
   double gravity_m_s2 = 0;
-  ShapePtr shape = friction::constant(1);
+  ShapePtr shape = model::shape::constant(1);
   std::vector<Key> keys{
       optional("smooth_slope_Ns_per_m", number(f.smooth_slope_Ns_per_m, "N s/m", {-1e12, 1e12})),
       optional("law", table([&](const Section& law) { shape = read_shape(law); })),
@@ -174,7 +177,7 @@ Friction read_friction(const Section& section, double mass_kg) {
     f.lower_N *= *f.normal_force_N;
     f.upper_N *= *f.normal_force_N;
   }
-  f.law = friction::FrictionLaw{friction::FrictionBounds{f.lower_N, f.upper_N}, std::move(shape)};
+  f.law = model::FrictionLaw{law::FrictionBounds<double>{f.lower_N, f.upper_N}, std::move(shape)};
   return f;
 }
 

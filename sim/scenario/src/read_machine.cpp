@@ -4,15 +4,17 @@
 #include <limits>
 #include <vector>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/config/file_contents.hpp"
+#include "breakaway/config/parse_toml.hpp"
+#include "breakaway/config/toml_section.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "file_contents.hpp"
-#include "parse_toml.hpp"
 #include "read_friction.hpp"
-#include "toml_section.hpp"
 
 namespace breakaway::scenario {
+
+using namespace config;
 namespace {
 
 using Eigen::Index;
@@ -55,12 +57,14 @@ Value vector(VectorXd& to, std::string_view unit, Range range = {}) {
           }};
 }
 
-// validate() says what is wrong in a text that begins with the key.
-void require_valid(const Section& section, const plant::LinearMachine<>& machine) {
-  const std::string error = plant::validate(machine);
-  if (error.empty()) return;
-  const std::size_t key_end = error.find_first_of(" [");
-  section.fail(error.substr(0, key_end), error.substr(std::min(error.size(), key_end + (error[key_end] == ' '))));
+// The error with the place of its key in the file; an entry of an array stands where the array does.
+void require_valid(const Section& section, const stability::LinearMachine<>& machine) {
+  try {
+    stability::require_valid(machine);
+  } catch (const InputError& error) {
+    const std::string key = error.key().substr(0, error.key().find('['));
+    section.fail(key, std::string{error.what()}.substr(key.size() + (key.size() == error.key().size() ? 1 : 0)));
+  }
 }
 
 // One for each direction. Only where a law is named do they stay; else friction is constant, at its upper bound.
@@ -84,7 +88,7 @@ void read_frictions(const Section& section, MachineScenario& s) {
 }
 
 void read_machine(const Section& section, MachineScenario& s) {
-  plant::LinearMachine<>& machine = s.machine;
+  stability::LinearMachine<>& machine = s.machine;
   const bool each = section.has("friction");
   if (each && section.has("friction_N")) section.fail("friction", "stands beside friction_N; give one of them");
   const Value constants = vector(machine.friction_N, "N", {0, std::numeric_limits<double>::max()});
@@ -106,7 +110,7 @@ void require_size(const Section& section, std::string_view key, const MatrixXd& 
   section.fail(key, fmt::format("is {} x {}, must be {} x {} here", matrix.rows(), matrix.cols(), rows, columns));
 }
 
-plant::LinearMachine<> close_loop(const Section& section, const plant::LinearMachine<>& machine) {
+stability::LinearMachine<> close_loop(const Section& section, const stability::LinearMachine<>& machine) {
   const Index n = machine.coordinates();
   MatrixXd actuators = MatrixXd::Identity(n, n);
   MatrixXd position_gain, velocity_gain;
@@ -120,11 +124,11 @@ plant::LinearMachine<> close_loop(const Section& section, const plant::LinearMac
   if (velocity_gain.size() == 0) velocity_gain.setZero(actuators.cols(), n);
   require_size(section, "position_gain", position_gain, actuators.cols(), n);
   require_size(section, "velocity_gain", velocity_gain, actuators.cols(), n);
-  return plant::with_feedback(machine, actuators, position_gain, velocity_gain);
+  return stability::with_feedback(machine, actuators, position_gain, velocity_gain);
 }
 
-plant::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
-  plant::MachineState<Eigen::Dynamic> start;
+stability::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
+  stability::MachineState<Eigen::Dynamic> start;
   section.read({required("q", vector(start.q, "m")), optional("v", vector(start.v, "m/s"))});
   if (start.v.size() == 0) start.v.setZero(coordinates);
   require_size(section, "q", start.q, coordinates, 1);

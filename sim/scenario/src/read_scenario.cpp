@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "breakaway/scenario/input_error.hpp"
-#include "file_contents.hpp"
-#include "parse_toml.hpp"
+#include "breakaway/config/file_contents.hpp"
+#include "breakaway/config/parse_toml.hpp"
+#include "breakaway/config/toml_section.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "read_friction.hpp"
-#include "toml_section.hpp"
 
 namespace breakaway::scenario {
+
+using namespace config;
 namespace {
 
 constexpr Range not_negative{0, 1e12};
@@ -86,8 +88,8 @@ Loop read_loop(const Section& section) {
   return loop;
 }
 
-drive::DriveConfig read_drive(const Section& section) {
-  drive::DriveConfig d;
+drive_emulator::EmulatorConfig read_drive(const Section& section) {
+  drive_emulator::EmulatorConfig d;
   const auto in_thousandths = [](auto& to) {
     return [&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); };
   };

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "axis_under_test.hpp"
-#include "breakaway/scenario/braked_slide.hpp"
-#include "breakaway/scenario/simulated_network.hpp"
+#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/simulated_network.hpp"
 
 namespace breakaway::emulated {
 
@@ -32,7 +32,7 @@ class SlcanWorld {
   double position_m() const { return mechanism_.position_m(); }
   bool sticking() const { return mechanism_.slide().sticking(); }
   bool released() const { return mechanism_.released(); }
-  const std::vector<scenario::TimedFrame>& frames() const { return frames_; }
+  const std::vector<sil::TimedFrame>& frames() const { return frames_; }
   // At the end of every period, and of all frames that the bus carried, with their times: equal only for equal runs.
   const std::vector<double>& positions_m() const { return positions_m_; }
   std::uint64_t frame_hash() const;
@@ -44,10 +44,10 @@ class SlcanWorld {
   static std::string line(const hal::CanFrame& frame);
 
   hal::Duration period_;
-  scenario::BrakedSlide mechanism_;
-  scenario::SimulatedNetwork network_;
-  drive::DriveEmulator& drive_;
-  std::vector<scenario::TimedFrame> frames_;
+  sil::BrakedSlide mechanism_;
+  sil::SimulatedNetwork network_;
+  drive_emulator::DriveEmulator& drive_;
+  std::vector<sil::TimedFrame> frames_;
   std::vector<double> positions_m_;
   std::string command_, told_;
   std::uint64_t periods_ = 0;

@@ -29,8 +29,8 @@ TEST(AxisScene, IsThatOfItsScenario) {
   EXPECT_EQ(settle_tolerance_m, s.run->settle_tolerance_m);
   EXPECT_EQ(friction_bounds().lower_N, s.friction.lower_N);
   EXPECT_EQ(friction_bounds().upper_N, s.friction.upper_N);
-  const plant::AppliedForce push{.constant_N = 8, .stiffness_N_per_m = 2, .damping_Ns_per_m = 1};
-  plant::Slide here = resting_axis(), there{s.plant.mass_kg, s.friction.law, {0, start_m, 0}};
+  const model::AppliedForce push{.constant_N = 8, .stiffness_N_per_m = 2, .damping_Ns_per_m = 1};
+  motion::Slide here = resting_axis(), there{s.plant.mass_kg, s.friction.law, {0, start_m, 0}};
   here.advance_to(3, push);
   there.advance_to(3, push);
   EXPECT_EQ(here.state().position_m, there.state().position_m) << "one friction law";
@@ -38,7 +38,7 @@ TEST(AxisScene, IsThatOfItsScenario) {
 
 TEST(AxisScene, HasTheDriveOfItsScenario) {
   const scenario::Scenario s = bench::axis_scenario();
-  const drive::DriveConfig here = drive_config();
+  const drive_emulator::EmulatorConfig here = drive_config();
   EXPECT_EQ(here.node_id, s.drive->node_id);
   EXPECT_EQ(here.rated_torque_mNm, s.drive->rated_torque_mNm);
   EXPECT_EQ(here.rated_current_mA, s.drive->rated_current_mA);

@@ -38,15 +38,15 @@ int main() {
   parameters.stiffness_N_per_m = 400;         // k1
   parameters.approach_damping_Ns_per_m = 32;  // k21, zeta < 1
   parameters.kick_damping_Ns_per_m = 60;      // k22, zeta > 1
-  parameters.friction_lower_N = 2.5F;         // all that is known of the friction:
-  parameters.friction_upper_N = 4.5F;         // it lies between these
+  parameters.friction.lower_N = 2.5F;         // all that is known of the friction:
+  parameters.friction.upper_N = 4.5F;         // it lies between these
   parameters.max_force_N = 50;
   parameters.encoder_resolution_m = 1e-6F;
   parameters.period_s = 1e-3F;
   parameters.position_tolerance_m = parameters.accuracy_floor_m();
 
   const auto k3 = breakaway::design::build_k3_table<float>({1, 400, 60, 2.5}, parameters.stick_radius_upper_m());  // PC
-  breakaway::law::AxisController<float> controller{parameters, k3->table};  // flashed: no heap, no exceptions
+  breakaway::law::AxisController<float> controller{parameters, k3.table};  // flashed: no heap, no exceptions
 
   while (periods_left-- > 0) {
     const auto output = controller.update({position_error_m()});

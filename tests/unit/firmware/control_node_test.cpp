@@ -97,7 +97,7 @@ class ControlNodeTest : public testing::Test {
     config.drive.force_per_torque_N_per_Nm = 50;
     config.drive.max_force_N = 50;
     config.loop.period = 1ms;
-    axis.parameters = {1, 400, 32, 60, 2.5F, 4.5F, 50, 5, 2e-6F, 1e-6F, 1e-3F};
+    axis.parameters = {1, 400, 32, 60, {2.5F, 4.5F}, 50, 5, 2e-6F, 1e-6F, 1e-3F};
     axis.limits = {true, 2.5F, 4.5F, 50, 1e-3F, 2e-6F};
     axis.checksum = law::checksum_of(axis);
     config.axis = &axis;

@@ -11,14 +11,18 @@
 #include <string>
 #include <vector>
 
-#include "breakaway/friction/shapes.hpp"
+#include "../refusal.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
-#include "breakaway/plant/slide.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/motion/slide.hpp"
 
 namespace {
 
-namespace friction = breakaway::friction;
-namespace plant = breakaway::plant;
+namespace model = breakaway::model;
+namespace motion = breakaway::motion;
+namespace stability = breakaway::stability;
+using breakaway::InputError;
 using breakaway::hybrid::Adaptive;
 using breakaway::hybrid::Event;
 using breakaway::hybrid::EventDriven;
@@ -106,28 +110,28 @@ TEST(Adaptive, ConstantForcesShiftTheMachine) {
 
 struct NamedShape {
   const char* name;
-  friction::ShapePtr (*make)();
+  model::ShapePtr (*make)();
 };
 
-friction::ShapePtr of_the_example() {
-  std::vector<friction::ShapePtr> parts;
-  parts.push_back(friction::stribeck(2));
-  parts.push_back(friction::sine_in_time(4));
-  return friction::mean({0.5, 0.5}, std::move(parts));
+model::ShapePtr of_the_example() {
+  std::vector<model::ShapePtr> parts;
+  parts.push_back(model::shape::stribeck(2));
+  parts.push_back(model::shape::sine_in_time(4));
+  return model::shape::mean({0.5, 0.5}, std::move(parts));
 }
 
 class OneCoordinate : public ::testing::TestWithParam<NamedShape> {};
 
 // Both integrate to rounding by themselves, one on closed forms and its own flights, the other as any machine.
 TEST_P(OneCoordinate, MovesAsTheSlideDoes) {
-  const friction::FrictionLaw law{friction::FrictionBounds{0.5, 1.5}, GetParam().make()};
+  const model::FrictionLaw law{model::FrictionBounds{0.5, 1.5}, GetParam().make()};
   LinearMachine<> machine;
   machine.mass = machine.directions = MatrixXd::Identity(1, 1);
   machine.damping = MatrixXd::Constant(1, 1, 0.05);
   machine.stiffness = MatrixXd::Constant(1, 1, 4);
   machine.friction_N = VectorXd::Zero(1);
-  plant::Slide slide(1, law, {0, 3, -1});
-  plant::AppliedForce force;
+  motion::Slide slide(1, law, {0, 3, -1});
+  model::AppliedForce force;
   force.stiffness_N_per_m = 4;
   force.damping_Ns_per_m = 0.05;
   const Adaptive adaptive(machine, {law});
@@ -145,20 +149,22 @@ TEST_P(OneCoordinate, MovesAsTheSlideDoes) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, OneCoordinate,
-    ::testing::Values(
-        NamedShape{"constant", [] { return friction::constant(0.3); }},
-        NamedShape{"static_kinetic", [] { return friction::static_kinetic(1, 0.1); }},
-        NamedShape{"stribeck", [] { return friction::stribeck(0.2); }},
-        NamedShape{"stribeck_gaussian", [] { return friction::stribeck_gaussian(0.2); }},
-        NamedShape{"sine_in_time", [] { return friction::sine_in_time(4); }},
-        NamedShape{"sine_in_position", [] { return friction::sine_in_position(0.7, 0.2); }},
-        NamedShape{"position_table",
-                   [] {
-                     return friction::position_table({-0.5, 0.25, 1}, {0.2, 1, 0, 0.7});
-                   }},
-        NamedShape{"random_dwell",
-                   [] { return friction::random_dwell({.seed = 7, .shortest_dwell_s = 0.05, .longest_dwell_s = 1}); }},
-        NamedShape{"example", of_the_example}),
+    ::testing::Values(NamedShape{"constant", [] { return model::shape::constant(0.3); }},
+                      NamedShape{"static_kinetic", [] { return model::shape::static_kinetic(1, 0.1); }},
+                      NamedShape{"stribeck", [] { return model::shape::stribeck(0.2); }},
+                      NamedShape{"stribeck_gaussian", [] { return model::shape::stribeck_gaussian(0.2); }},
+                      NamedShape{"sine_in_time", [] { return model::shape::sine_in_time(4); }},
+                      NamedShape{"sine_in_position", [] { return model::shape::sine_in_position(0.7, 0.2); }},
+                      NamedShape{"position_table",
+                                 [] {
+                                   return model::shape::position_table({-0.5, 0.25, 1}, {0.2, 1, 0, 0.7});
+                                 }},
+                      NamedShape{"random_dwell",
+                                 [] {
+                                   return model::shape::random_dwell(
+                                       {.seed = 7, .shortest_dwell_s = 0.05, .longest_dwell_s = 1});
+                                 }},
+                      NamedShape{"example", of_the_example}),
     [](const auto& shape) { return shape.param.name; });
 
 // One case of tests/reference/friction_law_machine.csv.
@@ -213,8 +219,8 @@ double error_of(const Reference& reference, const Adaptive& adaptive, const Stat
 LinearMachine<> stribeck_machine() { return unequal_masses(); }
 
 Adaptive::Laws stribeck_laws() {
-  return {{friction::FrictionBounds{0.25, 0.5}, friction::stribeck(0.25)},
-          {friction::FrictionBounds{0.375, 1}, friction::stribeck_gaussian(0.5)}};
+  return {{model::FrictionBounds{0.25, 0.5}, model::shape::stribeck(0.25)},
+          {model::FrictionBounds{0.375, 1}, model::shape::stribeck_gaussian(0.5)}};
 }
 
 State stribeck_start() { return {0, Eigen::Vector2d{2, -1.5}, Eigen::Vector2d{0.5, 1}}; }
@@ -247,12 +253,12 @@ TEST(Adaptive, FollowsFrictionInTimeAndPositionOnAJoint) {
   machine.force_N = Eigen::Vector2d{0.5, -0.25};
   machine.directions = Eigen::Matrix2d{{1, 0}, {-1, 1}};
   machine.friction_N = Eigen::Vector2d::Zero();
-  std::vector<friction::ShapePtr> parts;
-  parts.push_back(friction::stribeck(0.5));
-  parts.push_back(friction::sine_in_time(4));
+  std::vector<model::ShapePtr> parts;
+  parts.push_back(model::shape::stribeck(0.5));
+  parts.push_back(model::shape::sine_in_time(4));
   const Adaptive adaptive(machine,
-                          {{friction::FrictionBounds{0.25, 0.75}, friction::mean({0.5, 0.5}, std::move(parts))},
-                           {friction::FrictionBounds{0.125, 0.25}, friction::sine_in_position(0.5)}});
+                          {{model::FrictionBounds{0.25, 0.75}, model::shape::mean({0.5, 0.5}, std::move(parts))},
+                           {model::FrictionBounds{0.125, 0.25}, model::shape::sine_in_position(0.5)}});
   EXPECT_LT(error_of(read_reference("drawn_joint"), adaptive, {0, Eigen::Vector2d{2, -1}, Eigen::Vector2d{0, 1}}, 8),
             tolerance);
 }
@@ -270,13 +276,13 @@ TEST(Adaptive, KeepsTheBalanceOfEnergy) {
     }
     return power;
   };
-  double lost_J = 0, energy_J = plant::energy_J(machine, stribeck_start());
+  double lost_J = 0, energy_J = stability::energy_J(machine, stribeck_start());
   State before = stribeck_start();
   const double start_J = energy_J;
   const auto outcome = adaptive.run(before, 12, nullptr, [&](const State& state) {
     lost_J += (state.time_s - before.time_s) * (power_W(before) + power_W(state)) / 2;
     before = state;
-    energy_J = plant::energy_J(machine, state);
+    energy_J = stability::energy_J(machine, state);
     // The trapezoidal rule errs by h^2 / 12 times the change of the power's slope, which friction makes jump.
     EXPECT_NEAR(energy_J + lost_J, start_J, 1e-5);
   });
@@ -305,7 +311,7 @@ TEST(Adaptive, TwinsStickAndSlipTogether) {
   twins.damping = Eigen::Matrix2d{{0.125, 0}, {0, 0.125}};
   twins.stiffness = Eigen::Matrix2d{{2, 0}, {0, 2}};
   twins.friction_N = Eigen::Vector2d::Zero();
-  const friction::FrictionLaw law{friction::FrictionBounds{0.1, 0.5}, friction::stribeck(0.3)};
+  const model::FrictionLaw law{model::FrictionBounds{0.1, 0.5}, model::shape::stribeck(0.3)};
   std::vector<Event> log;
   const auto outcome = Adaptive(twins, {law, law}).run({0, Eigen::Vector2d{3, 3}, Eigen::Vector2d{0, 0}}, 60, &log);
   EXPECT_EQ(outcome.verdict, Verdict::at_rest);
@@ -320,8 +326,8 @@ TEST(Adaptive, TwinsStickAndSlipTogether) {
 // Sticking directions are exact constraints: whatever else moves, their coordinate stays to the last digits.
 TEST(Adaptive, StickingDirectionsDoNotDrift) {
   LinearMachine<> machine = two_masses();
-  const friction::FrictionLaw strong{friction::FrictionBounds{5, 10}, friction::stribeck(0.3)};
-  const friction::FrictionLaw weak{friction::FrictionBounds{0.001, 0.002}, friction::stribeck(0.3)};
+  const model::FrictionLaw strong{model::FrictionBounds{5, 10}, model::shape::stribeck(0.3)};
+  const model::FrictionLaw weak{model::FrictionBounds{0.001, 0.002}, model::shape::stribeck(0.3)};
   machine.damping.setZero();
   machine.directions = Eigen::Matrix2d{{1, 0}, {-1, 1}};
   const Adaptive adaptive(machine, {strong, weak});
@@ -337,7 +343,7 @@ TEST(Adaptive, WaitsUntilFrictionInTimeLetsGo) {
   machine.mass = machine.directions = machine.stiffness = MatrixXd::Identity(1, 1);
   machine.damping = MatrixXd::Zero(1, 1);
   machine.friction_N = VectorXd::Zero(1);
-  const friction::FrictionLaw law{friction::FrictionBounds{0.5, 2}, friction::sine_in_time(0.5)};
+  const model::FrictionLaw law{model::FrictionBounds{0.5, 2}, model::shape::sine_in_time(0.5)};
   std::vector<Event> log;
   const Adaptive adaptive(machine, {law});
   adaptive.run({0, VectorXd::Constant(1, 1), VectorXd::Zero(1)}, 20, &log);
@@ -356,7 +362,7 @@ TEST(Adaptive, StaticFrictionHoldsBesideADirectionThatSlips) {
   LinearMachine<> machine = two_masses();
   machine.stiffness = Eigen::Matrix2d::Identity();
   machine.damping.setZero();
-  const friction::FrictionLaw law{friction::FrictionBounds{1, 2}, friction::static_kinetic(1, 0)};
+  const model::FrictionLaw law{model::FrictionBounds{1, 2}, model::shape::static_kinetic(1, 0)};
   std::vector<Event> log;
   const auto outcome =
       Adaptive(machine, {law, law}).run({0, Eigen::Vector2d{2.5, 1.5}, Eigen::Vector2d{0, 0}}, 60, &log);
@@ -366,33 +372,33 @@ TEST(Adaptive, StaticFrictionHoldsBesideADirectionThatSlips) {
   EXPECT_NEAR(outcome.settling_time_s, std::numbers::pi, 1e-12);
 }
 
-friction::ShapePtr random_shape(std::mt19937& random) {
+model::ShapePtr random_shape(std::mt19937& random) {
   const auto number = [&](double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random);
   };
-  std::vector<friction::ShapePtr> parts;
+  std::vector<model::ShapePtr> parts;
   switch (std::uniform_int_distribution<int>(0, 8)(random)) {
     case 0:
-      return friction::static_kinetic(number(0.5, 1), number(0, 0.5));
+      return model::shape::static_kinetic(number(0.5, 1), number(0, 0.5));
     case 1:
-      return friction::stribeck(number(0.05, 1));
+      return model::shape::stribeck(number(0.05, 1));
     case 2:
-      return friction::stribeck_gaussian(number(0.05, 1));
+      return model::shape::stribeck_gaussian(number(0.05, 1));
     case 3:
-      return friction::sine_in_time(number(0.5, 8), number(0, 6));
+      return model::shape::sine_in_time(number(0.5, 8), number(0, 6));
     case 4:
-      return friction::sine_in_position(number(0.1, 2), number(0, 6));
+      return model::shape::sine_in_position(number(0.1, 2), number(0, 6));
     case 5:
-      return friction::position_table({number(-2, 0), number(0.1, 2)}, {number(0, 1), number(0, 1), number(0, 1)});
+      return model::shape::position_table({number(-2, 0), number(0.1, 2)}, {number(0, 1), number(0, 1), number(0, 1)});
     case 6:
-      return friction::random_dwell(
+      return model::shape::random_dwell(
           {.seed = random(), .shortest_dwell_s = 0.1, .longest_dwell_s = 1, .bound_share = 0.2});
     case 7:
-      return friction::constant(number(0, 1));
+      return model::shape::constant(number(0, 1));
     default:
-      parts.push_back(friction::stribeck(number(0.05, 1)));
-      parts.push_back(friction::position_table({0}, {number(0, 1), number(0, 1)}));
-      return friction::product(std::move(parts));
+      parts.push_back(model::shape::stribeck(number(0.05, 1)));
+      parts.push_back(model::shape::position_table({0}, {number(0, 1), number(0, 1)}));
+      return model::shape::product(std::move(parts));
   }
 }
 
@@ -422,13 +428,13 @@ TEST(Adaptive, EnergyNeverRisesInRandomMachines) {
     Adaptive::Laws laws;
     for (Eigen::Index i = 0; i < m; ++i) {
       const double lower_N = 0.05 + 0.2 * std::abs(entry(random));
-      laws.push_back({friction::FrictionBounds{lower_N, lower_N + 0.3}, random_shape(random)});
+      laws.push_back({model::FrictionBounds{lower_N, lower_N + 0.3}, random_shape(random)});
     }
     const State start{0, matrix(n, 1), trial % 4 == 0 ? MatrixXd(VectorXd::Zero(n)) : matrix(n, 1)};
-    double energy_J = plant::energy_J(machine, start);
+    double energy_J = stability::energy_J(machine, start);
     const double rounding_J = 1e-11 * energy_J;
     const auto outcome = Adaptive(machine, laws).run(start, 15, nullptr, [&](const State& state) {
-      const double now_J = plant::energy_J(machine, state);
+      const double now_J = stability::energy_J(machine, state);
       EXPECT_LE(now_J, energy_J + rounding_J) << "trial " << trial << " at " << state.time_s;
       energy_J = now_J;
     });
@@ -441,20 +447,15 @@ TEST(Adaptive, EnergyNeverRisesInRandomMachines) {
 TEST(Adaptive, EndsOnTheCallersDecision) {
   const auto machine = stribeck_machine();
   const Adaptive adaptive(machine, stribeck_laws(), {}, [&](const State& state) {
-    return plant::energy_J(machine, state) < 1 ? Verdict::captured : Verdict::undecided;
+    return stability::energy_J(machine, state) < 1 ? Verdict::captured : Verdict::undecided;
   });
   const auto outcome = adaptive.run(stribeck_start(), 60);
   EXPECT_EQ(outcome.verdict, Verdict::captured);
-  EXPECT_LT(plant::energy_J(machine, outcome.end), 1);
+  EXPECT_LT(stability::energy_J(machine, outcome.end), 1);
 }
 
 std::string refusal(const LinearMachine<>& machine, const Adaptive::Laws& laws, double tolerance_of_steps) {
-  try {
-    Adaptive(machine, laws, {.tolerance = tolerance_of_steps});
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return breakaway::testing::refusal([&] { Adaptive(machine, laws, {.tolerance = tolerance_of_steps}); });
 }
 
 TEST(Adaptive, RefusesByName) {
@@ -464,9 +465,9 @@ TEST(Adaptive, RefusesByName) {
   machine.mass(0, 1) = 0.25;
   EXPECT_NE(refusal(machine, stribeck_laws(), 1e-12).find("mass"), std::string::npos);
   const Adaptive adaptive(stribeck_machine(), stribeck_laws());
-  EXPECT_THROW(adaptive.run(stribeck_start(), INFINITY), std::invalid_argument);
-  EXPECT_THROW(adaptive.run({0, Eigen::Vector3d{1, 2, 3}, Eigen::Vector2d{0, 0}}, 1), std::invalid_argument);
-  EXPECT_THROW(adaptive.run({0, Eigen::Vector2d{NAN, 0}, Eigen::Vector2d{0, 0}}, 1), std::invalid_argument);
+  EXPECT_THROW(adaptive.run(stribeck_start(), INFINITY), InputError);
+  EXPECT_THROW(adaptive.run({0, Eigen::Vector3d{1, 2, 3}, Eigen::Vector2d{0, 0}}, 1), InputError);
+  EXPECT_THROW(adaptive.run({0, Eigen::Vector2d{NAN, 0}, Eigen::Vector2d{0, 0}}, 1), InputError);
 }
 
 }  // namespace

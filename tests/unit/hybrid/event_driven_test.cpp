@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/input/input_error.hpp"
+
 namespace {
 
+using breakaway::InputError;
 using breakaway::hybrid::Event;
 using breakaway::hybrid::EventDriven;
 using breakaway::hybrid::EventKind;
@@ -206,9 +209,9 @@ TEST(EventDriven, EndsOnTheCallersDecision) {
 TEST(EventDriven, RefusesByName) {
   auto machine = two_mass_example();
   machine.friction_N[1] = -1;
-  EXPECT_THROW((EventDriven<2, 2>(machine)), std::invalid_argument);
+  EXPECT_THROW((EventDriven<2, 2>(machine)), InputError);
   const EventDriven<2, 2> good(two_mass_example());
-  EXPECT_THROW(good.run({0, {NAN, 0}, {0, 0}}, 1), std::invalid_argument);
+  EXPECT_THROW(good.run({0, {NAN, 0}, {0, 0}}, 1), InputError);
 }
 
 // W_T of seventeen columns.
@@ -217,7 +220,7 @@ TEST(EventDriven, RefusesMoreDirectionsThanItCanTabulate) {
   machine.mass = machine.damping = machine.stiffness = Eigen::MatrixXd::Identity(17, 17);
   machine.directions = Eigen::MatrixXd::Identity(17, 17);
   machine.friction_N = Eigen::VectorXd::Ones(17);
-  EXPECT_THROW((EventDriven<>(machine)), std::invalid_argument);
+  EXPECT_THROW((EventDriven<>(machine)), InputError);
 }
 
 }  // namespace

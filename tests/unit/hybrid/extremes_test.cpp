@@ -302,10 +302,10 @@ TEST(Extremes, EnergyNeverRisesOfPassiveMachines) {
     machine.mass = (machine.mass + machine.mass.transpose()).eval() / 2;
     machine.stiffness = (machine.stiffness + machine.stiffness.transpose()).eval() / 2;
     const MachineState<Eigen::Dynamic> start{0, matrix(n, 1) * 3, matrix(n, 1)};
-    double energy_J = breakaway::plant::energy_J(machine, start);
+    double energy_J = breakaway::stability::energy_J(machine, start);
     int rises = 0;
     const auto outcome = EventDriven<>(machine).run(start, 50, nullptr, [&](const auto& state) {
-      const double now_J = breakaway::plant::energy_J(machine, state);
+      const double now_J = breakaway::stability::energy_J(machine, state);
       if (now_J > energy_J * (1 + 1e-12)) ++rises;
       energy_J = now_J;
     });

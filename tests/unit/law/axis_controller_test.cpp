@@ -53,7 +53,7 @@ TEST_F(AxisControllerTest, LimitsTheApproachSpeedFarAway) {
 TEST_F(AxisControllerTest, KicksAnAxisThatRestsOutsideTheTolerance) {
   const auto kick = first_kick(-1e-4F);
   EXPECT_EQ(kick.mode, Mode::kick);
-  EXPECT_GT(kick.force_N, p.friction_upper_N) << "less would not be sure to move it";
+  EXPECT_GT(kick.force_N, p.friction.upper_N) << "less would not be sure to move it";
   EXPECT_EQ(controller.mode(), Mode::coast) << "a kick of one period is over with the next update";
 }
 
@@ -190,7 +190,7 @@ TEST(AxisControllerSymmetry, ScalesExactlyWithLengthAndForce) {
   for (int k = -20; k <= 20; k += 5) {
     const auto scaled = [k](float value) { return std::ldexp(value, k); };
     auto ps = p;
-    for (float* value : {&ps.friction_lower_N, &ps.friction_upper_N, &ps.max_force_N, &ps.max_approach_speed_m_s,
+    for (float* value : {&ps.friction.lower_N, &ps.friction.upper_N, &ps.max_force_N, &ps.max_approach_speed_m_s,
                          &ps.position_tolerance_m, &ps.encoder_resolution_m}) {
       *value = scaled(*value);
     }
@@ -241,8 +241,8 @@ TEST(AxisParameters, NamesTheRuleThatIsBroken) {
   EXPECT_EQ(broken([](auto& p) { p.stiffness_N_per_m = -1; }), ParameterError::stiffness_not_positive);
   EXPECT_EQ(broken([](auto& p) { p.approach_damping_Ns_per_m = 40; }), ParameterError::approach_not_underdamped);
   EXPECT_EQ(broken([](auto& p) { p.kick_damping_Ns_per_m = 40; }), ParameterError::kick_not_overdamped);
-  EXPECT_EQ(broken([](auto& p) { p.friction_lower_N = 0; }), ParameterError::friction_lower_not_positive);
-  EXPECT_EQ(broken([](auto& p) { p.friction_upper_N = 2; }), ParameterError::friction_bounds_reversed);
+  EXPECT_EQ(broken([](auto& p) { p.friction.lower_N = 0; }), ParameterError::friction_lower_not_positive);
+  EXPECT_EQ(broken([](auto& p) { p.friction.upper_N = 2; }), ParameterError::friction_bounds_reversed);
   EXPECT_EQ(broken([](auto& p) { p.max_force_N = 4; }), ParameterError::max_force_below_friction);
   EXPECT_EQ(broken([&](auto& p) { p.max_approach_speed_m_s = nan; }), ParameterError::max_approach_speed_not_positive);
   EXPECT_EQ(broken([](auto& p) { p.position_tolerance_m = -1; }), ParameterError::tolerance_negative);

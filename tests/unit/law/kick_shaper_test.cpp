@@ -30,7 +30,7 @@ TEST(KickShaper, MatchesTheClosedFormOfABallisticKick) {
   const auto p = nearly_free_axis();
   const KickShaper<double> shaper{p, 1.0};
   const auto table = ballistic_table(p, 1.0);
-  const double A = p.friction_lower_N / p.mass_kg, T = p.period_s;
+  const double A = p.friction.lower_N / p.mass_kg, T = p.period_s;
   for (const double y : {1e-9, 1e-7, 2e-6, 1e-5, 1e-3, 0.1}) {
     const auto kick = shaper.plan(table, y, 0.0, 0.0);
     ASSERT_EQ(kick.periods, 1);
@@ -43,7 +43,7 @@ TEST(KickShaper, CountsInTheSpeedOfAnAxisThatStillMoves) {
   const auto p = nearly_free_axis();
   const KickShaper<double> shaper{p, 1.0};
   const auto table = ballistic_table(p, 1.0);
-  const double A = p.friction_lower_N, T = p.period_s;
+  const double A = p.friction.lower_N, T = p.period_s;
   for (const double share : {0.05, 0.3, 0.7}) {
     const double y = 1e-3, w = share * std::sqrt(2 * A * y);
     const double net = (-(2 * w + A * T) + std::sqrt(A * A * T * T + 8 * A * y - 4 * A * w * T)) / (2 * T);
@@ -64,7 +64,7 @@ State run_pulse(const AxisParameters<double>& p, const Kick<double>& kick, doubl
         -p.stiffness_N_per_m * last_sample - p.kick_damping_Ns_per_m * (last_sample - before_last) / p.period_s;
     before_last = last_sample;
     last_sample = x;
-    const double a = (kick.force_N + feedback - p.friction_lower_N) / p.mass_kg;
+    const double a = (kick.force_N + feedback - p.friction.lower_N) / p.mass_kg;
     x += v * p.period_s + a * p.period_s * p.period_s / 2;
     v += a * p.period_s;
   }
@@ -73,16 +73,16 @@ State run_pulse(const AxisParameters<double>& p, const Kick<double>& kick, doubl
 
 TEST(KickShaper, EndsThePulseOnTheK3Curve) {
   const auto p = sampled_axis<double>();
-  const design::KickPlant<double> plant{p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction_lower_N};
+  const design::KickPlant<double> plant{p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N};
   const auto k3 = design::K3<double>::make(plant);
-  const auto table = design::build_k3_table<double>(plant, p.stick_radius_upper_m())->table;
+  const auto table = design::build_k3_table<double>(plant, p.stick_radius_upper_m()).table;
   const KickShaper<double> shaper{p, 1.0};
   for (const double y : {2e-6, 1e-5, 1e-4, 1e-3, 5e-3, 1.1e-2}) {
     const auto kick = shaper.plan(table, y, 0.0, 0.0);
     const auto [x, v] = run_pulse(p, kick, y);
     EXPECT_LE(kick.force_N + p.stiffness_N_per_m * y, p.max_force_N) << y;
     ASSERT_LT(x, 0) << y;
-    EXPECT_NEAR(v, k3->speed_m_s(-x), v * (kick.periods > 4 ? 2e-3 : 1e-5)) << y << " in " << int(kick.periods);
+    EXPECT_NEAR(v, k3.speed_m_s(-x), v * (kick.periods > 4 ? 2e-3 : 1e-5)) << y << " in " << int(kick.periods);
   }
 }
 

@@ -16,8 +16,8 @@ AxisParameters<Scalar> sampled_axis() {
   p.stiffness_N_per_m = 400;
   p.approach_damping_Ns_per_m = 32;
   p.kick_damping_Ns_per_m = 60;
-  p.friction_lower_N = Scalar(2.5);
-  p.friction_upper_N = Scalar(4.5);
+  p.friction.lower_N = Scalar(2.5);
+  p.friction.upper_N = Scalar(4.5);
   p.max_force_N = 50;
   p.max_approach_speed_m_s = 5;
   p.position_tolerance_m = Scalar(1.8e-6);
@@ -32,7 +32,7 @@ K3Table<Scalar> ballistic_table(const AxisParameters<Scalar>& p, Scalar largest_
   K3Table<Scalar> table;
   table.root_max = std::sqrt(largest_m);
   table.nodes_per_root = static_cast<Scalar>(table.nodes.size() - 1) / table.root_max;
-  table.nodes.fill({std::sqrt(2 * p.friction_lower_N * p.mass_kg), Scalar{0}});
+  table.nodes.fill({std::sqrt(2 * p.friction.lower_N * p.mass_kg), Scalar{0}});
   return table;
 }
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 
 namespace {
 
@@ -24,7 +24,7 @@ Options of(const std::string& file) {
 std::string refusal(const Options& options) {
   try {
     read_configuration(options);
-  } catch (const breakaway::scenario::InputError& error) {
+  } catch (const breakaway::InputError& error) {
     return error.what();
   }
   return {};

@@ -6,7 +6,7 @@ namespace {
 
 using breakaway::report::to_candump;
 using breakaway::report::to_csv;
-using breakaway::scenario::Result;
+using breakaway::sil::Result;
 
 TEST(Candump, WritesTheLogFormatOfCanUtils) {
   Result result;

@@ -4,11 +4,12 @@
 
 #include <string>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 
 namespace {
 
 using namespace breakaway::scenario;
+using breakaway::InputError;
 
 const std::string machine = R"(
 [machine]

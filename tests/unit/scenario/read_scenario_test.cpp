@@ -8,12 +8,12 @@
 #include <sstream>
 #include <string>
 
-#include "breakaway/scenario/input_error.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 
 namespace {
 
-using breakaway::scenario::InputError;
+using breakaway::InputError;
 using breakaway::scenario::parse_any_scenario;
 using breakaway::scenario::parse_scenario;
 using breakaway::scenario::read_any_scenario;

@@ -5,22 +5,17 @@
 // mu_lower / mu_upper = f_lower / f_upper (Assumption 1: 0 < f_lower <= f_upper).
 #pragma once
 
-#include "breakaway/design/expected.hpp"
+#include <optional>
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
+
 #include "breakaway/design/k3.hpp"
+#include "breakaway/law/friction_bounds.hpp"
 
 namespace breakaway::design {
 
-// Bounds of the dry friction force. `ratio` = f_lower / f_upper in (0, 1]; `gap` = 1 - ratio, without the subtraction.
-struct FrictionBounds {
-  double lower_N;
-  double upper_N;
-
-  double ratio() const noexcept { return lower_N / upper_N; }
-  double gap() const noexcept { return (upper_N - lower_N) / upper_N; }
-};
-
-// The error when Assumption 1 does not hold, or a bound is not finite.
-std::optional<Error> unless_valid(const FrictionBounds& friction);
+// Throws InputError when Assumption 1 does not hold, or a bound is not finite.
+void require_valid(const law::FrictionBounds<double>& friction);
 
 // Assumption 3 holds when f_lower / f_upper exceeds one of these.
 constexpr double ratio_threshold_17 = 0.5;                         // (17)
@@ -36,15 +31,17 @@ double exact_ratio_threshold(const UnitKick<double>& kick) noexcept;
 // is not a solution: the answer is the next number above it for which the check succeeds. For f_lower / f_upper >=
 // 1 - 1/e every zeta > 1 will do, and the answer is the first number above 2 sqrt(k1 m).
 //
-// Refuses mass or stiffness that is not positive, bounds that break Assumption 1, and ratios that would need more
-// damping than a number can hold.
-Expected<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m, const FrictionBounds& friction);
+// Nothing for ratios that would need more damping than a number can hold. Throws InputError for a mass or stiffness
+// that is not positive and for bounds that break Assumption 1.
+std::optional<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m,
+                                           const law::FrictionBounds<double>& friction);
 
 // (19): longest time from rest at y2, |y2| <= c_lower, to rest on the target [s].
-double finite_time_bound_s(double mass_kg, const FrictionBounds& friction, double position_error_m) noexcept;
+double finite_time_bound_s(double mass_kg, const law::FrictionBounds<double>& friction,
+                           double position_error_m) noexcept;
 
 // Least displacement that a force pulse of one period is sure to cause: the pulse must exceed f_upper to move the axis
 // at all, and moves it by f_upper (f_upper - f_lower) / (2 m f_lower) Ts^2 when the friction is f_lower [m].
-double accuracy_floor_m(double mass_kg, const FrictionBounds& friction, double period_s) noexcept;
+double accuracy_floor_m(double mass_kg, const law::FrictionBounds<double>& friction, double period_s) noexcept;
 
 }  // namespace breakaway::design

@@ -7,8 +7,9 @@
 
 #include <cmath>
 
-#include "breakaway/design/expected.hpp"
 #include "breakaway/design/unit_kick.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 
 namespace breakaway::design {
 
@@ -26,7 +27,7 @@ struct KickPlant {
 template <class Scalar>
 class K3 {
  public:
-  static Expected<K3> make(const KickPlant<Scalar>& plant);
+  static K3 make(const KickPlant<Scalar>& plant);
 
   // k3(y) [N s] at position error y [m]; odd in y, NaN for NaN.
   Scalar impulse_Ns(Scalar position_error_m) const noexcept {
@@ -71,15 +72,15 @@ Scalar damping_ratio(Scalar mass_kg, Scalar stiffness_N_per_m, Scalar damping_Ns
 }
 
 // The refusal of zeta <= 1.
-Error too_little_damping(double mass_kg, double stiffness_N_per_m, double damping_Ns_per_m);
+InputError too_little_damping(double mass_kg, double stiffness_N_per_m, double damping_Ns_per_m);
 
 template <class Scalar>
-Expected<K3<Scalar>> K3<Scalar>::make(const KickPlant<Scalar>& plant) {
+K3<Scalar> K3<Scalar>::make(const KickPlant<Scalar>& plant) {
   const auto& [m, k1, k22, f] = plant;
-  if (auto error = unless_positive("mass_kg", static_cast<double>(m))) return *error;
-  if (auto error = unless_positive("stiffness k1", static_cast<double>(k1))) return *error;
-  if (auto error = unless_positive("damping k22", static_cast<double>(k22))) return *error;
-  if (auto error = unless_positive("friction_lower_N", static_cast<double>(f))) return *error;
+  require_positive("mass_kg", static_cast<double>(m));
+  require_positive("stiffness k1", static_cast<double>(k1));
+  require_positive("damping k22", static_cast<double>(k22));
+  require_positive("friction_lower_N", static_cast<double>(f));
   // k22^2 - 4 k1 m, scaled to k22 in [1/2, 1), with the rounding errors of both products (fma): exact to the last bit
   // even when the two are equal in all their leading digits.
   int k22_exponent = 0, k1_exponent = 0, m_exponent = 0;
@@ -90,7 +91,7 @@ Expected<K3<Scalar>> K3<Scalar>::make(const KickPlant<Scalar>& plant) {
   const Scalar d2 = d * d, four_km = k * scaled_mass;
   const Scalar discriminant = (d2 - four_km) + (std::fma(d, d, -d2) - std::fma(k, scaled_mass, -four_km));
   if (!(discriminant > 0))
-    return too_little_damping(static_cast<double>(m), static_cast<double>(k1), static_cast<double>(k22));
+    throw too_little_damping(static_cast<double>(m), static_cast<double>(k1), static_cast<double>(k22));
   const Scalar split = std::sqrt(discriminant) / d;  // (b - a) / (b + a)
   const Scalar fast = d * (1 + split);
   K3 law;

@@ -99,10 +99,9 @@ double measured_error(const law::K3Table<Scalar, Nodes>& table, const K3<double>
 //
 // Refuses a plant that K3 refuses, a range that is not positive, and magnitudes that Scalar cannot hold.
 template <class Scalar, std::size_t Nodes = 267>
-Expected<BuiltK3Table<Scalar, Nodes>> build_k3_table(const KickPlant<double>& plant, double range_m) {
+BuiltK3Table<Scalar, Nodes> build_k3_table(const KickPlant<double>& plant, double range_m) {
   const auto law = K3<double>::make(plant);
-  if (!law) return law.error();
-  if (auto error = unless_positive("the k3 table's range_m", range_m)) return *error;
+  require_positive("the k3 table's range_m", range_m);
 
   BuiltK3Table<Scalar, Nodes> built{{}, sizeof(law::K3Table<Scalar, Nodes>), 0, 0};
   auto& table = built.table;
@@ -110,7 +109,7 @@ Expected<BuiltK3Table<Scalar, Nodes>> build_k3_table(const KickPlant<double>& pl
   table.root_max = std::nextafter(static_cast<Scalar>(std::sqrt(range_m)), std::numeric_limits<Scalar>::max());
   table.nodes_per_root = std::nextafter(static_cast<Scalar>(Nodes - 1) / table.root_max, Scalar{0});
   const double spacing = 1.0 / static_cast<double>(table.nodes_per_root);
-  const auto remainders = detail::hermite_remainders(*law, spacing, Nodes - 1);
+  const auto remainders = detail::hermite_remainders(law, spacing, Nodes - 1);
   for (std::size_t i = 0; i < Nodes; ++i) {
     const double root = static_cast<double>(i) * spacing;
     // With exact values at the nodes the cubic errs to one side only, by the remainder in the middle of the interval.
@@ -118,20 +117,20 @@ Expected<BuiltK3Table<Scalar, Nodes>> build_k3_table(const KickPlant<double>& pl
     const Range& left = remainders[i == 0 ? 0 : i - 1];
     const Range& right = remainders[std::min(i, Nodes - 2)];
     const double lift = (left.least + left.greatest + right.least + right.greatest) / 8;
-    table.nodes[i] = {static_cast<Scalar>(law->reduced(root) + lift),
-                      static_cast<Scalar>(spacing * law->reduced_slope(root))};
+    table.nodes[i] = {static_cast<Scalar>(law.reduced(root) + lift),
+                      static_cast<Scalar>(spacing * law.reduced_slope(root))};
   }
   const Scalar largest = table.nodes.back().value, smallest = table.nodes.front().slope;
   if (!std::isnormal(table.root_max) || !std::isnormal(table.nodes_per_root) || !std::isnormal(smallest) ||
       !std::isnormal(largest) || !std::isnormal(largest * table.root_max)) {
-    return Error{"the k3 table up to " + to_text(range_m) + " m holds numbers beyond the range of its scalar type" +
-                 " (largest impulse " + to_text(law->impulse_Ns(-range_m)) + " N s): use double or check the units"};
+    throw InputError{"the k3 table up to " + to_text(range_m) + " m holds numbers beyond the range of its scalar type" +
+                     " (largest impulse " + to_text(law.impulse_Ns(-range_m)) + " N s): use double or check the units"};
   }
 
   for (std::size_t i = 0; i + 1 < Nodes; ++i) {
-    built.proved_error = std::max(built.proved_error, detail::proved_error_of_interval(table, *law, remainders[i], i));
+    built.proved_error = std::max(built.proved_error, detail::proved_error_of_interval(table, law, remainders[i], i));
   }
-  built.measured_error = detail::measured_error(table, *law);
+  built.measured_error = detail::measured_error(table, law);
   return built;
 }
 

@@ -16,7 +16,7 @@ struct AxisDesign {
   double stiffness_N_per_m{};               // k1 > 0
   double approach_damping_Ns_per_m{};       // k21 > 0, phase 1
   double kick_damping_Ns_per_m{};           // k22, phases 2 and 3: zeta > 1
-  FrictionBounds friction{};                // of the dry friction force
+  law::FrictionBounds<double> friction{};   // of the dry friction force
   double smooth_friction_slope_Ns_per_m{};  // dF_sm/dv at rest of a smooth friction beside the dry one (Proposition 3)
   double max_force_N{};                     // of the drive, > 0
   double period_s{};                        // control period; 0: ideal impulses, nothing sampled
@@ -58,6 +58,6 @@ struct DesignReport {
 
 // Refuses inputs outside the ranges stated at AxisDesign and friction bounds that break Assumption 1, by name. What is
 // a possible axis but a bad one comes back as a report that is not certified.
-Expected<DesignReport> design_axis(const AxisDesign& axis);
+DesignReport design_axis(const AxisDesign& axis);
 
 }  // namespace breakaway::design

@@ -33,8 +33,8 @@ class AxisController {
   // outlive the controller.
   AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept : p_{parameters}, table_{&table} {
     if (!ideal()) {
-      velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction_lower_N};
-      rest_ = {p_.mass_kg, p_.friction_lower_N, p_.encoder_resolution_m, p_.period_s};
+      velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction.lower_N};
+      rest_ = {p_.mass_kg, p_.friction.lower_N, p_.encoder_resolution_m, p_.period_s};
       shaper_ = {p_, velocity_.weight()};
       creep_radius_m_ = 20 * p_.accuracy_floor_m() + 4 * p_.encoder_resolution_m;
     }
@@ -168,7 +168,7 @@ class AxisController {
     }
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     const Scalar least_N =
-        futile_ > 0 ? p_.friction_upper_N * (1 + escalation * static_cast<Scalar>(futile_)) : Scalar{0};
+        futile_ > 0 ? p_.friction.upper_N * (1 + escalation * static_cast<Scalar>(futile_)) : Scalar{0};
     const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
     kick_force_N_ = kick.force_N * towards;
     periods_left_ = kick.periods;

@@ -9,6 +9,8 @@
 #include <limits>
 #include <string_view>
 
+#include "breakaway/law/friction_bounds.hpp"
+
 namespace breakaway::law {
 
 enum class KickShape : std::uint8_t {
@@ -19,12 +21,11 @@ enum class KickShape : std::uint8_t {
 template <class Scalar>
 struct AxisParameters {
   Scalar mass_kg{};
-  Scalar stiffness_N_per_m{};                                    // k1 of (16), > 0
-  Scalar approach_damping_Ns_per_m{};                            // k21 of (16): zeta < 1
-  Scalar kick_damping_Ns_per_m{};                                // k22 of (16): zeta > 1
-  Scalar friction_lower_N{};                                     // m g mu_lo of Assumption 1, > 0
-  Scalar friction_upper_N{};                                     // m g mu_hi of Assumption 1, >= friction_lower_N
-  Scalar max_force_N = std::numeric_limits<Scalar>::infinity();  // of the sum of feedback and kick
+  Scalar stiffness_N_per_m{};                                               // k1 of (16), > 0
+  Scalar approach_damping_Ns_per_m{};                                       // k21 of (16): zeta < 1
+  Scalar kick_damping_Ns_per_m{};                                           // k22 of (16): zeta > 1
+  FrictionBounds<Scalar> friction{};                                        // of the dry friction force, Assumption 1
+  Scalar max_force_N = std::numeric_limits<Scalar>::infinity();             // of the sum of feedback and kick
   Scalar max_approach_speed_m_s = std::numeric_limits<Scalar>::infinity();  // infinity: (16) as printed
   Scalar position_tolerance_m{};     // at rest within this the axis is left alone; 0: kicked for ever smaller errors
   Scalar encoder_resolution_m{};     // one count; 0: exact position and velocity are measured
@@ -33,14 +34,14 @@ struct AxisParameters {
   KickShape kick_shape = KickShape::two_phase;
 
   constexpr Scalar stick_radius_upper_m() const noexcept {
-    return friction_upper_N / stiffness_N_per_m;
+    return friction.upper_N / stiffness_N_per_m;
   }  // c_hi of (9)
 
   // The least distance that a pulse of one period moves the axis from rest, if friction is f_hi until it breaks away
   // and f_lo from then on: a kick that is sure to move the axis cannot aim for less.
   constexpr Scalar accuracy_floor_m() const noexcept {
-    return period_s * period_s * friction_upper_N * (friction_upper_N - friction_lower_N) /
-           (2 * mass_kg * friction_lower_N);
+    return period_s * period_s * friction.upper_N * (friction.upper_N - friction.lower_N) /
+           (2 * mass_kg * friction.lower_N);
   }
 };
 
@@ -102,10 +103,10 @@ ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
     return ParameterError::approach_not_underdamped;
   if (!(p.kick_damping_Ns_per_m > critical && p.kick_damping_Ns_per_m < infinity))
     return ParameterError::kick_not_overdamped;
-  if (!positive(p.friction_lower_N)) return ParameterError::friction_lower_not_positive;
-  if (!(p.friction_upper_N >= p.friction_lower_N && p.friction_upper_N < infinity))
+  if (!positive(p.friction.lower_N)) return ParameterError::friction_lower_not_positive;
+  if (!(p.friction.upper_N >= p.friction.lower_N && p.friction.upper_N < infinity))
     return ParameterError::friction_bounds_reversed;
-  if (!(p.max_force_N > p.friction_upper_N)) return ParameterError::max_force_below_friction;
+  if (!(p.max_force_N > p.friction.upper_N)) return ParameterError::max_force_below_friction;
   if (!(p.max_approach_speed_m_s > 0)) return ParameterError::max_approach_speed_not_positive;
   if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;

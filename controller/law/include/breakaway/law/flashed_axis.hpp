@@ -62,7 +62,7 @@ constexpr std::uint32_t checksum_of(const FlashedAxis<Scalar, Nodes>& axis) noex
   Crc32 crc;
   const AxisParameters<Scalar>& p = axis.parameters;
   for (const Scalar value : {p.mass_kg, p.stiffness_N_per_m, p.approach_damping_Ns_per_m, p.kick_damping_Ns_per_m,
-                             p.friction_lower_N, p.friction_upper_N, p.max_force_N, p.max_approach_speed_m_s,
+                             p.friction.lower_N, p.friction.upper_N, p.max_force_N, p.max_approach_speed_m_s,
                              p.position_tolerance_m, p.encoder_resolution_m, p.period_s}) {
     crc.add_scalar(value);
   }
@@ -124,7 +124,7 @@ FlashedAxisError verify(const FlashedAxis<Scalar, Nodes>& axis) noexcept {
   if (checksum_of(axis) != axis.checksum) return FlashedAxisError::checksum_differs;
   if (validate(p) != ParameterError::none) return FlashedAxisError::parameters_invalid;
   if (!limits.certified) return FlashedAxisError::not_certified;
-  if (!(p.friction_lower_N == limits.friction_lower_N && p.friction_upper_N == limits.friction_upper_N))
+  if (!(p.friction.lower_N == limits.friction_lower_N && p.friction.upper_N == limits.friction_upper_N))
     return FlashedAxisError::friction_outside_certificate;
   if (!(p.max_force_N <= limits.max_force_N)) return FlashedAxisError::force_outside_certificate;
   if (!(p.period_s == limits.period_s)) return FlashedAxisError::period_outside_certificate;

@@ -54,12 +54,12 @@ class KickShaper {
   Kick<Scalar> plan(const K3Table<Scalar>& table, Scalar distance_m, Scalar impulse_Ns, Scalar speed_m_s,
                     Scalar least_force_N) const noexcept {
     const Scalar feedback_N = std::min(p_.stiffness_N_per_m * distance_m, p_.max_force_N);
-    const Scalar room_N = std::max(p_.max_force_N - p_.friction_lower_N, Scalar{0});
+    const Scalar room_N = std::max(p_.max_force_N - p_.friction.lower_N, Scalar{0});
     const std::uint8_t n = periods_for(impulse_Ns / (room_N * p_.period_s));
     const Scalar net_N = p_.kick_shape == KickShape::naive
-                             ? impulse_Ns / (n * p_.period_s) + feedback_N - p_.friction_lower_N
+                             ? impulse_Ns / (n * p_.period_s) + feedback_N - p_.friction.lower_N
                              : net_force(table, distance_m, speed_m_s, n);
-    const Scalar total_N = std::max(p_.friction_lower_N + net_N, least_force_N);
+    const Scalar total_N = std::max(p_.friction.lower_N + net_N, least_force_N);
     return {std::min(total_N, p_.max_force_N) - feedback_N, n};
   }
 

@@ -8,7 +8,7 @@
 
 namespace breakaway::report {
 
-// `title` heads the page, `source` is the file that the axis was read from. Throws scenario::InputError when gnuplot
+// `title` heads the page, `source` is the file that the axis was read from. Throws InputError when gnuplot
 // cannot be run.
 std::string design_html(const std::string& title, const std::string& source, const design::AxisDesign& axis,
                         const design::DesignReport& report);

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "breakaway/scenario/result.hpp"
 #include "breakaway/scenario/scenario.hpp"
+#include "breakaway/sil/result.hpp"
 
 namespace breakaway::report {
 
-// Requires a recorded trace. Throws scenario::InputError when gnuplot, which draws the pictures, cannot be run.
-std::string to_html(const scenario::Scenario& scenario, const scenario::Result& result);
+// Requires a recorded trace. Throws InputError when gnuplot, which draws the pictures, cannot be run.
+std::string to_html(const scenario::Scenario& scenario, const sil::Result& result);
 
 }  // namespace breakaway::report

@@ -17,9 +17,9 @@
 #include <variant>
 #include <vector>
 
-#include "breakaway/friction/friction_law.hpp"
-#include "breakaway/plant/linear_machine.hpp"
+#include "breakaway/model/friction_law.hpp"
 #include "breakaway/scenario/scenario.hpp"
+#include "breakaway/stability/linear_machine.hpp"
 
 namespace breakaway::scenario {
 
@@ -38,11 +38,11 @@ struct DampingSweep {
 
 struct MachineScenario {
   std::string file, title;
-  plant::LinearMachine<> machine;                            // the closed loop (29) when there is feedback
-  std::vector<friction::FrictionLaw> laws;                   // by direction; empty: machine.friction_N is constant,
-                                                             // otherwise it holds their lower bounds
-  std::optional<plant::MachineState<Eigen::Dynamic>> start;  // at time 0
-  std::vector<MachineImpulse> impulses;                      // in the order of their times, within duration_s
+  stability::LinearMachine<> machine;                            // the closed loop (29) when there is feedback
+  std::vector<model::FrictionLaw> laws;                          // by direction; empty: machine.friction_N is constant,
+                                                                 // otherwise it holds their lower bounds
+  std::optional<stability::MachineState<Eigen::Dynamic>> start;  // at time 0
+  std::vector<MachineImpulse> impulses;                          // in the order of their times, within duration_s
   std::optional<DampingSweep> sweep;
   double duration_s = 60;
   Integrator integrator = Integrator::event_driven;  // adaptive where there are laws

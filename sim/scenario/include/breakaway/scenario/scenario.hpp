@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "breakaway/drive/config.hpp"
-#include "breakaway/friction/friction_law.hpp"
-#include "breakaway/friction/shapes.hpp"
+#include "breakaway/drive_emulator/config.hpp"
 #include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/model/friction_law.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/virtual_bus/virtual_bus.hpp"
 
 namespace breakaway::scenario {
@@ -34,7 +34,7 @@ struct Friction {
   double upper_N = 1;
   double smooth_slope_Ns_per_m = 0;        // dF_sm/dv at rest of Proposition 3
   std::optional<double> normal_force_N{};  // m g where the file states coefficients: pictures then show coefficients
-  friction::FrictionLaw law{{1, 1}, friction::constant(1)};
+  model::FrictionLaw law{{1, 1}, model::shape::constant(1)};
 };
 
 enum class Kick : std::uint8_t { ideal, two_phase, naive };
@@ -95,7 +95,7 @@ struct Scenario {
   Friction friction;
   Controller controller;
   std::optional<Loop> loop;
-  std::optional<drive::DriveConfig> drive;
+  std::optional<drive_emulator::EmulatorConfig> drive;
   std::optional<virtual_bus::VirtualBusConfig> bus;
   Limits limits;
   std::optional<Run> run;
@@ -104,7 +104,7 @@ struct Scenario {
 };
 
 // The most that the drive's motor gives at the axis.
-inline double drive_force_N(const drive::DriveConfig& drive) {
+inline double drive_force_N(const drive_emulator::EmulatorConfig& drive) {
   const double torque_Nm = 1e-6 * drive.max_torque_per_mille * drive.rated_torque_mNm;
   return std::min(torque_Nm * drive.force_per_torque_N_per_Nm, drive.peak_force_N.value_or(unlimited));
 }
@@ -118,8 +118,8 @@ law::AxisParameters<Real> axis_parameters(const Scenario& s) {
   p.stiffness_N_per_m = static_cast<Real>(gains.stiffness_N_per_m);
   p.approach_damping_Ns_per_m = static_cast<Real>(gains.approach_damping_Ns_per_m);
   p.kick_damping_Ns_per_m = static_cast<Real>(gains.kick_damping_Ns_per_m);
-  p.friction_lower_N = static_cast<Real>(s.friction.lower_N);
-  p.friction_upper_N = static_cast<Real>(s.friction.upper_N);
+  p.friction.lower_N = static_cast<Real>(s.friction.lower_N);
+  p.friction.upper_N = static_cast<Real>(s.friction.upper_N);
   p.max_force_N = static_cast<Real>(s.controller.max_force_N);
   p.max_approach_speed_m_s = static_cast<Real>(s.controller.max_approach_speed_m_s);
   p.position_tolerance_m = static_cast<Real>(s.controller.position_tolerance_m);

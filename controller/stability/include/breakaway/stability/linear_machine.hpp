@@ -1,0 +1,105 @@
+// LinearMachine: a linear mechanical system with dry friction, (1) and (2) of [A], and a constant force:
+//
+//   M q'' + C q' + K q - W lambda = f,   lambda_i in -p_i Sign(g_i),   g = W^T q'.
+//
+// Certificates, simulations and scenarios all take this one type. The certificates are about friction and springs:
+// they leave the constant force out, which moves the place of rest by K^-1 f and nothing else.
+//
+// [A] = van de Wouw & Leine, "Stability Properties of Equilibrium Sets of Controlled Linear Mechanical Systems with Dry
+// Friction".
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace breakaway::stability {
+
+template <int N>
+struct MachineState {
+  double time_s = 0;
+  Eigen::Matrix<double, N, 1> q;  // generalized coordinates: m, or rad
+  Eigen::Matrix<double, N, 1> v;  // their rates
+};
+
+// No constant force: zero where the size is known, else an empty vector, which means the same.
+template <int N>
+Eigen::Matrix<double, N, 1> no_force() {
+  if constexpr (N == Eigen::Dynamic) return {};
+  return Eigen::Matrix<double, N, 1>::Zero(N < 0 ? 0 : N);
+}
+
+// n = N coordinates and m = M friction elements, each known at compile time or Eigen::Dynamic.
+template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
+struct LinearMachine {
+  Eigen::Matrix<double, N, N> mass;                     // M: n x n, symmetric and positive definite
+  Eigen::Matrix<double, N, N> damping;                  // C: n x n, any
+  Eigen::Matrix<double, N, N> stiffness;                // K: n x n, any
+  Eigen::Matrix<double, N, M> directions;               // W: n x m, dependent columns allowed
+  Eigen::Matrix<double, M, 1> friction_N;               // p: m, mu_i |lambda_Ni| >= 0
+  Eigen::Matrix<double, N, 1> force_N = no_force<N>();  // f: constant; empty means zero
+
+  Eigen::Index coordinates() const { return mass.rows(); }
+  Eigen::Index frictions() const { return directions.cols(); }
+};
+
+// The same machine with sizes that the compiler knows, with which simulation is several times faster.
+template <int N, int M>
+LinearMachine<N, M> sized(const LinearMachine<>& machine) {
+  LinearMachine<N, M> result{machine.mass, machine.damping, machine.stiffness, machine.directions, machine.friction_N};
+  if (machine.force_N.size() > 0) result.force_N = machine.force_N;
+  return result;
+}
+
+template <int N, int M>
+LinearMachine<> unsized(const LinearMachine<N, M>& machine) {
+  return {machine.mass, machine.damping, machine.stiffness, machine.directions, machine.friction_N, machine.force_N};
+}
+
+template <int N, int M>
+Eigen::Matrix<double, N, 1> constant_force(const LinearMachine<N, M>& machine) {
+  if (machine.force_N.size() == 0) return Eigen::Matrix<double, N, 1>::Zero(machine.coordinates());
+  return machine.force_N;
+}
+
+// Throws InputError, whose key is the matrix concerned, unless K, W and p make an equilibrium set: sizes that fit,
+// entries that are finite, friction that is not negative.
+void require_valid_statics(const LinearMachine<>& machine);
+
+// The same for all of the machine.
+void require_well_formed(const LinearMachine<>& machine);
+
+// The same, and a mass that is symmetric and positive definite: what can be simulated.
+void require_valid(const LinearMachine<>& machine);
+
+// Equal to its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far larger than their
+// sum.
+bool symmetric(const Eigen::MatrixXd& matrix);
+
+// The least eigenvalue of a symmetric matrix that is scaled to a unit diagonal, so that no unit of length or mass makes
+// a good matrix look singular; the least diagonal entry if that is not positive.
+double definiteness(const Eigen::MatrixXd& matrix);
+
+// The closed loop (29) of the machine under u = -F1 q - F2 v through the actuators S of (28): n x p, p x n and p x n.
+template <int N, int M, class Actuators, class PositionGain, class VelocityGain>
+LinearMachine<N, M> with_feedback(LinearMachine<N, M> machine, const Actuators& actuators,
+                                  const PositionGain& position_gain, const VelocityGain& velocity_gain) {
+  machine.stiffness += actuators * position_gain;
+  machine.damping += actuators * velocity_gain;
+  return machine;
+}
+
+// The velocities after a generalized impulse (N s): v + M^-1 p.
+template <int N, int M>
+MachineState<N> after_impulse(const LinearMachine<N, M>& machine, MachineState<N> state,
+                              const Eigen::Matrix<double, N, 1>& impulse_Ns) {
+  state.v += machine.mass.llt().solve(impulse_Ns);
+  return state;
+}
+
+// V of (5): kinetic energy plus that of the springs, without the constant force.
+template <int N, int M>
+double energy_J(const LinearMachine<N, M>& machine, const MachineState<N>& state) {
+  return 0.5 * state.v.dot(machine.mass * state.v) + 0.5 * state.q.dot(machine.stiffness * state.q);
+}
+
+}  // namespace breakaway::stability

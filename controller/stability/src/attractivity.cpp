@@ -1,0 +1,171 @@
+#include "breakaway/stability/attractivity.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/stability/energy_level.hpp"
+#include "eigencolumns.hpp"
+#include "infinite.hpp"
+#include "zonotope.hpp"
+
+namespace breakaway::stability {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// lambda^T H lambda / 2 is V at the equilibrium K^-1 W Lambda lambda, |lambda_i| <= 1.
+MatrixXd rest_energy_form(const LinearMachine<>& system) {
+  const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
+  return pushes.transpose() * system.stiffness.llt().solve(pushes);
+}
+
+// Largest lambda^T H lambda / 2 over |lambda_i| <= 1: at a corner, for H is positive semidefinite. Goes from corner
+// to corner by one sign at a time (Gray's code).
+double greatest_rest_energy_J(const MatrixXd& h) {
+  const Index m = h.rows();
+  if (m > 20) return 0.5 * h.cwiseAbs().sum();
+  if (m == 0) return 0;
+  VectorXd signs = VectorXd::Ones(m), force = h * signs;
+  double greatest = signs.dot(force);
+  for (unsigned corner = 1; corner < (1u << (m - 1)); ++corner) {
+    const int flipped = __builtin_ctz(corner);
+    signs[flipped] = -signs[flipped];
+    force += 2 * signs[flipped] * h.col(flipped);
+    greatest = std::max(greatest, signs.dot(force));
+  }
+  return greatest / 2;
+}
+
+Condition positive_definite(const std::string& name, const MatrixXd& matrix) {
+  const double margin = definiteness(matrix), rounding = 1e-15 * static_cast<double>(matrix.rows());
+  const bool holds = margin > rounding;
+  return {"1: " + name + " is symmetric and positive definite", holds, holds ? margin : std::min(margin, 0.0),
+          holds ? "margin: its smallest eigenvalue, scaled to a unit diagonal"
+                : name + " is not symmetric and positive definite (condition 1); " +
+                      (name == "mass" ? "give every coordinate a mass" : "add feedback of position")};
+}
+
+// Holds in any case, for the symmetric part; [A] demands a symmetric C.
+Condition symmetric_damping(const MatrixXd& damping) {
+  const double size = damping.cwiseAbs().maxCoeff();
+  const double skew = size == 0 ? 0 : (damping - damping.transpose()).cwiseAbs().maxCoeff() / (2 * size);
+  return {"1: damping is symmetric", true, 1 - skew,
+          symmetric(damping) ? "margin: 1 less the share of the skew part"
+                             : "not symmetric, but the skew part does no work: the symmetric part is certified"};
+}
+
+Condition in_span(const Attractivity& a, double outside) {
+  const std::string name = "2: the eigencolumns of the non-positive eigenvalues of the damping are in span{W}";
+  if (a.unstable == 0) return {name, true, infinite, "the damping has no non-positive eigenvalue"};
+  if (a.alpha < infinite) return {name, true, a.beta, "margin: beta of (9), N"};
+  return {name, false, -outside,
+          "an eigencolumn of the damping with a non-positive eigenvalue is not in span{W} (condition 2): no friction "
+          "acts against it; damp it by feedback"};
+}
+
+Condition rests_inside(const Attractivity& a) {
+  const double margin = a.rho_star_J == infinite ? 1 : 1 - std::sqrt(a.greatest_rest_J / a.rho_star_J);
+  return {"3: E is inside {V < rho*}", a.all_of_E, margin,
+          a.all_of_E ? "margin: 1 less the farthest corner of E over the border, in the metric sqrt(V)"
+                     : "E reaches out of {V < rho*}: only the part inside is certified; add damping, or stiffness"};
+}
+
+// (7): rho_i = beta^2 / (2 lambda_i^2 |e_{n+i}^T S^-1|^2), and |e_{n+i}^T S^-1|^2 is an entry of P^-1, which is
+// U_c^T M^-1 U_c there.
+double rho_J(double beta, double eigenvalue, double mobility) {
+  if (eigenvalue >= 0) return infinite;
+  const double speed = beta / eigenvalue;
+  return speed * speed / (2 * mobility);
+}
+
+// Conditions 2 and 3, given condition 1 and a list of corners that is not too long.
+void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes, Attractivity& a) {
+  Eigencolumns basis = eigencolumns((system.damping + system.damping.transpose()) / 2);
+  a.unstable = (basis.values.array() <= 0).count();
+  const MatrixXd inverse_mass = system.mass.llt().solve(MatrixXd::Identity(system.mass.rows(), system.mass.rows()));
+  const double outside = (space.complement.transpose() * basis.columns.leftCols(a.unstable)).norm();
+  const bool spanned = a.unstable == 0 || outside <= 1e-9;
+  if (spanned && a.unstable > 0) {
+    // Sum |eta_i| over i <= n_q is convex and h(v) = p^T |W^T v| a support function: their ratio is greatest at a
+    // corner.
+    const MatrixXd corners = unit_corners(space, pushes);
+    turn_for_level(basis, a.unstable, inverse_mass, corners);
+    a.alpha = (basis.columns.leftCols(a.unstable).transpose() * corners).cwiseAbs().colwise().sum().maxCoeff();
+  }
+  if (!spanned) a.alpha = infinite;
+  a.beta = 1 / a.alpha;
+  a.eigencolumns = basis.columns;
+  a.eigenvalues = basis.values;
+  a.conditions.push_back(in_span(a, outside));
+  if (!spanned) return;
+  a.certified = true;
+  a.rho_J.resize(a.unstable);
+  for (Index i = 0; i < a.unstable; ++i) {
+    const VectorXd column = basis.columns.col(i);
+    a.rho_J[i] = rho_J(a.beta, basis.values[i], column.dot(inverse_mass * column));
+  }
+  a.rho_star_J = a.unstable == 0 ? infinite : a.rho_J.minCoeff();
+  a.all_of_E = a.greatest_rest_J < a.rho_star_J;
+  a.conditions.push_back(rests_inside(a));
+}
+
+// What keeps V from being defined; empty if nothing does. Whether it is positive is condition 1 of the theorem.
+std::string ill_formed(const LinearMachine<>& system) try {
+  require_well_formed(system);
+  const char* skew = !symmetric(system.mass) ? "mass" : !symmetric(system.stiffness) ? "stiffness" : nullptr;
+  if (skew == nullptr) return {};
+  return std::string{skew} + " is not symmetric (condition 1 of Theorem 1); its energy needs a symmetric matrix";
+} catch (const InputError& error) {
+  return error.what();
+}
+
+Attractivity refused(Attractivity a, std::string reason) {
+  a.reason = std::move(reason);
+  return a;
+}
+
+}  // namespace
+
+double Attractivity::certified_share_of_E() const {
+  if (greatest_rest_J < level_J || greatest_rest_J == 0) return level_J > 0 ? 1 : 0;
+  return std::sqrt(level_J / greatest_rest_J);
+}
+
+Attractivity certify_attractivity(const LinearMachine<>& system) {
+  Attractivity a;
+  if (const std::string error = ill_formed(system); !error.empty()) return refused(a, error);
+  a.conditions = {positive_definite("mass", system.mass), positive_definite("stiffness", system.stiffness),
+                  symmetric_damping(system.damping)};
+  for (const Condition& condition : a.conditions) {
+    if (!condition.holds) return refused(a, condition.reason);
+  }
+  a.definite = true;
+  const MatrixXd rest = rest_energy_form(system);
+  a.greatest_rest_J = greatest_rest_energy_J(rest);
+  a.remark_3_J = rest.sum() / 2;
+  const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
+  const SpannedSpace space = spanned_space(pushes);
+  if (facet_candidates(space) > most_facet_candidates)
+    return refused(a, "the linear program (9) has more than a million corners; merge frictions");
+  apply_theorem(system, space, pushes, a);
+  a.level_J = std::max(a.rho_star_J, dissipated_level_J(system));
+  return a.certified ? a : refused(a, a.conditions.back().reason);
+}
+
+std::optional<double> closed_form_rho_J(const LinearMachine<>& s) {
+  if (!ill_formed(s).empty() || s.mass.rows() != 2 || s.directions.cols() != 2 || !s.directions.isIdentity(0))
+    return std::nullopt;
+  const auto &m = s.mass, &c = s.damping;
+  if (m(0, 1) != 0 || c(0, 0) != c(1, 1) || c(0, 1) != c(1, 0)) return std::nullopt;
+  const double against = c(0, 0) - c(0, 1), together = c(0, 0) + c(0, 1);  // c1 + 2 c2 and c1
+  if (!(against < 0 && together > 0)) return std::nullopt;
+  const double gamma = -s.friction_N.minCoeff() / against;
+  return 0.5 * m(0, 0) * m(1, 1) * gamma * gamma / (m(0, 0) + m(1, 1));
+}
+
+}  // namespace breakaway::stability

@@ -1,0 +1,89 @@
+#include "eigencolumns.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace breakaway::stability {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// alpha max |lambda_i| |M^-1/2 U_i|, and alpha alone when all eigenvalues are 0: what is to be made small.
+double cost(const MatrixXd& columns, const VectorXd& values, const MatrixXd& inverse_mass, const MatrixXd& corners) {
+  const double alpha = (columns.transpose() * corners).cwiseAbs().colwise().sum().maxCoeff();
+  if ((values.array() == 0).all()) return alpha;
+  double largest = 0;
+  for (Index i = 0; i < columns.cols(); ++i) {
+    const double mobility = columns.col(i).dot(inverse_mass * columns.col(i));
+    largest = std::max(largest, std::abs(values[i]) * std::sqrt(mobility));
+  }
+  return alpha * largest;
+}
+
+// The least of f on [0, pi/2) as far as `samples` can tell, then by golden section.
+template <class Function>
+double best_angle(const Function& f) {
+  constexpr int samples = 24, refinements = 40;
+  constexpr double step = std::numbers::pi / 2 / samples, golden = std::numbers::phi - 1;
+  int best = 0;
+  double least = f(0);
+  for (int i = 1; i < samples; ++i) {
+    if (const double value = f(i * step); value < least) least = value, best = i;
+  }
+  double low = (best - 1) * step, high = (best + 1) * step;
+  for (int i = 0; i < refinements; ++i) {
+    const double left = high - golden * (high - low), right = low + golden * (high - low);
+    (f(left) < f(right) ? high : low) = f(left) < f(right) ? right : left;
+  }
+  return (low + high) / 2;
+}
+
+MatrixXd turned(MatrixXd columns, Index i, Index j, double angle) {
+  const VectorXd first = columns.col(i), second = columns.col(j);
+  columns.col(i) = std::cos(angle) * first + std::sin(angle) * second;
+  columns.col(j) = std::cos(angle) * second - std::sin(angle) * first;
+  return columns;
+}
+
+}  // namespace
+
+Eigencolumns eigencolumns(const MatrixXd& damping) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(damping);
+  Eigencolumns basis{eigen.eigenvectors(), eigen.eigenvalues()};
+  const double rounding = 1e-15 * static_cast<double>(damping.rows()) * damping.norm();
+  for (Index i = 0; i < basis.values.size(); ++i) {
+    double& value = basis.values[i];
+    if (std::abs(value) <= rounding) value = 0;
+    if (i > 0 && value - basis.values[i - 1] <= 4 * rounding) value = basis.values[i - 1];
+  }
+  return basis;
+}
+
+void turn_for_level(Eigencolumns& basis, Index unstable, const MatrixXd& inverse_mass, const MatrixXd& corners) {
+  constexpr int most_sweeps = 8;
+  const VectorXd values = basis.values.head(unstable);
+  MatrixXd columns = basis.columns.leftCols(unstable);
+  const auto cost_of = [&](const MatrixXd& choice) { return cost(choice, values, inverse_mass, corners); };
+  double least = cost_of(columns);
+  bool improved = true;
+  for (int sweep = 0; improved && sweep < most_sweeps; ++sweep) {
+    improved = false;
+    for (Index i = 0; i < unstable; ++i) {
+      for (Index j = i + 1; j < unstable && values[j] == values[i]; ++j) {
+        const double angle = best_angle([&](double a) { return cost_of(turned(columns, i, j, a)); });
+        const MatrixXd better = turned(columns, i, j, angle);
+        if (!(cost_of(better) < (1 - 1e-12) * least)) continue;
+        columns = better;
+        least = cost_of(better);
+        improved = true;
+      }
+    }
+  }
+  basis.columns.leftCols(unstable) = columns;
+}
+
+}  // namespace breakaway::stability

@@ -1,0 +1,24 @@
+// The eigencolumns U_c of (9), where repeated eigenvalues leave a choice.
+//
+// Eigenvalues that are equal to rounding may share any orthonormal basis of their eigenspace, and the smallest alpha,
+// and with it rho* of (7), depends on it.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace breakaway::stability {
+
+struct Eigencolumns {
+  Eigen::MatrixXd columns;
+  Eigen::VectorXd values;  // ascending; of a repeated one all are the least, and what is 0 to rounding is 0
+};
+
+// Of a symmetric matrix.
+Eigencolumns eigencolumns(const Eigen::MatrixXd& damping);
+
+// Turns the first `unstable` columns within equal eigenvalues, two at a time, for the largest rho*: the smallest
+// alpha * max |lambda_i| |M^-1/2 U_i|. `corners` as from unit_corners(). A local optimum; every basis is valid.
+void turn_for_level(Eigencolumns& basis, Eigen::Index unstable, const Eigen::MatrixXd& inverse_mass,
+                    const Eigen::MatrixXd& corners);
+
+}  // namespace breakaway::stability

@@ -1,0 +1,82 @@
+#include "breakaway/stability/linear_machine.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <string>
+
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
+
+namespace breakaway::stability {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+void require_size(const char* name, const MatrixXd& matrix, Index rows, Index columns) {
+  if (matrix.rows() == rows && matrix.cols() == columns) return;
+  throw InputError{name, "is " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + ": make it " +
+                             std::to_string(rows) + " x " + std::to_string(columns) + ", to fit mass and directions"};
+}
+
+void require_finite(const char* name, const MatrixXd& matrix) {
+  if (!matrix.allFinite()) throw InputError{name, "has an entry that is not a finite number: correct it"};
+}
+
+void require_positive_mass(const MatrixXd& mass) {
+  if (mass != mass.transpose()) throw InputError{"mass", "is not symmetric: use (M + M^T) / 2, the matrix of v^T M v"};
+  const VectorXd scale = mass.diagonal().cwiseSqrt().cwiseInverse();
+  if ((mass.diagonal().array() > 0).all() &&
+      Eigen::LLT<MatrixXd>(scale.asDiagonal() * mass * scale.asDiagonal()).info() == Eigen::Success)
+    return;
+  throw InputError{"mass", "is not positive definite: give every coordinate a mass of its own, or drop it"};
+}
+
+}  // namespace
+
+bool symmetric(const MatrixXd& matrix) {
+  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * matrix.cwiseAbs().maxCoeff();
+}
+
+double definiteness(const MatrixXd& matrix) {
+  if (const double least = matrix.diagonal().minCoeff(); !(least > 0)) return least;
+  const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+void require_valid_statics(const LinearMachine<>& machine) {
+  const Index n = machine.stiffness.rows(), m = machine.directions.cols();
+  if (n == 0) throw InputError{"stiffness", "is empty: give a machine at least one coordinate"};
+  require_size("stiffness", machine.stiffness, n, n);
+  require_size("directions", machine.directions, n, m);
+  require_size("friction_N", machine.friction_N, m, 1);
+  require_finite("stiffness", machine.stiffness);
+  require_finite("directions", machine.directions);
+  require_finite("friction_N", machine.friction_N);
+  for (Index i = 0; i < m; ++i) {
+    if (machine.friction_N[i] >= 0) continue;
+    throw InputError{"friction_N[" + std::to_string(i) + "]",
+                     "is " + to_text(machine.friction_N[i]) + ": give the magnitude mu |lambda_N| >= 0"};
+  }
+}
+
+void require_well_formed(const LinearMachine<>& machine) {
+  const Index n = machine.mass.rows();
+  if (n == 0) throw InputError{"mass", "is empty: give a machine at least one coordinate"};
+  require_size("mass", machine.mass, n, n);
+  require_size("damping", machine.damping, n, n);
+  require_size("stiffness", machine.stiffness, n, n);
+  require_size("force_N", machine.force_N, machine.force_N.size() == 0 ? 0 : n, 1);
+  require_finite("mass", machine.mass);
+  require_finite("damping", machine.damping);
+  require_finite("force_N", machine.force_N);
+  require_valid_statics(machine);
+}
+
+void require_valid(const LinearMachine<>& machine) {
+  require_well_formed(machine);
+  require_positive_mass(machine.mass);
+}
+
+}  // namespace breakaway::stability

@@ -1,0 +1,136 @@
+// F2 by linear matrix inequalities, and by Theorem 1 itself where it is no such inequality.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "actuation.hpp"
+#include "damping_family.hpp"
+#include "gain_search.hpp"
+#include "zonotope.hpp"
+
+namespace breakaway::stability {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// All of span W, and of that what the damping cannot hold already.
+std::vector<Split> candidates(const LinearMachine<>& machine) {
+  const SpannedSpace space = spanned_space(machine.directions * machine.friction_N.asDiagonal());
+  std::vector<Split> splits{{space.basis, space.complement}};
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((machine.damping + machine.damping.transpose()) / 2);
+  const Index unstable = (eigen.eigenvalues().array() <= 0).count();
+  const MatrixXd &columns = eigen.eigenvectors(), unheld = columns.leftCols(unstable);
+  if (unstable > 0 && unstable < space.basis.cols() && (space.complement.transpose() * unheld).norm() <= 1e-9) {
+    splits.push_back({unheld, columns.rightCols(columns.cols() - unstable)});
+  }
+  return splits;
+}
+
+class Search {
+ public:
+  Search(const ActuatedSystem& system, const Accepts& accepts)
+      : system_{system},
+        actuation_{system.actuators},
+        unit_Ns_per_m_{damping_unit_Ns_per_m(system.machine)},
+        accepts_{accepts} {}
+
+  void everywhere() {
+    if (unheld_by_actuators()) return;
+    const Index n = system_.machine.damping.rows();
+    const DampingFamily choice = family({MatrixXd(n, 0), MatrixXd::Identity(n, n)});
+    const auto gain = solved([&] { return choice.least_gain(0); });
+    if (gain && accepted(*gain)) found_.push_back(*gain);
+  }
+
+  // The weakest damping that is accepted. One just above the least limit is the strongest: it is tried first.
+  void within(const Split& split) {
+    const DampingFamily choice = family(split);
+    if (!choice.exists()) return;
+    const auto least = solved([&] { return choice.least_limit(); });
+    if (!least) return;
+    double strong = std::max(*least + 1e-3 * std::abs(*least), 1e-6), weak = std::max(1.0, 2 * strong);
+    std::optional<MatrixXd> best;
+    for (int step = 0; step <= 24; ++step) {
+      const double limit = step == 0 ? strong : std::sqrt(strong * weak);
+      const auto gain = solved([&] { return choice.least_gain(limit); });
+      const bool good = gain && accepted(*gain);
+      if (good) best = *gain;
+      if (!best) return;
+      (good ? strong : weak) = limit;
+    }
+    found_.push_back(*best);
+  }
+
+  bool found() const { return !found_.empty(); }
+
+  MatrixXd result() const {
+    if (found()) return *std::ranges::min_element(found_, {}, [](const MatrixXd& gain) { return gain.operatorNorm(); });
+    if (best_J_ == 0) throw unheld_ ? *unheld_ : failure_;
+    throw InputError{"the region is out of reach: with these actuators the best found is " + to_text(best_J_) +
+                     " J; ask for less, or add actuators or frictions"};
+  }
+
+ private:
+  // What the solver finds. Where it finds nothing, its reason is kept for the case that nothing else is found.
+  template <class Solve>
+  auto solved(const Solve& solve) -> std::optional<decltype(solve())> {
+    try {
+      return solve();
+    } catch (const InputError& failure) {
+      failure_ = failure;
+      return std::nullopt;
+    }
+  }
+
+  // A direction that no actuator acts on keeps its damping.
+  bool unheld_by_actuators() {
+    const MatrixXd& z = actuation_.unreached;
+    if (z.cols() == 0) return false;
+    const MatrixXd fixed = z.transpose() * system_.machine.damping * z;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((fixed + fixed.transpose()) / 2);
+    if (eigen.eigenvalues()[0] >= 2 * damping_reserve * unit_Ns_per_m_) return false;
+    unheld_ =
+        InputError{"the region is out of reach: the direction " + direction_text(z * eigen.eigenvectors().col(0)) +
+                   " has the damping " + to_text(eigen.eigenvalues()[0]) +
+                   " N s/m and no actuator acts on it; friction could hold it in a finite region at most"};
+    return true;
+  }
+
+  DampingFamily family(const Split& split) const { return {system_, actuation_, split, unit_Ns_per_m_}; }
+
+  bool accepted(const MatrixXd& gain) {
+    LinearMachine<> closed = system_.machine;
+    closed.damping += system_.actuators * gain;
+    best_J_ = std::max(best_J_, certify_attractivity(closed).rho_star_J);
+    return accepts_(closed);
+  }
+
+  const ActuatedSystem& system_;
+  Actuation actuation_;
+  double unit_Ns_per_m_;
+  const Accepts& accepts_;
+  std::vector<MatrixXd> found_;
+  double best_J_ = 0;
+  std::optional<InputError> unheld_;  // why the damping cannot be positive definite
+  InputError failure_{"no gain of velocity was found"};
+};
+
+}  // namespace
+
+double damping_unit_Ns_per_m(const LinearMachine<>& machine) {
+  return std::max(machine.damping.norm(), 1e-3 * std::sqrt(machine.mass.norm() * machine.stiffness.norm()));
+}
+
+MatrixXd full_velocity_gain(const ActuatedSystem& system, bool everywhere, const Accepts& accepts) {
+  Search search{system, accepts};
+  if (!everywhere) {
+    for (const Split& split : candidates(system.machine)) search.within(split);
+  }
+  if (!search.found()) search.everywhere();
+  return search.result();
+}
+
+}  // namespace breakaway::stability

@@ -1,0 +1,47 @@
+// TOML text to a table, around a flaw of the parser.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "breakaway/config/toml.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+
+constexpr bool beyond_ascii(char c) { return static_cast<unsigned char>(c) >= 0x80; }
+
+// Throws InputError when a backslash, with or without white space behind it, comes before a character beyond ASCII.
+inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::string_view name) {
+  for (auto at = text.find('\\'); at != text.npos; at = text.find('\\', at + 1)) {
+    const auto next = text.find_first_not_of(" \t\r\n", at + 1);
+    if (next == text.npos || !beyond_ascii(text[next])) continue;
+    const auto line = 1 + std::ranges::count(text.substr(0, next), '\n');
+    throw InputError{fmt::format(
+        "{}:{}: a character beyond ASCII comes after a backslash; drop the backslash or write it as \\uXXXX", name,
+        line)};
+  }
+}
+
+// As toml::parse, after a byte order mark, if any. Throws toml::parse_error and InputError.
+//
+// toml++ 3.3 runs into undefined behaviour on some characters beyond ASCII where white space may stand (fixed upstream
+// after 3.4). A text that has any is therefore parsed with question marks in their place first: neither keys nor
+// numbers nor spaces are made of those, so in what passes they stand in strings and comments only. In a string of
+// several lines white space may stand behind a backslash, too, which the first parse cannot tell.
+inline toml::table parse_toml(std::string_view text, std::string_view name) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  if (std::ranges::any_of(text, beyond_ascii)) {
+    refuse_backslash_before_beyond_ascii(text, name);
+    std::string masked{text};
+    std::ranges::replace_if(masked, beyond_ascii, '?');
+    static_cast<void>(toml::parse(masked));
+  }
+  return toml::parse(text);
+}
+
+}  // namespace breakaway::config

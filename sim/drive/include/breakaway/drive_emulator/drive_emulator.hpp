@@ -1,0 +1,139 @@
+// A CiA 402 servo drive as a CANopen node in simulated time, with a motor and an encoder on a mechanism.
+//
+// The server side of the protocols is written from the standards and shares only constants with the project's client,
+// so that a mistake in one is not mirrored by the other. Time enters by the calls below only and must never decrease.
+//
+// At each SYNC, in this order: the mechanism moves to the time of the SYNC; encoder and torque are sampled; the command
+// that a synchronous RPDO brought since the SYNC before takes effect; synchronous TPDOs are filled and sent. A drive
+// that leaves NMT Operational removes its torque and goes to Switch on disabled.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <random>
+
+#include "breakaway/canopen/nmt.hpp"
+#include "breakaway/drive_emulator/config.hpp"
+#include "breakaway/drive_emulator/emergency.hpp"
+#include "breakaway/drive_emulator/mechanism.hpp"
+#include "breakaway/drive_emulator/object_dictionary.hpp"
+#include "breakaway/drive_emulator/pdo.hpp"
+#include "breakaway/drive_emulator/power_drive.hpp"
+#include "breakaway/drive_emulator/sdo_server.hpp"
+#include "breakaway/drive_emulator/timers.hpp"
+#include "breakaway/hal/can_frame.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::drive_emulator {
+
+class DriveEmulator {
+ public:
+  static constexpr std::size_t kPdos = 4;  // in each direction
+  // Called with each frame that the drive puts into its transmit queue, and when; must not call the drive.
+  using Send = std::function<void(const hal::CanFrame&, hal::Time)>;
+
+  // Powered off at first. `mechanism` must outlive the drive. Throws InputError (see validate()).
+  DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism, Send send);
+  DriveEmulator(const DriveEmulator&) = delete;
+  DriveEmulator& operator=(const DriveEmulator&) = delete;
+
+  void power_on(hal::Time at);   // the boot-up message follows after boot_duration
+  void power_off(hal::Time at);  // no frames, no torque, everything forgotten
+
+  void on_frame(const hal::CanFrame& frame, hal::Time at);  // at: end of the frame
+  void advance_to(hal::Time at);                            // runs everything that is due up to and including `at`
+  std::optional<hal::Time> next_event() const;              // when advance_to has something to do next
+  void advance_mechanism_to(hal::Time at);                  // for a look at the mechanism between two events
+
+  // Faults to order. code: what 603Fh and the EMCY show; the cause is momentary, so that a fault reset succeeds.
+  void trip_fault(std::uint16_t code, hal::Time at);
+  void set_silent(bool silent) { silent_ = silent; }  // the bus is unplugged; the drive itself runs on
+  void suppress_heartbeat(bool suppressed) { heartbeat_suppressed_ = suppressed; }
+
+  // What is true, whatever the bus says.
+  cia402::State state() const { return drive_.state(); }
+  canopen::NmtState nmt_state() const { return nmt_; }  // boot_up: off or booting
+  const ObjectDictionary& objects() const { return dictionary_; }
+  const model::AppliedForce& force() const { return drive_.motor().segment(); }
+  double largest_force_N(hal::Time until) const;  // largest magnitude from the beginning until `until`
+  // Called with each new force segment; the one before ends where it starts.
+  void on_force_segment(std::function<void(const model::AppliedForce&)> listener) {
+    drive_.on_force_segment(std::move(listener));
+  }
+
+ private:
+  enum Timer : std::size_t {
+    boot,
+    heartbeat_due,
+    master_heartbeat,
+    sync_alarm,
+    sdo_timeout,
+    rpdo_deadline,                       // kPdos timers from here
+    tpdo_event = rpdo_deadline + kPdos,  // and from here
+    timer_count = tpdo_event + kPdos,
+  };
+  struct TpdoState {
+    unsigned syncs = 0;  // since the last transmission
+    bool event = false;  // type 0: something changed, tell it with the next SYNC
+    std::optional<hal::Time> sent;
+  };
+
+  void finish_boot();
+  void on_written(Address address);
+  void on_time(std::size_t timer);
+  void dispatch(const hal::CanFrame& frame);
+  void settle();
+  void flush();
+
+  void on_nmt(const hal::CanFrame& frame);
+  void enter(canopen::NmtState state);
+  void reset(canopen::NmtCommand command);
+  void on_sdo(const hal::CanFrame& frame);
+  std::optional<std::uint16_t> master_heartbeat_id() const;
+  void on_master_heartbeat();
+  void lose_master();
+
+  void on_sync(const hal::CanFrame& frame);
+  void restart_sync_alarm();
+  void on_rpdo(std::size_t number, const hal::CanFrame& frame);
+  bool inside_sync_window() const;
+  void send_synchronous_tpdos();
+  void note_event(std::uint16_t index);
+  void schedule_event(std::size_t number);
+  void transmit(std::size_t number);
+
+  void post(const hal::CanFrame& frame, hal::Duration delay = {});
+  void post_heartbeat(canopen::NmtState state);
+  void restart_heartbeat();
+  hal::Duration tpdo_delay();
+  bool operational() const { return nmt_ == canopen::NmtState::operational; }
+  std::int64_t get(std::uint16_t index, std::uint8_t sub = 0) const { return dictionary_.get({index, sub}); }
+
+  const EmulatorConfig config_;
+  Send send_;
+  ObjectDictionary dictionary_;
+  EmergencyProducer emergency_;
+  SdoServer sdo_;
+  PowerDrive drive_;
+  std::deque<Pdo> rpdos_;  // a deque, because a PDO cannot be moved
+  std::deque<Pdo> tpdos_;
+  Timers<timer_count> timers_;
+  std::multimap<hal::Time, hal::CanFrame> outgoing_;
+  std::mt19937_64 random_;
+
+  hal::Time now_{};
+  bool powered_ = false;
+  bool silent_ = false;
+  bool heartbeat_suppressed_ = false;
+  canopen::NmtState nmt_ = canopen::NmtState::boot_up;
+  std::optional<hal::Time> last_sync_;
+  std::int64_t last_mode_display_ = 0;
+  std::array<std::optional<hal::CanFrame>, kPdos> latched_{};  // synchronous RPDOs that wait for their SYNC
+  std::array<TpdoState, kPdos> tpdo_states_{};
+};
+
+}  // namespace breakaway::drive_emulator

@@ -1,0 +1,73 @@
+// The object dictionary of a CANopen device (CiA 301, 7.4): entries by index and sub-index with type, access and range.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "breakaway/canopen/sdo_abort.hpp"
+
+namespace breakaway::drive_emulator {
+
+struct Address {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  friend constexpr auto operator<=>(const Address&, const Address&) = default;
+};
+
+enum class Type : std::uint8_t { i8, i16, i32, u8, u16, u32, text };
+enum class Access : std::uint8_t { read_only, write_only, read_write };
+enum class Mapping : std::uint8_t { none, receive, transmit, both };
+
+std::size_t size_bytes(Type type);  // of a number; 0 for text
+
+struct Entry {
+  Type type = Type::u32;
+  Access access = Access::read_only;
+  std::int64_t value = 0;
+  Mapping mapping = Mapping::none;
+  std::int64_t low = std::numeric_limits<std::int64_t>::min();  // accepted values, on top of the type's own range
+  std::int64_t high = std::numeric_limits<std::int64_t>::max();
+  std::string text{};               // value of Type::text
+  std::size_t max_text_bytes = 64;  // longest text that is accepted
+};
+
+class ObjectDictionary {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+  // Asked before a number is stored; an abort code refuses it.
+  using Rule = std::function<std::optional<canopen::SdoAbort>(Address, std::int64_t)>;
+
+  // The entry's value becomes its power-on value. The reference stays valid as long as the dictionary lives.
+  Entry& add(Address address, Entry entry);
+  void set_rule(std::uint16_t index, Rule rule) { rules_[index] = std::move(rule); }
+  void on_written(std::function<void(Address)> listener) { listener_ = std::move(listener); }
+
+  // As seen from the bus: with every check. An abort code, or nothing when done.
+  std::optional<canopen::SdoAbort> read(Address address, Bytes& data) const;
+  std::optional<canopen::SdoAbort> write(Address address, std::span<const std::uint8_t> data);
+
+  // As seen from the device itself: unchecked, rules and listener are not asked. Throws std::out_of_range if missing.
+  std::int64_t get(Address address) const { return entries_.at(address).value; }
+  void set(Address address, std::int64_t value) { entries_.at(address).value = value; }
+  const Entry* find(Address address) const;
+
+  void restore_power_on_values(std::uint16_t first_index, std::uint16_t last_index);
+
+ private:
+  std::optional<canopen::SdoAbort> refusal(Address address) const;
+  std::optional<canopen::SdoAbort> write_text(Entry& entry, std::span<const std::uint8_t> data);
+
+  std::map<Address, Entry> entries_;
+  std::map<Address, Entry> power_on_;
+  std::map<std::uint16_t, Rule> rules_;
+  std::function<void(Address)> listener_ = [](Address) {};
+};
+
+}  // namespace breakaway::drive_emulator

@@ -1,0 +1,87 @@
+// The device-profile half of the drive: state machine, modes, torque command, faults, motor and encoder (CiA 402).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+
+#include "breakaway/drive_emulator/config.hpp"
+#include "breakaway/drive_emulator/emergency.hpp"
+#include "breakaway/drive_emulator/mechanism.hpp"
+#include "breakaway/drive_emulator/motor.hpp"
+#include "breakaway/drive_emulator/object_dictionary.hpp"
+#include "breakaway/drive_emulator/state_machine.hpp"
+#include "breakaway/drive_emulator/timers.hpp"
+
+namespace breakaway::drive_emulator {
+
+class PowerDrive {
+ public:
+  // All arguments must outlive the drive; `dictionary` holds the drive's objects (add_drive_objects).
+  PowerDrive(const EmulatorConfig& config, ObjectDictionary& dictionary, EmergencyProducer& emergency,
+             Mechanism& mechanism);
+
+  void restart(hal::Time at);  // as at power-on: Not ready to switch on, no fault
+  void self_test_passed() { machine_.self_test_passed(); }
+  void on_written(std::uint16_t index, hal::Time at);
+  void communication_lost() { machine_.disable_voltage(); }  // nobody commands the drive any more
+
+  // A fault with its error code (603Fh). While `cause_remains`, until cause_gone(code), it cannot be reset.
+  void trip(std::uint16_t code, bool cause_remains);
+  void cause_gone(std::uint16_t code) { causes_.erase(code); }
+
+  // Reads encoder and torque into 6064h and 6077h; on a SYNC also the velocity since the SYNC before into 606Ch.
+  void sample(hal::Time at, bool on_sync);
+  // Brings torque and statusword in line with everything that was written. True: the statusword changed.
+  bool settle(hal::Time at);
+
+  std::optional<hal::Time> next_event() const;
+  void on_time(hal::Time at);  // handles what next_event() announced; call settle() afterwards
+
+  void advance_mechanism_to(hal::Time at);
+  void cut_power(hal::Time at);  // the torque demand goes to zero, whatever the state
+
+  cia402::State state() const { return machine_.state(); }
+  const Motor& motor() const { return motor_; }
+  void on_force_segment(std::function<void(const model::AppliedForce&)> listener) {
+    segment_listener_ = std::move(listener);
+  }
+
+ private:
+  enum Timer : std::size_t { stop, mode_change, silent_drop, timer_count };
+
+  void control(std::uint16_t controlword, hal::Time at);
+  std::uint16_t as_the_drive_reads_it(std::uint16_t controlword);
+  void request_mode(hal::Time at);
+  void clear_faults();
+  bool makes_torque() const;
+  double torque_demand_per_mille();
+  void command_torque(double demand_per_mille, hal::Time at);
+  void watch_stops(hal::Time at);
+  std::uint16_t statusword() const;
+  std::int64_t get(std::uint16_t index) const { return dictionary_.get({index, 0}); }
+
+  const EmulatorConfig& config_;
+  ObjectDictionary& dictionary_;
+  EmergencyProducer& emergency_;
+  Mechanism& mechanism_;
+  double force_per_per_mille_N_;
+  Motor motor_;
+  StateMachine machine_;
+  Timers<timer_count> timers_;
+  std::function<void(const model::AppliedForce&)> segment_listener_ = [](const model::AppliedForce&) {};
+
+  std::uint16_t controlword_ = 0;  // the last one that the drive noticed
+  std::optional<hal::Time> controlword_changed_;
+  std::int64_t requested_mode_ = 0;
+  bool enable_needs_edge_ = false;  // after a silent drop
+  bool limited_ = false;            // the demand is less than what was asked for
+  cia402::State watched_state_ = cia402::State::not_ready_to_switch_on;
+  std::set<std::uint16_t> faults_;  // tripped since the last reset
+  std::set<std::uint16_t> causes_;  // of these, those whose cause is still there
+  std::optional<hal::Time> last_sync_;
+  std::int32_t last_sync_counts_ = 0;
+};
+
+}  // namespace breakaway::drive_emulator

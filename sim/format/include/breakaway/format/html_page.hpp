@@ -1,0 +1,30 @@
+// The frame of a report: one HTML file for browsers without a network.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace breakaway::format {
+
+// Names and values side by side. Values are escaped, names are HTML.
+class HtmlTable {
+ public:
+  void row(std::string_view name, const std::string& value);
+  void quantity(std::string_view name, double value, std::string_view unit);  // a dash unless finite
+  std::string text() const;
+
+ private:
+  std::string text_;
+};
+
+// Numbered; the items are escaped.
+std::string html_list(const std::vector<std::string>& items);
+
+// `content` is HTML, such as a table or an <svg>; the caption is escaped.
+std::string html_section(std::string_view title, std::string_view content, std::string_view caption);
+
+// `sections` is HTML; the title is escaped.
+std::string html_page(std::string_view title, bool good, std::string_view verdict, std::string_view sections);
+
+}  // namespace breakaway::format

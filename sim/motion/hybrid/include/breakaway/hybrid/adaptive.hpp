@@ -1,0 +1,79 @@
+// Adaptive: a LinearMachine whose frictions follow general laws (breakaway/friction),
+//   M q'' + C q' + K q = f + W lambda,   lambda_i in -f_i(t, w_i^T q, |g_i|) Sign(g_i),   g = W^T q'.
+//
+// Extrapolation of high order in steps of adaptive size, from event to event. A direction comes to rest by exchange of
+// the independent variable (Henon), so that no step passes the jump of friction at zero speed; static limits and the
+// edges of a law are located as roots. At each event a linear complementarity problem says what sticks and what slides,
+// however many directions stop at once. While directions stick, the motion is integrated in coordinates of the motions
+// that are left: W_S^T q' = 0 holds to rounding, and q cannot drift.
+//
+// Between a law's static and its first sliding level nothing moves: a direction breaks away from the greater of the
+// two, times 1 + 1e-12. Limits of sticking directions are watched at the stages of each step; one that is exceeded for
+// less than the time between two stages, and by less than an eighth of its change in the step, may be passed over.
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "breakaway/hybrid/types.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/model/friction_law.hpp"
+
+namespace breakaway::hybrid {
+
+struct HeldSet;
+
+struct AdaptiveOptions {
+  double tolerance = 1e-12;  // of a step, relative to the speeds in the norm of the mass; in [1e-14, 1e-2]
+  double longest_step_s = std::numeric_limits<double>::infinity();  // > 0; for an observer that wants to see more
+};
+
+// Not for use by several threads at once: what depends on the sticking directions is computed when first met.
+class Adaptive {
+ public:
+  using Laws = std::vector<model::FrictionLaw>;
+  using State = MachineState<Eigen::Dynamic>;
+  using Result = Outcome<Eigen::Dynamic>;
+
+  static constexpr Eigen::Index most_directions = 16;
+
+  // One law for each direction, in newtons (for a rotary direction newton metres) over t, w_i^T q and |w_i^T q'|;
+  // machine.friction_N is not used. Throws InputError for a machine that require_valid() refuses, another number
+  // of laws, more than 16 directions, and options out of range.
+  //
+  // A decision by certificate may take for granted that each friction stays within its law's bounds and nothing more.
+  // Theorem 1 of van de Wouw & Leine (equilibrium sets) then holds with the lower ones: -g^T lambda >= sum lower_i
+  // |g_i|, so inside { V < rho* } V falls at least as fast as under constant friction, and all motion dies out. Levels
+  // of escape hold with the upper ones.
+  Adaptive(const LinearMachine<>& machine, const Laws& laws, AdaptiveOptions options = {},
+           EarlyDecision<Eigen::Dynamic> decision = {});
+
+  // Constant friction, machine.friction_N.
+  explicit Adaptive(const LinearMachine<>& machine, AdaptiveOptions options = {},
+                    EarlyDecision<Eigen::Dynamic> decision = {});
+
+  // To rest, to a decision or to end_time_s, which is finite. The observer sees every step. at_rest is said when it is
+  // sure to last: the machine is held even if every law that changes with time falls to its lower bound. One that
+  // stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws
+  // InputError for a start of the wrong size or with entries that are not finite, and InputError
+  // when the directions switch without end at one instant.
+  Result run(const State& start, double end_time_s, std::vector<Event>* log = nullptr,
+             const Observer<Eigen::Dynamic>& observer = {}) const;
+
+  // The same, going on with laws that have a past: those of random dwell draw on.
+  Result resume(Laws& laws, const State& start, double end_time_s, std::vector<Event>* log = nullptr,
+                const Observer<Eigen::Dynamic>& observer = {}) const;
+  const Laws& laws() const { return laws_; }  // of the directions that have friction
+
+ private:
+  LinearMachine<> machine_;   // without directions that have no friction
+  Laws laws_;                 // one for each direction that is left
+  std::vector<int> columns_;  // where it stands in W_T
+  AdaptiveOptions options_;
+  EarlyDecision<Eigen::Dynamic> decision_;
+  mutable std::map<unsigned, std::shared_ptr<const HeldSet>> held_;  // by the set of sticking directions
+};
+
+}  // namespace breakaway::hybrid

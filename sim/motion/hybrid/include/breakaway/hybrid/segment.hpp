@@ -1,0 +1,258 @@
+// Segment: the motion in one hybrid mode, followed to the first instant at which the mode ends.
+//
+// Each watched quantity c >= 0 (a sliding speed, or what static friction has left) is a sum of exponentials, whose
+// second derivative is bounded by that of its modal amplitudes. So c > 0 is proved up to the root of c + c' h - G h^2 /
+// 2, and the search walks from one such root to the next: it cannot step over a pair of crossings. Near a crossing the
+// walk becomes Newton's method, once Kantorovich's condition 2 G c <= c'^2 proves that there is one crossing and where.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "breakaway/hybrid/stick_set.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/motion/roots.hpp"
+
+namespace breakaway::hybrid {
+
+using motion::never;
+
+// A motion whose sums are no longer rounded relatively, which has decayed to nothing.
+inline constexpr double faded = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+
+// The largest h with c + c' h - bound h^2 / 2 >= 0, without products that could overflow.
+inline double safe_step(double value, double slope, double bound) {
+  if (slope < 0) {
+    const double newton = value / -slope, bend = newton * (bound / -slope);
+    return bend < 1e30 ? 2 * newton / (1 + std::sqrt(1 + 2 * bend)) : std::sqrt(2 * (value / bound));
+  }
+  if (bound == 0) return never;
+  const double half = slope / bound;
+  return half + std::sqrt(half * half + 2 * (value / bound));
+}
+
+template <int N>
+struct Watch {
+  const Line<N>* line;
+  double sign;  // c = offset + sign (integral . Y + now . x)
+  double offset;
+  double scale;      // of the constants that cancel in offset
+  int direction;     // of a sliding speed, else -1
+  int facet;         // else -1
+  double departs_s;  // c = 0 at the start, and c > 0 is proved up to here
+};
+
+template <int N, int M>
+class Segment {
+ public:
+  using Set = StickSet<N, M>;
+  using Coordinates = typename Set::Coordinates;
+
+  enum class Ending { time, event, forever };
+
+  // noise: the rounding in x.
+  void start(const Set& set, const Coordinates& x, const Coordinates& noise) {
+    set_ = &set;
+    x_ = x;
+    noise_ = noise;
+    y_.setZero(x.size());
+    amplitude_.setZero(x.size());
+    elapsed_s_ = 0;
+    watches_.clear();
+  }
+  void watch(const Watch<N>& watch) { watches_.push_back(watch); }
+
+  double elapsed_s() const { return elapsed_s_; }
+  const Coordinates& x() const { return x_; }
+  const Coordinates& integral() const { return y_; }
+  const Watch<N>& ended_by() const { return watches_[ended_by_]; }
+
+  // Moves to the first event within duration_s, or to duration_s. `forever`: proved that there never is an event, and
+  // moved to duration_s if that is finite.
+  Ending advance(double duration_s);
+
+  // Whether the direction's speed is within rounding of zero and falling.
+  bool stops_too(const Watch<N>& watch) const {
+    return watch.direction >= 0 && elapsed_s_ >= watch.departs_s && value(watch) <= 64 * rounding(watch) &&
+           slope(watch) < 0;
+  }
+  const std::vector<Watch<N>>& watches() const { return watches_; }
+
+ private:
+  using Row = typename Line<N>::Row;
+
+  static double dot(const Row& row, const Coordinates& vector) { return row.transpose().cwiseProduct(vector).sum(); }
+  static double dot_abs(const Row& row, const Coordinates& vector) {
+    return row.transpose().cwiseProduct(vector).cwiseAbs().sum();
+  }
+  double value(const Watch<N>& watch) const {
+    const double now = dot(watch.line->now, x_);
+    return watch.facet < 0 ? watch.sign * now : watch.offset + watch.sign * (dot(watch.line->integral, y_) + now);
+  }
+  double slope(const Watch<N>& watch) const { return watch.sign * dot(watch.line->first, x_); }
+  double rounding(const Watch<N>& watch) const {
+    // The instant is rounded, too.
+    return 2 * std::numeric_limits<double>::epsilon() *
+           (watch.scale + dot_abs(watch.line->now, x_) + std::abs(slope(watch)) * elapsed_s_);
+  }
+
+  bool significant(const Row& row) const {
+    return std::abs(dot(row, x_)) > significance * dot_abs(row, x_) + dot_abs(row, noise_);
+  }
+  void measure_amplitudes();
+  double curvature(const Row& bound) const { return dot(bound, amplitude_); }
+  void move(double h) {
+    set_->flow.propagate(h, x_.data(), y_.data());
+    elapsed_s_ += h;
+  }
+  // What is proved about the near future.
+  struct Proof {
+    double free_s;      // nothing crosses zero up to here
+    double others_s;    // all but one do not up to here
+    double crossing_s;  // Newton's step of that one, if it surely crosses
+    bool at_crossing;   // that one is zero to rounding
+  };
+  Proof look_ahead(double window_s);
+  bool set_departures();
+  void polish();
+  bool eventless() const;
+
+  const Set* set_ = nullptr;
+  Coordinates x_, y_, noise_;
+  double elapsed_s_ = 0;
+  std::vector<Watch<N>> watches_;
+  Coordinates amplitude_;
+  std::size_t ended_by_ = 0;
+};
+
+template <int N, int M>
+void Segment<N, M>::measure_amplitudes() {
+  for (const Block& block : set_->flow.blocks()) Flow::amplitudes(block, x_.data(), amplitude_.data());
+}
+
+// Quantities that start at zero are not looked at before they are proved to have left it. False: one leaves it the
+// wrong way at once, which ends the segment.
+template <int N, int M>
+bool Segment<N, M>::set_departures() {
+  const double window_s = set_->flow.window_s();
+  measure_amplitudes();
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    Watch<N>& watch = watches_[i];
+    watch.departs_s = 0;
+    if (value(watch) > 8 * rounding(watch)) continue;
+    ended_by_ = i;
+    const double first = slope(watch);
+    if (significant(watch.line->first)) {
+      if (first < 0) return false;
+      watch.departs_s = std::min(first / curvature(watch.line->second_bound), window_s);
+      continue;
+    }
+    const double second = watch.sign * dot(watch.line->second, x_);
+    if (significant(watch.line->second)) {
+      if (second < 0) return false;
+      watch.departs_s = std::min(second / curvature(watch.line->third_bound), window_s);
+    } else {
+      // Zero and stays so, as far as rounding can tell: looked at again when the motion has had time to change.
+      const double pace = 0.1 * dot_abs(watch.line->first, x_) / curvature(watch.line->second_bound);
+      watch.departs_s = pace > 0 ? std::min(pace, window_s) : never;
+    }
+  }
+  return true;
+}
+
+template <int N, int M>
+typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
+  if (!set_departures()) return Ending::event;
+  const double window_s = set_->flow.window_s();
+  for (int step = 1;; ++step) {
+    const double left_s = duration_s - elapsed_s_;
+    const Proof proof = look_ahead(window_s);
+    if (amplitude_.sum() < faded) {
+      x_.setZero();
+      if (duration_s < never) move(left_s);
+      return Ending::forever;
+    }
+    if (proof.crossing_s < never) {
+      const double surely_s = 2 * proof.crossing_s;  // the crossing is unique up to here
+      if (proof.at_crossing || (surely_s < proof.others_s && surely_s < left_s && surely_s < window_s)) {
+        polish();
+        return Ending::event;
+      }
+    }
+    if (proof.free_s >= left_s && duration_s < never) {
+      const bool for_ever = eventless();
+      move(left_s);
+      return for_ever ? Ending::forever : Ending::time;
+    }
+    if ((proof.free_s == never || step % 16 == 0) && eventless()) {
+      if (duration_s < never) move(left_s);
+      return Ending::forever;
+    }
+    if (!(amplitude_.sum() < never)) {
+      throw InputError{"the motion grew beyond the largest number: end it earlier, or by an early decision"};
+    }
+    const double least = 1e-15 * elapsed_s_;  // where rounding eats the proof, the crossing is here
+    move(std::max(proof.free_s, least));
+  }
+}
+
+template <int N, int M>
+typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s) {
+  measure_amplitudes();
+  Proof proof{window_s, never, never, false};
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    const Watch<N>& watch = watches_[i];
+    const double departs_s = watch.departs_s - elapsed_s_;
+    if (departs_s > 0) {
+      if (departs_s < proof.free_s) {
+        proof = {departs_s, std::min(proof.others_s, proof.free_s), never, false};
+      } else {
+        proof.others_s = std::min(proof.others_s, departs_s);
+      }
+      continue;
+    }
+    const double c = std::max(value(watch), 0.0), first = slope(watch);
+    const double second = curvature(watch.line->second_bound);
+    const double safe = safe_step(c, first, second);
+    if (safe >= proof.free_s) {
+      proof.others_s = std::min(proof.others_s, safe);
+      continue;
+    }
+    proof = {safe, proof.free_s, never, false};
+    if (first >= 0) continue;
+    ended_by_ = i;
+    const double newton = c / -first;
+    proof.at_crossing = c <= rounding(watch);
+    // Kantorovich's condition is 1/2; the rest pays for the rounding of the bound.
+    if (proof.at_crossing || newton * (second / -first) < 0.25) proof.crossing_s = newton;
+  }
+  return proof;
+}
+
+// Newton's method to rounding.
+template <int N, int M>
+void Segment<N, M>::polish() {
+  const Watch<N>& watch = watches_[ended_by_];
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    const double c = value(watch), h = c / -slope(watch);
+    if (std::abs(c) <= rounding(watch) || !std::isfinite(h)) return;
+    move(h);
+  }
+}
+
+// Whether the bounds of what is watched over all time exclude an event.
+template <int N, int M>
+bool Segment<N, M>::eventless() const {
+  if (set_->flow.window_s() < never) return false;
+  for (const Watch<N>& watch : watches_) {
+    if (watch.line->drifts) return false;
+    const double least =
+        value(watch) - watch.sign * dot(watch.line->settled, x_) - curvature(watch.line->settled_bound);
+    if (!(least > 0) && watch.departs_s < never) return false;
+  }
+  return true;
+}
+
+}  // namespace breakaway::hybrid

@@ -1,0 +1,179 @@
+#include "adaptive_run.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/motion/roots.hpp"
+
+namespace breakaway::hybrid {
+namespace {
+
+using Eigen::Index;
+
+// As motion::Slide: an excess for less than 2^-24 of the laws' scale of time is passed over.
+constexpr int scan_depth = 24;
+
+// The shortest of the machine's own scales of time.
+double first_step_s(const AdaptiveWalk& walk) {
+  const auto solver = walk.machine.mass.llt();
+  const double rate =
+      solver.solve(walk.machine.damping).norm() + std::sqrt(solver.solve(walk.machine.stiffness).norm());
+  double step_s = 1 / rate;
+  for (const auto& law : walk.laws) step_s = std::min(step_s, law.time_scale_s());
+  return step_s;
+}
+
+}  // namespace
+
+void AdaptiveRun::begin(const Adaptive::State& start) {
+  walk_.q = start.q;
+  walk_.v = start.v;
+  walk_.time_s = start.time_s;
+  const Index m = walk_.machine.frictions();
+  walk_.signs.assign(static_cast<std::size_t>(m), 0);
+  walk_.shift_m = Eigen::VectorXd::Zero(m);
+  DirectionSet stopped = 0;
+  for (Index i = 0; i < m; ++i) {
+    const auto terms = walk_.machine.directions.col(i).cwiseProduct(walk_.v);
+    const double speed = terms.sum();
+    const bool stands = std::abs(speed) <= 4 * std::numeric_limits<double>::epsilon() * terms.cwiseAbs().sum();
+    if (stands) stopped |= only(i);
+    walk_.signs[static_cast<std::size_t>(i)] = stands ? 0 : speed > 0 ? 1 : -1;
+  }
+  for (auto& law : walk_.laws) law.on_time(start.time_s);
+  walk_.choose_mode(stopped);
+  walk_.step_s = first_step_s(walk_);
+}
+
+Adaptive::Result AdaptiveRun::finish(Verdict verdict) {
+  outcome_.verdict = verdict;
+  outcome_.end = state();
+  outcome_.settling_time_s = walk_.time_s;
+  return outcome_;
+}
+
+// Neither speed nor acceleration, to rounding.
+bool AdaptiveRun::stands_still() const {
+  if (!walk_.all_stick()) return false;
+  if (walk_.held->motions() == 0) return true;
+  if ((walk_.v.array() != 0).any()) return false;
+  const auto& machine = walk_.machine;
+  const Eigen::VectorXd terms = machine.force_N.cwiseAbs() + machine.stiffness.cwiseAbs() * walk_.q.cwiseAbs();
+  const auto& basis = walk_.held->basis;
+  const double rounding = 8 * std::numeric_limits<double>::epsilon();
+  return ((basis.transpose() * walk_.force()).array().abs() <=
+          rounding * (basis.cwiseAbs().transpose() * terms).array())
+      .all();
+}
+
+// While everything sticks: until a limit falls below what the machine needs.
+Ending AdaptiveRun::wait(double duration_s) {
+  const Eigen::VectorXd force = walk_.force();
+  double steepest_N_per_s = 0, window_s = duration_s;
+  for (const auto& law : walk_.laws) {
+    if (!law.varies_with_time()) continue;
+    window_s = std::min(window_s, law.time_scale_s());
+    steepest_N_per_s += (law.bounds().upper_N - law.bounds().lower_N) / law.time_scale_s();
+  }
+  Limit least{};
+  const auto excess_N = [&](double tau_s) {
+    double margin_N = unlimited;
+    for (std::size_t k = 0; k < walk_.held->facets.size(); ++k) {
+      for (const int side : {-1, 1}) {
+        const double here_N = walk_.margin_N({k, side}, force, walk_.time_after(tau_s));
+        if (here_N < margin_N) least = {k, side};
+        margin_N = std::min(margin_N, here_N);
+      }
+    }
+    return -margin_N;
+  };
+  for (double low_s = 0; steepest_N_per_s > 0 && low_s < duration_s;) {
+    const double high_s = std::min(low_s + window_s, duration_s);
+    const double at_s = motion::first_excess(excess_N, {low_s, excess_N(low_s)}, {high_s, excess_N(high_s)},
+                                             steepest_N_per_s, scan_depth);
+    if (at_s < unlimited) {
+      excess_N(at_s);  // leaves the limit of this instant
+      walk_.pass_time(at_s);
+      return {Ending::Kind::limit, 0, least, 0, 0};
+    }
+    low_s = high_s;
+  }
+  walk_.pass_time(duration_s);
+  return {Ending::Kind::time, 0, {}, 0, 0};
+}
+
+Ending AdaptiveRun::move(double duration_s) {
+  ++outcome_.steps;
+  if (walk_.held->motions() == 0) return wait(duration_s);
+  // What stands still lets steps grow without end, and laws that change with time would go unseen.
+  double longest_s = options_.longest_step_s;
+  for (const auto& law : walk_.laws) longest_s = std::min(longest_s, law.time_scale_s());
+  return AdaptiveStep{walk_, options_.tolerance}.take(duration_s, longest_s);
+}
+
+void AdaptiveRun::handle(const Ending& ending, double end_s) {
+  const std::vector<int> before = walk_.signs;
+  switch (ending.kind) {
+    case Ending::Kind::none:
+      return;
+    case Ending::Kind::time:
+      walk_.time_s = end_s;
+      walk_.time_rest_s = 0;
+      change_laws();
+      break;
+    case Ending::Kind::stop:
+      walk_.choose_mode(walk_.held->sticking | ending.stopped);
+      break;
+    case Ending::Kind::limit:
+      walk_.give_way(ending.limit);
+      break;
+    case Ending::Kind::edge:
+      walk_.shift_m[ending.direction] += ending.edge_m - walk_.position_m(ending.direction);
+      walk_.choose_mode(walk_.held->sticking);
+      break;
+  }
+  record(before);
+}
+
+void AdaptiveRun::change_laws() {
+  for (auto& law : walk_.laws) {
+    if (law.next_time_change_s() <= walk_.time_s) law.on_time(walk_.time_s);
+  }
+  walk_.choose_mode(walk_.held->sticking);
+}
+
+void AdaptiveRun::record(const std::vector<int>& before) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const int now = walk_.signs[i];
+    if (now == before[i]) continue;
+    ++outcome_.events;
+    if (log_ == nullptr) continue;
+    const EventKind kind = now == 0 ? EventKind::stick : before[i] == 0 ? EventKind::slip : EventKind::reversal;
+    log_->push_back({walk_.time_s, kind, columns_[i]});
+  }
+}
+
+Adaptive::Result AdaptiveRun::go_on(double end_s, const EarlyDecision<Eigen::Dynamic>& decision,
+                                    const Observer<Eigen::Dynamic>& observer) {
+  for (int at_once = 0; at_once <= 8 * (walk_.machine.frictions() + 1);) {
+    const bool rests = stands_still();
+    if (rests) walk_.v.setZero();
+    if (observer) observer(state());
+    if (rests && walk_.holds(true)) return finish(Verdict::at_rest);
+    if (decision) {
+      if (const Verdict verdict = decision(state()); verdict != Verdict::undecided) return finish(verdict);
+    }
+    if (!(walk_.until(end_s) > 0)) return finish(Verdict::undecided);
+    const double before_s = walk_.time_s, before_rest_s = walk_.time_rest_s;
+    const double next_s = std::min(end_s, walk_.next_change_s());
+    const Ending ending = move(walk_.until(next_s));
+    handle(ending, next_s);
+    at_once = walk_.time_s == before_s && walk_.time_rest_s == before_rest_s ? at_once + 1 : 0;
+  }
+  throw InputError{"the friction directions switch without end at one instant: the machine is too ill-scaled"};
+}
+
+}  // namespace breakaway::hybrid

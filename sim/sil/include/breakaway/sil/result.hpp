@@ -1,0 +1,93 @@
+// What a scene gives: figures for people and scripts, and samples for pictures if they were asked for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "breakaway/hal/can_frame.hpp"
+#include "breakaway/law/control_types.hpp"
+
+namespace breakaway::sil {
+
+// What to keep beside the figures.
+struct RecordingOptions {
+  bool trace = false;
+  bool frames = false;
+};
+
+struct KickRecord {
+  double time_s = 0;
+  double position_m = 0;          // of the axis, not relative to the target
+  double error_m = 0;             // position - target
+  double velocity_after_m_s = 0;  // after the impulse, or at the end of the pulse
+  double impulse_Ns = 0;          // ideal law: k3
+  double force_N = 0;             // pulse: total commanded force of its first period
+  int periods = 0;                // pulse: its length in control periods
+};
+
+struct FaultRecord {
+  double time_s = 0;
+  std::string name;
+};
+
+struct Sample {
+  double time_s = 0;
+  double position_m = 0;
+  double velocity_m_s = 0;
+  double force_N = 0;           // by the actuator, impulses excepted
+  double friction_level_N = 0;  // of the moving axis; may be NaN at rest, where friction balances the force
+  double target_m = 0;
+  double bus_load = 0;  // share of the last period that the bus was busy
+  law::Mode mode = law::Mode::approach;
+};
+
+// Figures of the ideal law only; times that never came are NaN.
+struct IdealFigures {
+  double t1_s = 0;           // first rest within the maximal stick set
+  double t2_s = 0;           // first rest within the minimal stick set
+  double y2_m = 0;           // error at t2
+  double t_inf_s = 0;        // when the target is reached
+  double t_inf_width_s = 0;  // proved uncertainty of t_inf_s
+  double bound_s = 0;        // t2 plus (19): no later than this
+  std::size_t steps = 0;     // of the integrator
+};
+
+// Figures of scenes with a control loop on the bus.
+struct LoopFigures {
+  std::uint64_t ticks = 0;
+  std::uint64_t missed_ticks = 0;  // periods without fresh feedback once the axis was enabled
+  double bus_load = 0;             // mean share of time that the bus was busy
+};
+
+struct TimedFrame {
+  double time_s = 0;
+  hal::CanFrame frame;
+};
+
+// From time_s on the axis stayed within tolerance_m to the end; NaN if it did not.
+struct Reached {
+  double tolerance_m = 0;
+  double time_s = 0;
+};
+
+struct Result {
+  bool settled = false;
+  double settling_time_s = 0;  // since the last target change; NaN if never settled
+  double final_error_m = 0;    // position - target
+  double max_force_N = 0;      // largest |force| of the actuator; NaN for the ideal law, which has impulses
+  double duration_s = 0;       // simulated
+  double wall_s = 0;           // taken by the computation
+  std::vector<KickRecord> kicks;
+  std::vector<FaultRecord> faults;
+  std::optional<IdealFigures> ideal;
+  std::optional<LoopFigures> loop;
+  std::vector<Reached> reached;  // scenes on the bus: 1 mm, 0.1 mm, 10 um and the settling tolerance
+  bool limit_cycle = false;      // scenes on the bus: not settled, and set in motion again and again in the last second
+  std::vector<Sample> trace;
+  std::vector<TimedFrame> frames;
+};
+
+}  // namespace breakaway::sil

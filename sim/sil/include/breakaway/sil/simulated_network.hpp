@@ -1,0 +1,82 @@
+// A controller's port and emulated drives on one virtual CAN bus, brought forward together in simulated time.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/sil/result.hpp"
+#include "breakaway/virtual_bus/virtual_bus.hpp"
+
+namespace breakaway::sil {
+
+class SimulatedNetwork {
+ public:
+  using Port = virtual_bus::VirtualBus::Port;
+
+  explicit SimulatedNetwork(const virtual_bus::VirtualBusConfig& config)
+      : bus_{config}, controller_port_{bus_.add_port()} {}
+  SimulatedNetwork(const SimulatedNetwork&) = delete;
+  SimulatedNetwork& operator=(const SimulatedNetwork&) = delete;
+
+  // A drive with its motor on `mechanism`, switched on now. The mechanism must outlive the network.
+  drive_emulator::DriveEmulator& add_drive(const drive_emulator::EmulatorConfig& config,
+                                           drive_emulator::Mechanism& mechanism) {
+    nodes_.push_back(std::make_unique<Node>(bus_.add_port(), config, mechanism));
+    nodes_.back()->drive.power_on(bus_.now());
+    return nodes_.back()->drive;
+  }
+
+  // Every frame that leaves the wire from now on is appended to `frames`.
+  void log_to(std::vector<TimedFrame>& frames) {
+    bus_.set_tap(
+        [](void* log, const hal::CanFrame& frame, hal::Time, hal::Time end) noexcept {
+          static_cast<std::vector<TimedFrame>*>(log)->push_back({std::chrono::duration<double>(end).count(), frame});
+        },
+        &frames);
+  }
+
+  // Event by event, so that whatever is answered is answered at its time.
+  void advance_to(hal::Time time) {
+    while (bus_.now() < time) {
+      bus_.advance_to(std::max(bus_.now(), next_event(time)));
+      for (const auto& node : nodes_) node->drive.advance_to(bus_.now());
+    }
+    for (const auto& node : nodes_) node->drive.advance_mechanism_to(time);
+  }
+
+  Port& controller_port() { return controller_port_; }
+  const virtual_bus::VirtualBus& bus() const { return bus_; }
+
+ private:
+  struct Node {
+    Node(Port& p, const drive_emulator::EmulatorConfig& config, drive_emulator::Mechanism& mechanism)
+        : port{p}, drive{config, mechanism, [this](const hal::CanFrame& frame, hal::Time at) { transmit(frame, at); }} {
+      port.set_listener(
+          [](void* self, const hal::ReceivedFrame& received) noexcept {
+            static_cast<Node*>(self)->drive.on_frame(received.frame, received.time);
+          },
+          this);
+    }
+    // A full transmit queue loses the frame, as it would in the drive; the controller's supervision sees what follows.
+    void transmit(const hal::CanFrame& frame, hal::Time at) {
+      static_cast<void>(port.send(frame, at + std::chrono::seconds{1}));
+    }
+    Port& port;
+    drive_emulator::DriveEmulator drive;
+  };
+
+  hal::Time next_event(hal::Time latest) const {
+    hal::Time next = std::min(latest, bus_.next_event());
+    for (const auto& node : nodes_) next = std::min(next, node->drive.next_event().value_or(latest));
+    return next;
+  }
+
+  virtual_bus::VirtualBus bus_;
+  Port& controller_port_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+};
+
+}  // namespace breakaway::sil

@@ -1,0 +1,157 @@
+#include "breakaway/sil/run_ideal_scenario.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/law/axis_controller.hpp"
+#include "breakaway/motion/slide.hpp"
+
+namespace breakaway::sil {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+
+// The distance from |value| to the next double.
+double resolution(double value) {
+  return std::nextafter(std::fabs(value), std::numeric_limits<double>::infinity()) - std::fabs(value);
+}
+
+law::K3Table<double> kick_table(const scenario::Scenario& s, const law::AxisParameters<double>& p) {
+  const auto built = design::build_k3_table<double>(
+      {s.plant.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+  return built.table;
+}
+
+class IdealScene {
+ public:
+  IdealScene(const scenario::Scenario& scene, const RecordingOptions& recording)
+      : scene_{scene},
+        parameters_{scenario::axis_parameters<double>(scene)},
+        table_{kick_table(scene, parameters_)},
+        controller_{parameters_, table_},
+        slide_{scene.plant.mass_kg, scene.friction.law, {0, scene.plant.position_m, scene.plant.velocity_m_s}} {
+    if (recording.trace) record();
+  }
+
+  Result run() {
+    const auto& changes = scene_.controller.targets;
+    double target_m = scene_.controller.target_m;
+    for (std::size_t i = 0; i <= changes.size(); ++i) {
+      const double end_s =
+          i < changes.size() ? std::min(changes[i].time_s, scene_.run->duration_s) : scene_.run->duration_s;
+      approach(target_m, end_s, i == changes.size());
+      if (i < changes.size()) target_m = changes[i].position_m;
+    }
+    result_.final_error_m = error_m();
+    result_.max_force_N = never;  // impulses have no finite force
+    result_.duration_s = slide_.state().time_s;
+    result_.ideal = figures_;
+    result_.ideal->steps = slide_.counters().steps;
+    return std::move(result_);
+  }
+
+ private:
+  double error_m() const { return slide_.state().position_m - target_m_; }
+
+  model::AppliedForce feedback() const {
+    return {.stiffness_N_per_m = parameters_.stiffness_N_per_m,
+            .damping_Ns_per_m = controller_.damping_Ns_per_m(),
+            .reference_m = target_m_};
+  }
+
+  void approach(double target_m, double end_s, bool last) {
+    const double start_s = slide_.state().time_s;
+    if (start_s >= end_s) return;
+    controller_.shift_target(target_m - target_m_);
+    target_m_ = target_m;
+    figures_ = {never, never, never, never, never, never, 0};
+    result_.settled = false;
+    result_.settling_time_s = never;
+    answer();
+    while (!reached() && slide_.state().time_s < end_s) {
+      if (slide_.advance_to(end_s, feedback(), true) == motion::StopReason::came_to_rest) answer();
+    }
+    if (!result_.settled) return;
+    result_.settling_time_s = figures_.t_inf_s - start_s;
+    // The rest of the way to the target takes less than the resolution of time.
+    if (!last) slide_.advance_to(end_s, feedback());
+  }
+
+  // What the law makes of the present state: at rest within the maximal stick set, a kick.
+  void answer() {
+    const auto output = controller_.update({error_m(), slide_.state().velocity_m_s});
+    const bool rests_on_target = error_m() == 0 && slide_.state().velocity_m_s == 0;
+    if (!output.kicked && !rests_on_target) return;
+    const motion::SlideState before = slide_.state();
+    note_rest(before.time_s);
+    if (result_.settled) return;
+    slide_.apply_impulse(output.impulse_Ns);
+    result_.kicks.push_back({.time_s = before.time_s,
+                             .position_m = before.position_m,
+                             .error_m = before.position_m - target_m_,
+                             .velocity_after_m_s = slide_.state().velocity_m_s,
+                             .impulse_Ns = output.impulse_Ns});
+  }
+
+  // Instants of rest: t1, t2, and the end as soon as what is left cannot be told apart from nothing.
+  void note_rest(double time_s) {
+    if (std::isnan(figures_.t1_s)) figures_.t1_s = time_s;
+    if (std::fabs(error_m()) > parameters_.friction.lower_N / parameters_.stiffness_N_per_m) return;
+    const double left_s = longest_time_left_s();
+    if (std::isnan(figures_.t2_s)) {
+      figures_.t2_s = time_s;
+      figures_.y2_m = error_m();
+      figures_.bound_s = time_s + left_s;
+    }
+    if (left_s > resolution(time_s) && std::fabs(error_m()) > 2 * resolution(target_m_)) return;
+    result_.settled = true;
+    figures_.t_inf_s = time_s + left_s / 2;
+    figures_.t_inf_width_s = left_s;
+  }
+
+  bool reached() const { return result_.settled; }
+
+  // The right-hand side of (19), from the present place of rest.
+  double longest_time_left_s() const {
+    const double least_N = parameters_.friction.lower_N;
+    return std::sqrt(2 * std::fabs(error_m()) * parameters_.mass_kg / least_N) /
+           (1 - std::sqrt(1 - least_N / parameters_.friction.upper_N));
+  }
+
+  void record() {
+    const double interval_s = 2e-3 * std::sqrt(parameters_.mass_kg / parameters_.stiffness_N_per_m);
+    slide_.observe(interval_s, [this](const motion::SlideState& now, double friction_level_N) {
+      result_.trace.push_back({.time_s = now.time_s,
+                               .position_m = now.position_m,
+                               .velocity_m_s = now.velocity_m_s,
+                               .force_N = feedback().at_N(now.time_s, now.position_m, now.velocity_m_s),
+                               .friction_level_N = friction_level_N,
+                               .target_m = target_m_,
+                               .mode = controller_.mode()});
+    });
+  }
+
+  const scenario::Scenario& scene_;
+  law::AxisParameters<double> parameters_;
+  law::K3Table<double> table_;
+  law::AxisController<double> controller_;
+  motion::Slide slide_;
+  double target_m_ = 0;
+  IdealFigures figures_;
+  Result result_;
+};
+
+}  // namespace
+
+Result run_ideal_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording) {
+  const auto begin = std::chrono::steady_clock::now();
+  Result result = IdealScene{scenario, recording}.run();
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace breakaway::sil

@@ -1,0 +1,144 @@
+#include "breakaway/sil/run_machine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "breakaway/hybrid/adaptive.hpp"
+#include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/hybrid/time_stepping.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/sil/certificates.hpp"
+
+namespace breakaway::sil {
+namespace {
+
+using scenario::MachineScenario;
+using State = hybrid::MachineState<Eigen::Dynamic>;
+
+void append_mode(MachineResult& result, std::vector<int> mode) {
+  if (result.modes.empty() || result.modes.back() != mode) result.modes.push_back(std::move(mode));
+}
+
+void append_rest(MachineResult& result, const hybrid::Outcome<Eigen::Dynamic>& outcome, Eigen::Index frictions) {
+  if (outcome.verdict != hybrid::Verdict::at_rest) return;
+  append_mode(result, std::vector<int>(static_cast<std::size_t>(frictions), 0));
+}
+
+constexpr double samples_of_a_trace = 1000;  // between events
+
+double sample_interval_s(const scenario::MachineScenario& s) { return s.duration_s / samples_of_a_trace; }
+
+// From impulse to impulse, `run(start, end_s)` each: the impulsive equation (8) of van de Wouw & Leine, v+ = v- + M^-1
+// p.
+template <class RunTo>
+void run_from_impulse_to_impulse(const scenario::MachineScenario& s, MachineResult& result, const RunTo& run) {
+  State state = *s.start;
+  const auto run_to = [&](double end_s) {
+    const std::uint64_t steps = result.outcome.steps, events = result.outcome.events;
+    result.outcome = run(state, std::max(state.time_s, end_s));
+    result.outcome.steps += steps;
+    result.outcome.events += events;
+    state = result.outcome.end;
+  };
+  for (const scenario::MachineImpulse& impulse : s.impulses) {
+    run_to(impulse.time_s);
+    state.time_s = std::max(state.time_s, impulse.time_s);  // it may have come to rest before
+    state = stability::after_impulse(s.machine, state, impulse.impulse_Ns);
+  }
+  result.proved = ProvenFate<Eigen::Dynamic>{s.machine, certify(s)}(state);
+  run_to(s.duration_s);
+}
+
+// At an event a direction that begins to slide has no velocity yet: the mode shows half-way to the next one.
+void run_event_driven(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+  const hybrid::EventDriven<> integrator{s.machine};
+  std::vector<State> corners;
+  run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
+    return integrator.run(start, end_s, &result.events, [&](const State& state) { corners.push_back(state); });
+  });
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (trace) result.trace.push_back(corners[i]);
+    if (i + 1 == corners.size() || !(corners[i + 1].time_s > corners[i].time_s)) continue;
+    const double from_s = corners[i].time_s, to_s = corners[i + 1].time_s;
+    append_mode(result, sliding_signs(s.machine, integrator.run(corners[i], (from_s + to_s) / 2).end.v));
+    const double interval_s = sample_interval_s(s);
+    for (double at_s = from_s + interval_s; trace && at_s < to_s; at_s += interval_s) {
+      result.trace.push_back(integrator.run(corners[i], at_s).end);
+      result.trace.back().time_s = at_s;
+    }
+  }
+  append_rest(result, result.outcome, s.machine.frictions());
+}
+
+void run_time_stepping(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+  const hybrid::TimeStepping<> integrator{s.machine, {.step_s = s.step_s, .theta = s.theta}};
+  result.warning = integrator.warning();
+  double next_s = 0;
+  run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
+    auto outcome = integrator.run(start, end_s, &result.events, [&](const State& state) {
+      append_mode(result, sliding_signs(s.machine, state.v));
+      if (!trace || state.time_s < next_s) return;
+      result.trace.push_back(state);
+      next_s = state.time_s + sample_interval_s(s) / 2;
+    });
+    append_rest(result, outcome, s.machine.frictions());
+    return outcome;
+  });
+  if (trace) result.trace.push_back(result.outcome.end);
+}
+
+void run_adaptive(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+  hybrid::AdaptiveOptions options{.tolerance = s.tolerance};
+  if (trace) options.longest_step_s = sample_interval_s(s);
+  const hybrid::Adaptive integrator =
+      s.laws.empty() ? hybrid::Adaptive{s.machine, options} : hybrid::Adaptive{s.machine, s.laws, options};
+  auto laws = integrator.laws();
+  run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
+    State before = start;
+    auto outcome = integrator.resume(laws, start, end_s, &result.events, [&](const State& state) {
+      // At an event a velocity may be zero, but no direction reverses within a step.
+      if (state.time_s > before.time_s) append_mode(result, sliding_signs(s.machine, before.v + state.v));
+      if (trace) result.trace.push_back(state);
+      before = state;
+    });
+    append_rest(result, outcome, s.machine.frictions());
+    return outcome;
+  });
+}
+
+}  // namespace
+
+std::vector<int> sliding_signs(const stability::LinearMachine<>& machine, const Eigen::VectorXd& v) {
+  constexpr double rounding = 1e-13;
+  std::vector<int> signs;
+  for (const auto direction : machine.directions.colwise()) {
+    const double rate = direction.dot(v), scale = direction.cwiseAbs().dot(v.cwiseAbs());
+    signs.push_back(std::abs(rate) <= rounding * scale ? 0 : rate > 0 ? 1 : -1);
+  }
+  return signs;
+}
+
+MachineResult run_machine(const scenario::MachineScenario& s, bool trace) {
+  if (!s.start) throw InputError{fmt::format("{}: [start] is missing; give it q, and v unless 0", s.file)};
+  MachineResult result;
+  try {
+    switch (s.integrator) {
+      case scenario::Integrator::event_driven:
+        run_event_driven(s, result, trace);
+        break;
+      case scenario::Integrator::time_stepping:
+        run_time_stepping(s, result, trace);
+        break;
+      case scenario::Integrator::adaptive:
+        run_adaptive(s, result, trace);
+        break;
+    }
+  } catch (const InputError& error) {
+    throw error.in_file(s.file);
+  }
+  return result;
+}
+
+}  // namespace breakaway::sil

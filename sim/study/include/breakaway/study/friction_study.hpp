@@ -1,0 +1,61 @@
+// A study: one scene behind its drive, from several starts, under every friction law of a class.
+//
+// The class holds the bounds of the scene and everything between them: constant friction at either bound, the scene's
+// own law, static friction at the upper and kinetic friction at the lower bound, and seeded random laws that are
+// piecewise constant in time and change at every stick and slip.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "breakaway/scenario/scenario.hpp"
+#include "breakaway/sil/result.hpp"
+
+namespace breakaway::study {
+
+struct Start {
+  double position_m = 0;
+  double velocity_m_s = 0;
+};
+
+struct StudyOptions {
+  std::vector<Start> starts;
+  int random_laws = 100;
+  std::uint64_t seed = 1;  // of the first random law; the others count up
+  unsigned threads = 0;    // 0: one for each processor. The result does not depend on it.
+  // Called with the number of runs done and in all, from one thread at a time.
+  std::function<void(int done, int all)> progress;
+};
+
+struct StudyRun {
+  std::string law;
+  bool settled = false;
+  bool limit_cycle = false;
+  double settling_time_s = 0;  // NaN: never
+  double final_error_m = 0;
+  double max_force_N = 0;
+  std::size_t kicks = 0;
+  std::vector<sil::Reached> reached;
+  std::vector<sil::FaultRecord> faults;
+};
+
+struct StudyRow {
+  Start start;
+  std::vector<StudyRun> runs;
+};
+
+// Times of runs that never settled count as infinite. Empty rows give NaN.
+double median_settling_time_s(const StudyRow& row);
+double worst_settling_time_s(const StudyRow& row);
+double worst_error_m(const StudyRow& row);
+double largest_force_N(const StudyRow& row);
+std::size_t settled_runs(const StudyRow& row);
+std::size_t limit_cycles(const StudyRow& row);
+std::size_t faulted_runs(const StudyRow& row);
+
+// Requires what run_bus_scenario requires. The scene's own start is not used.
+std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options);
+
+}  // namespace breakaway::study

@@ -1,0 +1,199 @@
+#include "breakaway/study/certified_region.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "ball_prover.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::study {
+namespace {
+
+using hybrid::Verdict;
+
+// Of the distance of the start and of the certified set: far more than all rounding on the way of one motion, 1e-13, as
+// if it had happened at the start, where it grows most.
+constexpr double rounding = 1e-10;
+
+Fate fate(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::at_rest:
+    case Verdict::captured:
+      return Fate::attracted;
+    case Verdict::lost:
+      return Fate::lost;
+    case Verdict::undecided:
+      break;
+  }
+  return Fate::undecided;
+}
+
+template <int N, int M>
+class CellProver {
+ public:
+  CellProver(const stability::LinearMachine<>& machine, const RegionBounds& bounds, const Window& window)
+      : balls_{machine, bounds}, window_{window}, depth_{bounds.depth}, start_{at(machine.coordinates(), 0, 0)} {
+    unit_radius_ =
+        std::max(balls_.distance(at(machine.coordinates(), 1, 1)), balls_.distance(at(machine.coordinates(), 1, -1)));
+  }
+
+  void prove(Cell& cell) {
+    const double half = window_.half_width / (1 << cell.level);
+    start_ = at(start_.q.size(), (2 * cell.column + 1) * half - window_.half_width,
+                (2 * cell.row + 1) * half - window_.half_width);
+    const double radius = half * unit_radius_ + rounding * (balls_.distance(start_) + depth_);
+    const auto result = balls_.prove(start_, radius, cell.level == window_.depth);
+    cell.proved = result.proved;
+    cell.simulated = fate(result.simulated);
+  }
+
+ private:
+  hybrid::MachineState<N> at(Eigen::Index coordinates, double first, double second) const {
+    using Vector = Eigen::Matrix<double, N, 1>;
+    hybrid::MachineState<N> state{0, Vector::Zero(coordinates), Vector::Zero(coordinates)};
+    const auto entry = [&](int place) -> double& {
+      return place < coordinates ? state.q[place] : state.v[place - coordinates];
+    };
+    entry(window_.plane[0]) = first;
+    entry(window_.plane[1]) = second;
+    return state;
+  }
+
+  BallProver<N, M> balls_;
+  Window window_;
+  double depth_;
+  double unit_radius_;  // of a square with half-width 1
+  hybrid::MachineState<N> start_;
+};
+
+// All cells of one level, by whichever thread is free. The first failure ends all.
+template <class Prover>
+void prove_all(std::vector<Cell>& cells, std::vector<std::unique_ptr<Prover>>& provers) {
+  constexpr std::size_t at_a_time = 64;
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto work = [&](Prover& prover) {
+    try {
+      for (std::size_t first = next.fetch_add(at_a_time); first < cells.size(); first = next.fetch_add(at_a_time)) {
+        const std::size_t end = std::min(first + at_a_time, cells.size());
+        for (std::size_t i = first; i < end; ++i) prover.prove(cells[i]);
+      }
+    } catch (...) {
+      const std::scoped_lock lock{mutex};
+      if (!failure) failure = std::current_exception();
+      next = cells.size();
+    }
+  };
+  {
+    std::vector<std::jthread> pool;
+    pool.reserve(provers.size());
+    for (const auto& prover : provers) pool.emplace_back([&] { work(*prover); });
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::vector<Cell> quartered(const std::vector<Cell>& cells) {
+  std::vector<Cell> quarters;
+  quarters.reserve(4 * cells.size());
+  for (const Cell& cell : cells) {
+    for (const int up : {0, 1}) {
+      for (const int right : {0, 1}) {
+        quarters.push_back({cell.level + 1, 2 * cell.column + right, 2 * cell.row + up, Fate::pending, Fate::pending});
+      }
+    }
+  }
+  return quarters;
+}
+
+template <int N, int M>
+CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBounds& bounds, const Window& window,
+                     int threads) {
+  using Prover = CellProver<N, M>;
+  std::vector<std::unique_ptr<Prover>> provers;
+  provers.reserve(static_cast<std::size_t>(threads));
+  for (int i = 0; i < threads; ++i) provers.push_back(std::make_unique<Prover>(machine, bounds, window));
+  std::vector<Cell> proved, open{{0, 0, 0, Fate::pending, Fate::pending}};
+  std::size_t motions = 0;
+  for (int level = 0; !open.empty(); ++level) {
+    prove_all(open, provers);
+    motions += open.size();
+    std::vector<Cell> unproved;
+    for (const Cell& cell : open) {
+      (cell.proved == Fate::undecided && level < window.depth ? unproved : proved).push_back(cell);
+    }
+    open = quartered(unproved);
+  }
+  return {window, std::move(proved), motions};
+}
+
+}  // namespace
+
+double CertifiedRegion::area(const Cell& cell) const {
+  const double side = 2 * window_.half_width / (1 << cell.level);
+  return side * side;
+}
+
+double CertifiedRegion::area(Fate proved) const {
+  double sum = 0;
+  for (const Cell& cell : cells_) sum += cell.proved == proved ? area(cell) : 0;
+  return sum;
+}
+
+double CertifiedRegion::area_simulated() const {
+  double sum = 0;
+  for (const Cell& cell : cells_) {
+    const Fate best = cell.proved == Fate::undecided ? cell.simulated : cell.proved;
+    sum += best == Fate::attracted ? area(cell) : 0;
+  }
+  return sum;
+}
+
+double fitting_half_width(const stability::LinearMachine<>& machine, const stability::Attractivity& attractivity,
+                          const std::array<int, 2>& plane) {
+  const Eigen::Index n = machine.coordinates();
+  const bool bounded = attractivity.level_J > 0 && std::isfinite(attractivity.level_J);
+  const double level_J = bounded ? attractivity.level_J : 4 * attractivity.greatest_rest_J;
+  double widest = 0;
+  for (const int place : plane) {
+    const Eigen::MatrixXd& form = place < n ? machine.stiffness : machine.mass;
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, place % n);
+    widest = std::max(widest, std::sqrt(2 * level_J * unit.dot(form.llt().solve(unit))));
+  }
+  if (!(widest > 0)) return 1;
+  const double digit = std::pow(10, std::floor(std::log10(1.3 * widest)) - 1);
+  return std::round(1.3 * widest / digit) * digit;
+}
+
+CertifiedRegion certify_region(const scenario::MachineScenario& s, const sil::Certificates& certificates,
+                               const Window& window, int threads) {
+  if (!s.laws.empty()) {
+    throw InputError{
+        fmt::format("{}: [[machine.friction]] has a law: how far two motions part is known for constant friction only; "
+                    "give friction_N",
+                    s.file)};
+  }
+  if (std::isinf(certificates.attractivity.level_J)) return {window, {{0, 0, 0, Fate::attracted, Fate::attracted}}, 0};
+  if (certificates.attractivity.level_J == 0)
+    throw InputError{fmt::format("{}: {}", s.file, certificates.attractivity.reason)};
+  try {
+    const RegionBounds bounds = region_bounds(s.machine, certificates, horizon_s(s, certificates));
+    stability::LinearMachine<> about_centre = s.machine;
+    about_centre.force_N.resize(0);
+    const bool small = s.machine.coordinates() == 2 && s.machine.frictions() == 2;
+    return small ? grow<2, 2>(about_centre, bounds, window, threads)
+                 : grow<Eigen::Dynamic, Eigen::Dynamic>(about_centre, bounds, window, threads);
+  } catch (const InputError& error) {
+    throw error.in_file(s.file);
+  }
+}
+
+}  // namespace breakaway::study

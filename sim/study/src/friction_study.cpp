@@ -1,0 +1,145 @@
+#include "breakaway/study/friction_study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/sil/run_bus_scenario.hpp"
+
+namespace breakaway::study {
+namespace {
+
+struct NamedLaw {
+  std::string name;
+  model::FrictionLaw law;
+};
+
+std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOptions& options) {
+  const law::FrictionBounds<double> bounds = scenario.friction.law.bounds();
+  std::vector<NamedLaw> laws{
+      {"constant at the lower bound", {bounds, model::shape::constant(0)}},
+      {"constant at the upper bound", {bounds, model::shape::constant(1)}},
+      {"of the scene", scenario.friction.law},
+      {"static upper, kinetic lower", {bounds, model::shape::static_kinetic(1, 0)}},
+  };
+  for (int i = 0; i < options.random_laws; ++i) {
+    model::shape::RandomDwell random;
+    random.seed = options.seed + static_cast<std::uint64_t>(i);
+    random.bound_share = 0.3;
+    laws.push_back({fmt::format("random, seed {}", random.seed), {bounds, model::shape::random_dwell(random)}});
+  }
+  return laws;
+}
+
+StudyRun run_one(scenario::Scenario scenario, const Start& start, const NamedLaw& law) {
+  scenario.plant.position_m = start.position_m;
+  scenario.plant.velocity_m_s = start.velocity_m_s;
+  scenario.friction.law = law.law;
+  sil::Result r = sil::run_bus_scenario(scenario, {});
+  return {law.name,      r.settled,      r.limit_cycle,        r.settling_time_s,  r.final_error_m,
+          r.max_force_N, r.kicks.size(), std::move(r.reached), std::move(r.faults)};
+}
+
+// Runs job(0) .. job(count - 1) on several threads; rethrows the first exception.
+void in_parallel(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& job) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        job(i);
+      } catch (...) {
+        const std::scoped_lock lock{failure_mutex};
+        if (!failure) failure = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> pool;
+    pool.reserve(threads);
+    for (unsigned i = 1; i < threads; ++i) pool.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+double time_or_infinity(const StudyRun& run) {
+  return run.settled ? run.settling_time_s : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> sorted_times(const StudyRow& row) {
+  std::vector<double> times;
+  for (const StudyRun& run : row.runs) times.push_back(time_or_infinity(run));
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+template <class Value>
+double largest(const StudyRow& row, Value value) {
+  double most = row.runs.empty() ? std::numeric_limits<double>::quiet_NaN() : 0;
+  for (const StudyRun& run : row.runs) most = std::max(most, std::abs(value(run)));
+  return most;
+}
+
+template <class Predicate>
+std::size_t count(const StudyRow& row, Predicate predicate) {
+  return static_cast<std::size_t>(std::count_if(row.runs.begin(), row.runs.end(), predicate));
+}
+
+}  // namespace
+
+double median_settling_time_s(const StudyRow& row) {
+  const auto times = sorted_times(row);
+  if (times.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t middle = times.size() / 2;
+  return times.size() % 2 == 1 ? times[middle] : (times[middle - 1] + times[middle]) / 2;
+}
+
+double worst_settling_time_s(const StudyRow& row) {
+  return row.runs.empty() ? std::numeric_limits<double>::quiet_NaN() : sorted_times(row).back();
+}
+
+double worst_error_m(const StudyRow& row) {
+  return largest(row, [](const StudyRun& run) { return run.final_error_m; });
+}
+double largest_force_N(const StudyRow& row) {
+  return largest(row, [](const StudyRun& run) { return run.max_force_N; });
+}
+std::size_t settled_runs(const StudyRow& row) {
+  return count(row, [](const StudyRun& run) { return run.settled; });
+}
+std::size_t limit_cycles(const StudyRow& row) {
+  return count(row, [](const StudyRun& run) { return run.limit_cycle; });
+}
+std::size_t faulted_runs(const StudyRow& row) {
+  return count(row, [](const StudyRun& run) { return !run.faults.empty(); });
+}
+
+std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options) {
+  const auto laws = laws_of(scenario, options);
+  std::vector<StudyRow> rows;
+  for (const Start& start : options.starts) rows.push_back({start, std::vector<StudyRun>(laws.size())});
+  const std::size_t all = rows.size() * laws.size();
+  const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  std::mutex progress_mutex;
+  int done = 0;
+  in_parallel(all, threads, [&](std::size_t i) {
+    StudyRow& row = rows[i / laws.size()];
+    const std::size_t law = i % laws.size();
+    row.runs[law] = run_one(scenario, row.start, laws[law]);
+    const std::scoped_lock lock{progress_mutex};
+    if (options.progress) options.progress(++done, static_cast<int>(all));
+  });
+  return rows;
+}
+
+}  // namespace breakaway::study

@@ -1,0 +1,139 @@
+// The example of section V of van de Wouw & Leine against values of an independent computation in 100-digit arithmetic
+// (tests/reference/impulsive_example.py), and what the ideal law promises elsewhere.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/sil/run_ideal_scenario.hpp"
+
+namespace {
+
+using breakaway::scenario::read_scenario;
+using breakaway::scenario::Scenario;
+using breakaway::sil::Result;
+using breakaway::sil::run_ideal_scenario;
+
+Scenario example() { return read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/impulsive_example.toml"); }
+
+struct Reference {
+  std::map<std::string, double> figures;
+  std::vector<std::array<double, 3>> kicks;
+};
+
+Reference reference() {
+  std::ifstream in{BREAKAWAY_SOURCE_DIR "/tests/reference/impulsive_example.csv"};
+  Reference reference;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream cells{line};
+    std::string name, cell;
+    std::getline(cells, name, ',');
+    std::vector<double> numbers;
+    while (name[0] != '#' && std::getline(cells, cell, ',')) numbers.push_back(std::stod(cell));
+    if (numbers.size() == 1) reference.figures[name] = numbers[0];
+    if (numbers.size() == 3) reference.kicks.push_back({numbers[0], numbers[1], numbers[2]});
+  }
+  return reference;
+}
+
+void expect_relative(double value, double expected, const std::string& what) {
+  EXPECT_NEAR(value, expected, 1e-9 * std::fabs(expected)) << what;
+}
+
+TEST(IdealScene, AgreesWithTheIndependentComputationOfTheExample) {
+  const Reference expected = reference();
+  const Result result = run_ideal_scenario(example(), {});
+  ASSERT_TRUE(result.settled);
+  expect_relative(result.ideal->t1_s, expected.figures.at("t1_s"), "t1");
+  expect_relative(result.ideal->t2_s, expected.figures.at("t2_s"), "t2");
+  expect_relative(result.ideal->y2_m, expected.figures.at("y2_m"), "y2");
+  expect_relative(result.ideal->t_inf_s, expected.figures.at("t_inf_s"), "t_inf");
+  expect_relative(result.ideal->bound_s, expected.figures.at("bound_s"), "bound");
+  ASSERT_GE(result.kicks.size(), expected.kicks.size());
+  ASSERT_GE(expected.kicks.size(), 20u);
+  for (std::size_t i = 0; i < expected.kicks.size(); ++i) {
+    const auto& [time_s, position_m, velocity_m_s] = expected.kicks[i];
+    expect_relative(result.kicks[i].time_s, time_s, "time of kick " + std::to_string(i));
+    expect_relative(result.kicks[i].position_m, position_m, "position of kick " + std::to_string(i));
+    expect_relative(result.kicks[i].velocity_after_m_s, velocity_m_s, "velocity after kick " + std::to_string(i));
+  }
+}
+
+TEST(IdealScene, EndsOnTheCertificateAtTheResolutionOfTime) {
+  const Result result = run_ideal_scenario(example(), {});
+  EXPECT_LT(result.ideal->t_inf_width_s, 1e-15);  // one ulp of 4.9 s is 8.9e-16
+  EXPECT_LT(std::fabs(result.final_error_m), 1e-29);
+  EXPECT_LE(result.ideal->t_inf_s, result.ideal->bound_s);
+}
+
+// Friction at its lower bound is what k3 is computed for: one kick, and only the rounding of that is left.
+TEST(IdealScene, NeedsOneKickUnderTheLeastFriction) {
+  Scenario scene = example();
+  scene.plant.position_m = -1;
+  scene.plant.velocity_m_s = 0;
+  scene.friction.law = {{2.5, 4.5}, breakaway::model::shape::constant(0)};
+  const Result result = run_ideal_scenario(scene, {});
+  ASSERT_TRUE(result.settled);
+  ASSERT_GE(result.kicks.size(), 2u);
+  EXPECT_LT(std::fabs(result.kicks[1].error_m), 1e-12);
+}
+
+TEST(IdealScene, RecordsATraceOnlyOnRequestAndWithoutChangingTheResult) {
+  const Result bare = run_ideal_scenario(example(), {});
+  const Result traced = run_ideal_scenario(example(), {.trace = true});
+  EXPECT_TRUE(bare.trace.empty());
+  ASSERT_GT(traced.trace.size(), 1000u);
+  EXPECT_EQ(traced.kicks.size(), bare.kicks.size());
+  EXPECT_NEAR(traced.ideal->t_inf_s, bare.ideal->t_inf_s, 1e-12);
+  for (const auto& sample : traced.trace) {
+    EXPECT_GE(sample.friction_level_N, 2.5);
+    EXPECT_LE(sample.friction_level_N, 4.5);
+  }
+}
+
+TEST(IdealScene, HasSettledWhenItStartsAtRestOnTheTarget) {
+  Scenario scene = example();
+  scene.plant.position_m = scene.plant.velocity_m_s = 0;
+  const Result result = run_ideal_scenario(scene, {});
+  EXPECT_TRUE(result.settled);
+  EXPECT_EQ(result.ideal->t_inf_s, 0);
+  EXPECT_TRUE(result.kicks.empty());
+}
+
+TEST(IdealScene, DoesNotClaimToHaveSettledWhenTimeRunsOut) {
+  Scenario scene = example();
+  scene.run->duration_s = 4;
+  const Result result = run_ideal_scenario(scene, {});
+  EXPECT_FALSE(result.settled);
+  EXPECT_TRUE(std::isnan(result.settling_time_s));
+  EXPECT_DOUBLE_EQ(result.duration_s, 4);
+}
+
+TEST(IdealScene, FollowsATargetThatChangesOnTheWayAndAfterSettling) {
+  Scenario scene = example();
+  scene.controller.target_m = 1;
+  scene.controller.targets = {{.time_s = 2, .position_m = 0.5}, {.time_s = 12, .position_m = -3}};
+  const Result result = run_ideal_scenario(scene, {});
+  ASSERT_TRUE(result.settled);
+  EXPECT_NEAR(result.final_error_m, 0, 1e-14);  // the resolution of positions near -3 m
+  EXPECT_GT(result.ideal->t_inf_s, 12);
+  EXPECT_NEAR(result.settling_time_s, result.ideal->t_inf_s - 12, 1e-12);
+}
+
+// The law promises a finite time for every friction within the bounds: random dwell laws, seeded.
+TEST(IdealScene, SettlesWithinTheBoundUnderRandomFriction) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    Scenario scene = example();
+    scene.friction.law = {{2.5, 4.5}, breakaway::model::shape::random_dwell({.seed = seed})};
+    const Result result = run_ideal_scenario(scene, {});
+    ASSERT_TRUE(result.settled) << "seed " << seed;
+    EXPECT_LE(result.ideal->t_inf_s, result.ideal->bound_s) << "seed " << seed;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,192 @@
+#include "breakaway/study/basin.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include "../scratch_folder.hpp"
+#include "../sil/two_masses.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/report/basin_picture.hpp"
+#include "breakaway/study/basin_table.hpp"
+
+namespace {
+
+using namespace breakaway;
+using study::Basin;
+using study::Fate;
+using study::Grid;
+using study::Shard;
+
+namespace fs = std::filesystem;
+
+constexpr Grid small{21, 6, {0, 1}};
+
+Basin decided(const Grid& grid, const Shard& shard = {}, int threads = 1) {
+  Basin basin{grid, shard};
+  study::decide_pending(basin, two_masses(), threads, {});
+  return basin;
+}
+
+std::string table(const Basin& basin) {
+  std::string text;
+  const auto next = study::table_parts(basin);
+  for (std::string part = next(); !part.empty(); part = next()) text += part;
+  return text;
+}
+
+class BasinFiles : public breakaway::testing::ScratchFolder {
+ protected:
+  std::string written(const std::string& name, const std::string& text) const {
+    format::write_output(path(name), text);
+    return path(name);
+  }
+};
+
+// 106.372 is the area by a fine grid of an independent simulation. Along the two straight borders of 8.5 each the
+// trapezoidal rule errs by a fraction of a step of 0.12 times the projection; by symmetry most of it cancels.
+TEST(Basin, OfTheExampleHasItsKnownArea) {
+  const Basin basin = decided({101, 6, {0, 1}}, {}, 2);
+  EXPECT_NEAR(basin.area(Fate::attracted), 106.372, 0.1);
+  EXPECT_EQ(basin.count(Fate::undecided), 0u);
+  EXPECT_EQ(basin.count(Fate::attracted) + basin.count(Fate::lost), 10201u);
+}
+
+TEST(Basin, IsSymmetricAboutTheOrigin) {
+  const Basin basin = decided(small);
+  for (int row = 0; row < 21; ++row) {
+    for (int column = 0; column < 21; ++column) {
+      ASSERT_EQ(basin.fate(column, row), basin.fate(20 - column, 20 - row));
+      ASSERT_EQ(basin.time_s(column, row), basin.time_s(20 - column, 20 - row));
+    }
+  }
+}
+
+// The early decisions against plain simulation to rest, or to a time at which nothing near rest is left.
+TEST(Basin, AgreesWithSimulationWithoutCertificates) {
+  const auto s = two_masses();
+  const hybrid::EventDriven<> integrator{s.machine};
+  for (const auto& plane : {std::array{0, 1}, std::array{0, 3}, std::array{2, 3}}) {
+    const Grid grid{13, 7, plane};
+    const Basin basin = decided(grid);
+    for (int row = 0; row < 13; ++row) {
+      for (int column = 0; column < 13; ++column) {
+        Eigen::Vector4d x = Eigen::Vector4d::Zero();
+        x[plane[0]] = grid.coordinate(column);
+        x[plane[1]] = grid.coordinate(row);
+        const auto outcome = integrator.run({0, x.head(2), x.tail(2)}, 300);
+        const Fate fate = outcome.verdict == hybrid::Verdict::at_rest ? Fate::attracted : Fate::lost;
+        EXPECT_EQ(basin.fate(column, row), fate) << x.transpose();
+      }
+    }
+  }
+}
+
+TEST(Basin, WritesRowsWithTheFirstCoordinateFastest) {
+  std::istringstream lines{table(decided({3, 6, {0, 1}}))};
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "x1,x2,attracted,time_s");
+  for (const char* start : {"-6,-6,1,", "0,-6,", "6,-6,0,", "-6,0,", "0,0,1,0", "6,0,", "-6,6,0,", "0,6,", "6,6,1,"}) {
+    std::getline(lines, line);
+    EXPECT_TRUE(line.starts_with(start)) << line << " for " << start;
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST_F(BasinFiles, AreTheSameBitsForAnySplit) {
+  const std::string whole = table(decided(small));
+  EXPECT_EQ(table(decided(small, {}, 5)), whole);
+  const std::string label = study::table_label(small, two_masses());
+  for (const int shards : {2, 3, 30}) {  // 30: more than rows
+    Basin merged{small, {}};
+    for (int i = 1; i <= shards; ++i) {
+      const std::string name = std::to_string(shards) + "-" + std::to_string(i);
+      study::read_table(written(name, table(decided(small, {i, shards}, 2))), label, merged);
+    }
+    EXPECT_EQ(merged.count(Fate::pending), 0u);
+    EXPECT_EQ(table(merged), whole);
+  }
+}
+
+TEST_F(BasinFiles, GoOnWhereAnInterruptedRunStopped) {
+  const auto s = two_masses();
+  const std::string label = study::table_label(small, s), file = path("journal");
+  {
+    Basin basin{small, {}};
+    study::Journal journal{file, label, basin};
+    study::decide_pending(basin, s, 1, [&](int row, std::size_t) { journal.append(basin, row); });
+  }
+  fs::resize_file(file, fs::file_size(file) / 2);  // in the middle of a line
+  Basin basin{small, {}};
+  study::Journal journal{file, label, basin};
+  const std::size_t pending = basin.count(Fate::pending);
+  EXPECT_GT(pending, 150u);
+  EXPECT_LT(pending, 300u);
+  const auto append = [&](int row, std::size_t) { journal.append(basin, row); };
+  EXPECT_EQ(study::decide_pending(basin, s, 2, append), pending);
+  EXPECT_EQ(table(basin), table(decided(small)));
+
+  Basin again{small, {}};
+  study::read_table(file, label, again);
+  EXPECT_EQ(table(again), table(basin));
+}
+
+TEST_F(BasinFiles, OfOtherSystemsOrGridsAreRefused) {
+  const std::string whole = table(decided(small)), label = study::table_label(small, two_masses());
+  const auto refusal = [&](const std::string& text) -> std::string {
+    Basin basin = decided(small);
+    try {
+      study::read_table(written("table", text), label, basin);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(whole), "");
+  EXPECT_EQ(refusal(label + "\n" + whole), "");
+  auto other = two_masses();
+  other.machine.friction_N[1] = 1.5;
+  EXPECT_NE(refusal(study::table_label(small, other) + "\n" + whole).find("another system"), std::string::npos);
+  EXPECT_NE(refusal("0.1,0,1,2\n").find("table:1: is no point of this grid"), std::string::npos);
+  EXPECT_NE(refusal("0,0,0,0\n").find("contradicts"), std::string::npos);
+  EXPECT_NE(refusal("0,0,1\n").find("is not of the form"), std::string::npos);
+  EXPECT_NE(refusal("0,0,7,1\n").find("attracted"), std::string::npos);
+}
+
+TEST(BasinRegions, AreTheEllipseOfTheoremOneAndThePolytope) {
+  const auto s = two_masses();
+  const auto certificates = sil::certify(s.machine);
+  const auto in = [&](const Grid& grid) { return report::regions(s.machine, certificates, grid); };
+  const auto positions = in({11, 6, {0, 1}});
+  EXPECT_NEAR(stability::area(positions.certified), 2 * std::numbers::pi * 16 / std::sqrt(3.0), 1e-10);  // det K = 3
+  EXPECT_NEAR(stability::area(positions.equilibria), 4.0 / 3, 1e-14);
+  EXPECT_NEAR(stability::area(in({11, 1, {0, 1}}).certified), 4, 1e-14);  // the whole window
+  const auto mixed = in({11, 6, {0, 2}});
+  EXPECT_NEAR(stability::area(mixed.certified), 2 * std::numbers::pi * 16 / std::sqrt(2.0), 1e-10);  // K_11 M_11 = 2
+  EXPECT_NEAR(stability::area(mixed.equilibria), 0, 1e-14);
+  double widest = 0;
+  for (const auto& corner : mixed.equilibria) widest = std::max(widest, corner.x());
+  EXPECT_NEAR(widest, 0.5, 1e-14);  // |2 q1| <= 1 and |q1| <= 1 where q2 = 0
+}
+
+TEST(BasinPicture, IsDrawnInBothFormats) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto s = two_masses();
+  const auto regions = report::regions(s.machine, sil::certify(s.machine), small);
+  const Basin basin = decided(small);
+  EXPECT_NE(report::draw_basin("a.svg", s, basin, regions).find("image-rendering:pixelated"), std::string::npos);
+  EXPECT_TRUE(report::draw_basin("a.png", s, basin, regions).starts_with("\x89PNG"));
+  EXPECT_THROW(report::draw_basin("a.pdf", s, basin, regions), InputError);
+}
+
+}  // namespace
