@@ -1,48 +1,35 @@
-# The design's arrows, written down here a second time so that a USES line that breaks them is caught: the controller and the
-# hal know nothing of each other, firmware joins them, and nothing below the simulation knows of it.
-set(hal_leaves hal canopen cia402 virtual_bus slcan bxcan xilinx_can socketcan)
-set(law_may_see law)
-set(input_may_see input)
-set(stability_may_see input stability)
-set(design_may_see law input stability design)
-foreach(leaf IN LISTS hal_leaves)
-  set(${leaf}_may_see ${hal_leaves})
-endforeach()
-set(firmware_may_see law hal canopen cia402 firmware)
-set(config_may_see input ${firmware_may_see} config)
+# The arrows between the rooms (arrows.txt), guarded at three places: what sources include, what targets link, and what is in the
+# product when it is linked.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+set(arrows ${Python3_EXECUTABLE} -B "${CMAKE_CURRENT_SOURCE_DIR}/arrows.py")
+add_test(NAME arrows.no_file_includes_against_an_arrow COMMAND ${arrows} includes "${PROJECT_SOURCE_DIR}")
+add_test(NAME arrows.every_arrow_back_is_noticed COMMAND ${arrows} selftest)
 
-# One test a leaf that has headers to keep out: to a user of this leaf, none of them may be within reach.
-foreach(room IN ITEMS law input stability design ${hal_leaves} firmware config)
-  if(NOT TARGET breakaway_${room})
-    continue()
-  endif()
-  set(code "")
-  foreach(leaf IN LISTS leaves)
-    string(REPLACE breakaway_ "" name ${leaf})
-    if(name IN_LIST ${room}_may_see)
-      continue()
-    endif()
-    public_headers(${leaf} headers)
-    foreach(header IN LISTS headers)
-      string(APPEND code "#if __has_include(<${header}>)\n#error ${room} reaches ${header}\n#endif\n")
-    endforeach()
-  endforeach()
-  if(code)
-    package_compile_test(arrow.${room}_reaches_no_forbidden_header breakaway_${room} "${code}")
-  endif()
+get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
+set(links "")
+foreach(leaf IN LISTS leaves)
+  get_target_property(used ${leaf} INTERFACE_LINK_LIBRARIES)
+  string(REGEX MATCHALL "breakaway::[a-z0-9_]+" used "${used}")
+  list(JOIN used " " used)
+  string(APPEND links "${leaf} ${used}\n")
 endforeach()
+string(REGEX REPLACE "breakaway(_|::)" "" links "${links}")
+file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/links.txt" "${links}")
+add_test(NAME arrows.no_target_links_against_an_arrow COMMAND ${arrows} links "${CMAKE_CURRENT_BINARY_DIR}/links.txt")
 
-# And such an include fails for this reason, not for another: the compiler does not find the file.
+# A user of a leaf does not even find the files of a room that it may not use.
 function(forbidden_include room other)
   public_headers(breakaway_${other} headers)
   list(GET headers 0 header)
-  set(name arrow.${room}_including_${other}_does_not_compile)
+  set(name arrows.${room}_including_${other}_does_not_compile)
   package_compile_test(${name} breakaway_${room} "#include <${header}>\n")
   set_tests_properties(${name} PROPERTIES PASS_REGULAR_EXPRESSION "${header}'?:? (No such file|file not found)")
 endfunction()
-
 forbidden_include(law hal)
-forbidden_include(law cia402)
-foreach(room IN LISTS hal_leaves)
-  forbidden_include(${room} law)
-endforeach()
+forbidden_include(cia402 law)
+
+# The simulator is not inside the product: no symbol of a friction law, a plant, an emulated drive or a virtual bus.
+if(TARGET breakaway_node AND CMAKE_NM)
+  add_test(NAME arrows.no_simulator_in_breakaway_node
+    COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:breakaway_node> -P "${CMAKE_CURRENT_SOURCE_DIR}/simulator_symbols.cmake")
+endif()

@@ -3,97 +3,116 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <sstream>
 
-#include "breakaway/design/flashed_header.hpp"
-#include "breakaway/design/report.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
-#include "breakaway/scenario/axis_config.hpp"
-#include "breakaway/scenario/axis_design.hpp"
-#include "breakaway/scenario/read_scenario.hpp"
 
 namespace breakaway::linux_node {
 namespace {
 
-using scenario::Scenario;
+using config::Axis;
+using config::Node;
 
-void require_parts(const Scenario& s) {
+void require_parts(const Node& node) {
   const auto lacks = [&](const char* part) {
-    throw InputError{fmt::format("{}: has no {}; a node needs [loop] and [drive]", s.file, part)};
+    throw InputError{fmt::format("has no {}; a node needs [loop] and [drive]", part)}.in_file(node.file);
   };
-  if (!s.loop) lacks("[loop]");
-  if (!s.drive) lacks("[drive]");
-}
-
-// As `breakaway design --header` would flash it.
-law::FlashedAxis<float> certified_axis(const Scenario& s) {
-  const design::AxisDesign axis = scenario::axis_design(s);
-  const auto report = design::design_axis(axis);
-  if (!report.certified) {
-    throw InputError{fmt::format("{}: not certified: {}; `breakaway design {}` shows every check", s.file,
-                                 report.reasons.front(), s.file)};
+  if (!node.loop) lacks("[loop]");
+  for (const Axis& axis : node.axes) {
+    if (!axis.drive) lacks("[drive]");
+    if (!axis.controller.impulsive)
+      throw InputError{"[controller] kind is \"pid\"; a node runs the impulsive law only"}.in_file(node.file);
   }
-  const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
-  return flashed;
 }
 
-// A lower force limit is still covered by the certificate, as long as the axis can be moved with it.
-void lower_force_limit(law::FlashedAxis<float>& axis, double max_force_N) {
-  if (max_force_N > static_cast<double>(axis.limits.max_force_N) ||
-      max_force_N < static_cast<double>(axis.limits.friction_upper_N)) {
-    throw InputError{
-        fmt::format("--max-force {}: the axis is certified for forces from {} N, its upper friction bound, to {} N; "
-                    "choose one between",
-                    max_force_N, axis.limits.friction_upper_N, axis.limits.max_force_N)};
+void apply_node_id(Node& node, unsigned node_id) {
+  if (node.axes.size() > 1)
+    throw InputError{"--node-id: the file has several axes; give each its [drive] node_id there"};
+  node.axes.front().drive->node_id = static_cast<std::uint8_t>(node_id);
+}
+
+// Before the design is checked, so that what runs is what was certified.
+void lower_force_limit(Axis& axis, double max_force_N) {
+  const double most_N = std::min(axis.controller.max_force_N, axis.drive->max_force_N());
+  const double least_N = axis.friction.bounds.upper_N;
+  if (max_force_N > most_N || max_force_N < least_N) {
+    throw InputError{fmt::format(
+        "--max-force {}: axis {} is certified for forces from {} N, its upper friction bound, to {} N; choose one "
+        "between",
+        max_force_N, axis.name, least_N, most_N)};
   }
-  axis.parameters.max_force_N = static_cast<float>(max_force_N);
-  axis.checksum = law::checksum_of(axis);
+  axis.controller.max_force_N = max_force_N;
 }
 
-void require_verified(const std::string& file, const law::FlashedAxis<float>& axis) {
-  const auto error = law::verify(axis);
-  if (error != law::FlashedAxisError::none) throw InputError{fmt::format("{}: {}", file, to_string(error))};
+std::int32_t counts(double position_m, const Axis& axis) {
+  const double exact = std::round(position_m / axis.drive->encoder_resolution_m);
+  const config::Limits& l = axis.limits;
+  if (std::abs(exact) < 2147483648.0 && position_m >= l.position_min_m && position_m <= l.position_max_m)
+    return static_cast<std::int32_t>(exact);
+  const bool limited = std::isfinite(l.position_min_m) || std::isfinite(l.position_max_m);
+  throw InputError{fmt::format("target {} m of axis {}: is beyond {}; choose one inside", position_m, axis.name,
+                               limited ? fmt::format("its [limits], position_m = {:g} to {:g}", l.position_min_m,
+                                                     l.position_max_m)
+                                       : std::string{"the encoder's range"})};
 }
 
-std::int32_t counts(double position_m, const Scenario& s) {
-  const double exact = std::round(position_m / s.drive->encoder_resolution_m);
-  if (!(std::abs(exact) < 2147483648.0) || std::abs(position_m) > s.limits.position_m) {
-    throw InputError{fmt::format("target {} m: is beyond {}; choose one inside", position_m,
-                                 std::isfinite(s.limits.position_m)
-                                     ? fmt::format("[limits] position_m = {}", s.limits.position_m)
-                                     : std::string{"the encoder's range"})};
+// "0.1" is a place for every axis, "0.1,-0.2" one for each of two.
+std::vector<double> places(const std::string& text, std::size_t axes) {
+  std::vector<double> numbers;
+  std::istringstream parts{text};
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::size_t used = 0;
+    double number = 0;
+    try {
+      number = std::stod(part, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used == 0 || used != part.size() || !(std::abs(number) <= 1e9))
+      throw InputError{fmt::format("--target {}: \"{}\" is not a position in m", text, part)};
+    numbers.push_back(number);
   }
-  return static_cast<std::int32_t>(exact);
+  if (numbers.size() == 1) numbers.assign(axes, numbers.front());
+  if (numbers.size() != axes)
+    throw InputError{fmt::format("--target {}: names {} positions for {} axes; give one for each, or one for all", text,
+                                 numbers.size(), axes)};
+  return numbers;
 }
 
-void plan_visits(Configuration& c, const Scenario& s, const Options& options) {
-  for (const double target_m : options.targets_m) c.visits.push_back({0, counts(target_m, s)});
-  if (!c.visits.empty()) return;
-  c.timed = true;
-  c.visits.push_back({0, counts(s.controller.target_m, s)});
-  for (const auto& change : s.controller.targets) c.visits.push_back({change.time_s, counts(change.position_m, s)});
+void plan_tour(Configuration& c, const Node& node, const std::vector<std::string>& targets) {
+  for (const std::string& target : targets) {
+    const std::vector<double> stop = places(target, node.axes.size());
+    for (std::size_t i = 0; i < stop.size(); ++i) c.axes[i].visits.push_back({0, counts(stop[i], node.axes[i])});
+  }
+}
+
+void plan_times(AxisPlan& plan, const Axis& axis) {
+  plan.visits.push_back({0, counts(axis.controller.target_m, axis)});
+  for (const auto& change : axis.controller.targets)
+    plan.visits.push_back({change.time_s, counts(change.position_m, axis)});
 }
 
 }  // namespace
 
 Configuration read_configuration(const Options& options) {
-  const Scenario s = scenario::read_scenario(options.configuration);
-  require_parts(s);
-  Configuration c;
-  c.axis = certified_axis(s);
-  if (options.max_force_N > 0) lower_force_limit(c.axis, options.max_force_N);
-  require_verified(s.file, c.axis);
-  c.drive = scenario::drive_config<float>(s);
-  c.drive.max_force_N = c.axis.parameters.max_force_N;
-  if (options.node_id != 0) c.drive.node_id = static_cast<std::uint8_t>(options.node_id);
-  if (const auto status = cia402::check(c.drive); !status.ok())
-    throw InputError{
-        fmt::format("{}: [drive] or [loop] cannot be used ({} {})", s.file, to_string(status.code), status.detail)};
-  c.limits = scenario::axis_limits<float>(s);
-  c.loop = {.period = c.drive.period, .bit_rate = s.bus->bit_rate, .node_id = c.drive.master_node_id};
-  c.tolerance_m = s.run && s.run->settle_tolerance_m > 0 ? s.run->settle_tolerance_m
-                                                         : static_cast<double>(c.axis.parameters.position_tolerance_m);
-  c.force_per_per_mille_N = static_cast<float>(1e-6 * s.drive->rated_torque_mNm * s.drive->force_per_torque_N_per_Nm);
-  plan_visits(c, s, options);
+  Node node = config::read_node(options.configuration);
+  require_parts(node);
+  if (options.node_id != 0) apply_node_id(node, options.node_id);
+  if (options.max_force_N > 0)
+    for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
+  Configuration c{.node = config::certified(node, config::examine(node)), .axes = {}, .timed = options.targets.empty()};
+  for (const Axis& axis : node.axes) {
+    // Half a count for the decimal tolerance in float.
+    c.axes.push_back({.name = axis.name,
+                      .visits = {},
+                      .reached_m = tolerance_m(node, axis) + half_count_m(axis),
+                      .resolution_m = axis.drive->encoder_resolution_m,
+                      .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N())});
+    if (c.timed) plan_times(c.axes.back(), axis);
+  }
+  plan_tour(c, node, options.targets);
   return c;
 }
 

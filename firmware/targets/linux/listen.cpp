@@ -31,16 +31,20 @@ hal::DriveState shown_state(cia402::State state) {
   return hal::DriveState::disabled;
 }
 
-// What the drive's first TPDO says, if the frame is that.
-std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Configuration& c) {
+// What the first TPDO of an axis' drive says, if the frame is that.
+std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Configuration& c, std::size_t place) {
   std::array<std::uint64_t, 3> values{};
-  if (!canopen::unpack_pdo(cia402::feedback_pdo(c.drive.node_id), received.frame, values)) return {};
-  StepRecord record{.time = received.time, .controlled = false};
+  const auto& axis = c.node.axes[place];
+  if (!canopen::unpack_pdo(cia402::feedback_pdo(axis.drive.node_id), received.frame, values)) return {};
+  StepRecord record{.time = received.time, .axis = static_cast<std::uint8_t>(place), .controlled = false};
+  const std::int32_t sign = axis.drive.invert_direction ? -1 : 1;
   if (const auto state = cia402::state_of(static_cast<std::uint16_t>(values[0]))) record.drive = shown_state(*state);
-  record.position_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(values[1]));
+  const auto counts = static_cast<std::uint32_t>(values[1]);
+  record.position_counts = static_cast<std::int32_t>(sign < 0 ? 0U - counts : counts);
   record.target_counts = record.position_counts;
   record.reported_N =
-      c.force_per_per_mille_N * static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
+      static_cast<float>(sign) * c.axes[place].force_per_per_mille_N *
+      static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
   return record;
 }
 
@@ -49,7 +53,7 @@ std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Config
 ExitCode listen(const Configuration& configuration, const Options& options, socketcan::KernelSocket& socket,
                 Telemetry& telemetry) {
   socketcan::Port<socketcan::KernelSocket> port{socket};
-  Ticker ticker{configuration.loop.period};
+  Ticker ticker{configuration.node.loop.network.period};
   const hal::Time begin = monotonic_now();
   const hal::Duration duration{std::llround(options.duration_s * 1e9)};
   bool any = false;
@@ -58,7 +62,9 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
     port.poll(now);
     for (hal::ReceivedFrame received; port.receive(received);) {
       telemetry.add(FrameRecord{received.time, received.frame});
-      if (const auto record = heard(received, configuration)) {
+      for (std::size_t place = 0; place < configuration.axes.size(); ++place) {
+        const auto record = heard(received, configuration, place);
+        if (!record) continue;
         telemetry.add(*record);
         any = true;
       }

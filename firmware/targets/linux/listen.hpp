@@ -1,4 +1,4 @@
-// --readonly: follows what another master and the drive say; sends nothing.
+// --readonly: follows what another master and the drives say; sends nothing.
 #pragma once
 
 #include "breakaway/socketcan/kernel_socket.hpp"
@@ -8,7 +8,7 @@
 
 namespace breakaway::linux_node {
 
-// Until the operator or --duration ends it. Failed: nothing was heard of the drive.
+// Until the operator or --duration ends it. Failed: nothing was heard of the drives.
 ExitCode listen(const Configuration& configuration, const Options& options, socketcan::KernelSocket& socket,
                 Telemetry& telemetry);
 

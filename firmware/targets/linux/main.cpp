@@ -1,17 +1,18 @@
-// breakaway-node: controls one axis over SocketCAN.
+// breakaway-node: controls the axes of a node over SocketCAN.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
+#include <vector>
 #include <cstdio>
 #include <exception>
 #include <memory>
 
-#include "axis_run.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
 #include "listen.hpp"
+#include "node_run.hpp"
 #include "options.hpp"
 #include "realtime.hpp"
 #include "reporter.hpp"
@@ -22,9 +23,9 @@ namespace {
 
 constexpr const char* examples =
     "Example: breakaway-node --can can0 sim/scenarios/can_axis.toml --target 0.25\n"
-    "SIGINT or SIGTERM stops the axis and ends the node; SIGUSR1 acknowledges a fault.\n"
+    "SIGINT or SIGTERM stops the axes and ends the node; SIGUSR1 acknowledges faults.\n"
     "\n"
-    "Exit codes: 0 ended as asked, the axis stopped; 1 a fault, no confirmed stop, or --duration ended off the "
+    "Exit codes: 0 ended as asked, every axis stopped; 1 a fault, no confirmed stop, or --duration ended off the "
     "target;\n"
     "2 bad input, nothing moved (one line on standard error says what).";
 
@@ -36,30 +37,34 @@ void add_options(CLI::App& app, Options& o) {
                                 },
                                 ""};
   app.add_option("configuration", o.configuration,
-                 "The axis: a scene's file with [plant], [friction], [controller], [loop], [drive]; must be certified")
+                 "The node: a file with [plant], [friction], [controller], [drive] of its axes, and [loop]; must be certified")
       ->required();
   app.add_option("--can", o.interface, "The CAN interface, can0 say")->required();
-  app.add_option("--target", o.targets_m,
-                 "Positions [m] to visit in this order; without, those of [controller] at their times")
-      ->check(CLI::Range(-1e9, 1e9));
+  app.add_option("--target", o.targets,
+                 "Positions [m] to visit in this order, of several axes as 0.1,0.2,-0.1; without, those of [controller] "
+                 "at their times");
   app.add_option("--dwell", o.dwell_s, "Seconds at rest on a target before the next (1)")->check(positive);
-  app.add_option("--duration", o.duration_s, "Seconds until the axis is stopped; without, a signal ends the node")
+  app.add_option("--duration", o.duration_s, "Seconds until the axes are stopped; without, a signal ends the node")
       ->check(positive);
-  app.add_option("--max-force", o.max_force_N, "Lower force limit [N] than the configuration's")->check(positive);
-  app.add_option("--node-id", o.node_id, "CANopen node id of the drive instead of the configuration's")
+  app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")->check(positive);
+  app.add_option("--node-id", o.node_id, "CANopen node id of a single axis' drive instead of the configuration's")
       ->check(CLI::Range(1, 126));
-  app.add_option("--wait", o.patience_s, "Seconds for the drive to answer (5)")->check(positive);
+  app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(positive);
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
   app.add_flag("--readonly", o.readonly, "Listen and show; send nothing");
   app.add_flag("!--no-realtime", o.realtime, "Run without real-time priority: for trials, not for machines");
-  app.add_flag("--reset", o.reset, "Acknowledge a fault that the drive has at the start");
+  app.add_flag("--reset", o.reset, "Acknowledge faults that drives have at the start");
   app.add_option("--csv", o.csv, "Write one line a period to this file");
-  app.add_option("--candump", o.candump, "Write all frames of the drive to this file, as candump -L does");
+  app.add_option("--candump", o.candump, "Write all frames of the drives to this file, as candump -L does");
 }
 
-void open(socketcan::KernelSocket& socket, const Options& o, std::uint8_t node_id) {
-  // The drive's frames, and what tells which other nodes are there: SDO answers and heartbeats.
-  const std::array<socketcan::Filter, 3> wanted{{{node_id, 0x7F}, {0x580, 0x780}, {0x700, 0x780}}};
+void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
+  // What tells which other nodes are there, SYNC, SDO answers and heartbeats, and the frames of our drives.
+  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, canopen::whole_cob_id},
+                                        {canopen::sdo_response_cob_id(0), canopen::function_code},
+                                        {canopen::heartbeat_cob_id(0), canopen::function_code}};
+  for (std::size_t place = 0; place < c.node.count; ++place)
+    wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_bits});
   const std::span<const socketcan::Filter> all;
   const auto result = socket.open(o.interface.c_str(), o.readonly ? all : wanted);
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};
@@ -68,16 +73,16 @@ void open(socketcan::KernelSocket& socket, const Options& o, std::uint8_t node_i
 int run(const Options& o) {
   const Configuration configuration = read_configuration(o);
   socketcan::KernelSocket socket;
-  open(socket, o, configuration.drive.node_id);
+  open(socket, o, configuration);
   const auto telemetry = std::make_unique<Telemetry>();
-  Reporter reporter{o, *telemetry, static_cast<double>(configuration.drive.encoder_resolution_m)};
+  Reporter reporter{o, *telemetry, configuration.axes};
   if (o.readonly) return listen(configuration, o, socket, *telemetry);
-  AxisRun axis{configuration, o, socket, *telemetry};
+  NodeRun node{configuration, o, socket, *telemetry};
   if (o.realtime)
     if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
-  const ExitCode code = axis.run();
+  const ExitCode code = node.run();
   reporter.finish();
-  fmt::print("{}", axis.report());
+  fmt::print("{}", node.report());
   return code;
 }
 
@@ -92,7 +97,7 @@ int refuse(const std::string& what) {
 int main(int argc, char** argv) {
   using namespace breakaway;
   linux_node::Options options;
-  CLI::App app{"Controls one axis over SocketCAN: the loop that is flashed, on Linux.", "breakaway-node"};
+  CLI::App app{"Controls the axes of a node over SocketCAN: the loop that is flashed, on Linux.", "breakaway-node"};
   linux_node::add_options(app, options);
   app.footer(linux_node::examples);
   try {

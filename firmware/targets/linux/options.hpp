@@ -10,7 +10,7 @@ namespace breakaway::linux_node {
 struct Options {
   std::string configuration;
   std::string interface;
-  std::vector<double> targets_m;  // visited in order; empty: the configuration's
+  std::vector<std::string> targets;  // visited in order, "x" or "x,y,..." [m]; empty: the configuration's
   double dwell_s = 1;             // at rest on a target, before the next
   double duration_s = 0;          // 0: until a signal
   double max_force_N = 0;         // 0: the configuration's

@@ -49,22 +49,27 @@ std::string_view mode_of(const StepRecord& step) { return step.controlled ? law:
 hal::Duration realtime_minus_monotonic() {
   timespec t{};
   clock_gettime(CLOCK_REALTIME, &t);
-  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec} - monotonic_now();
+  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec} - monotonic_now().time_since_epoch();
 }
 
 }  // namespace
 
-Reporter::Reporter(const Options& options, Telemetry& telemetry, double encoder_resolution_m)
+Reporter::Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes)
     : telemetry_{telemetry},
       interface_{options.interface},
-      resolution_m_{encoder_resolution_m},
+      axes_{axes},
       csv_{open(options.csv)},
       candump_{open(options.candump)},
       to_realtime_{realtime_minus_monotonic()},
       start_{monotonic_now()},
+      shown_(axes.size()),
+      newest_(axes.size()),
       terminal_{isatty(STDOUT_FILENO) == 1} {
+  for (std::size_t place = 0; place < axes.size(); ++place) newest_[place].axis = static_cast<std::uint8_t>(place);
   if (csv_)
-    fmt::print(csv_.get(), "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code\n");
+    fmt::print(csv_.get(),
+               "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
+               axes.size() > 1 ? ",axis" : "");
   const sigset_t signals = operator_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   thread_ = std::thread{[this] { run(); }};
@@ -105,48 +110,71 @@ void Reporter::drain() {
   for (Record record; telemetry_.records.pop(record);) std::visit([this](const auto& r) { write(r); }, record);
 }
 
-double Reporter::seconds(hal::Time time) const { return std::chrono::duration<double>(time - start_).count(); }
+double Reporter::seconds(hal::Time time) const { return hal::seconds(time - start_); }
 
 void Reporter::put(const File& file) const { std::fwrite(line_.data(), 1, line_.size(), file.get()); }
 
 void Reporter::write(const StepRecord& step) {
   if (csv_) {
-    const hal::Time time = step.time + to_realtime_;
+    const hal::Duration time = on_realtime_clock(step.time);
     line_.clear();
-    fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}\n",
+    fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}{}\n",
                    time / std::chrono::seconds{1}, time % std::chrono::seconds{1} / std::chrono::microseconds{1},
-                   std::chrono::duration<double, std::micro>(step.latency).count(), step.target_counts * resolution_m_,
-                   step.position_counts * resolution_m_, step.command_N, step.reported_N, mode_of(step),
-                   to_string(step.drive), firmware::to_string(step.fault), step.fault_code);
+                   std::chrono::duration<double, std::micro>(step.latency).count(), metres(step, step.target_counts),
+                   metres(step, step.position_counts), step.command_N, step.reported_N, mode_of(step),
+                   to_string(step.drive), firmware::to_string(step.fault), step.fault_code,
+                   axes_.size() > 1 ? "," + axes_[step.axis].name : std::string{});
     put(csv_);
   }
+  newest_[step.axis] = step;
+  const auto& shown = shown_[step.axis];
   const bool changed =
-      !any_shown_ || step.drive != shown_.drive || step.fault != shown_.fault || step.link_lost != shown_.link_lost;
+      !shown || step.drive != shown->drive || step.fault != shown->fault || step.link_lost != shown->link_lost;
+  if (changed) show_change(step);
   constexpr auto interval = std::chrono::milliseconds{100};
-  if (changed || (terminal_ && step.time - shown_at_ >= interval)) show(step, !changed);
+  if (!changed && terminal_ && step.time - shown_at_ >= interval) show_live(step.time);
 }
 
-// A change stays on the screen; the live line is written over.
-void Reporter::show(const StepRecord& step, bool live) {
+// A change stays on the screen.
+void Reporter::show_change(const StepRecord& step) {
   line_.clear();
   const auto out = std::back_inserter(line_);
-  fmt::format_to(out, "{}{:10.3f} s  {:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N",
-                 terminal_ ? "\r\x1b[K" : "", seconds(step.time), to_string(step.drive), mode_of(step),
-                 step.target_counts * resolution_m_, step.position_counts * resolution_m_, step.reported_N);
+  fmt::format_to(out, "{:10.3f} s  ", seconds(step.time));
+  if (axes_.size() > 1) fmt::format_to(out, "{:<8}  ", axes_[step.axis].name);
+  fmt::format_to(out, "{:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N", to_string(step.drive),
+                 mode_of(step), metres(step, step.target_counts), metres(step, step.position_counts), step.reported_N);
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
   if (step.fault_code != 0) fmt::format_to(out, " (error code {:04X}h)", step.fault_code);
-  if (!terminal_ || !live) line_ += '\n';
+  print_line(false);
+  shown_[step.axis] = step;
+  shown_at_ = step.time;
+}
+
+// The live line is written over.
+void Reporter::show_live(hal::Time time) {
+  line_.clear();
+  const auto out = std::back_inserter(line_);
+  fmt::format_to(out, "{:10.3f} s", seconds(time));
+  for (const StepRecord& step : newest_)
+    fmt::format_to(out, "  {}{:<8} {:+.6f} m {:+.3f} N",
+                   axes_.size() > 1 ? axes_[step.axis].name + " " : std::string{}, mode_of(step),
+                   metres(step, step.position_counts), step.reported_N);
+  print_line(true);
+  shown_at_ = time;
+}
+
+void Reporter::print_line(bool live) {
+  if (terminal_) line_.insert(0, "\r\x1b[K");
+  if (!live) line_ += '\n';
   std::fwrite(line_.data(), 1, line_.size(), stdout);
   std::fflush(stdout);
-  shown_ = step;
-  shown_at_ = step.time;
   any_shown_ = true;
 }
 
 void Reporter::write(const FrameRecord& record) {
   if (!candump_) return;
-  const hal::Time time = record.time + to_realtime_;
+  const hal::Duration time = on_realtime_clock(record.time);
   line_.clear();
   const auto out = std::back_inserter(line_);
   fmt::format_to(out, "({:010}.{:06}) {} {:03X}#", time / std::chrono::seconds{1},

@@ -3,9 +3,12 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "configuration.hpp"
 #include "options.hpp"
 #include "telemetry.hpp"
 
@@ -15,7 +18,7 @@ class Reporter {
  public:
   // From here on SIGINT, SIGTERM and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another thread,
   // and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
-  Reporter(const Options& options, Telemetry& telemetry, double encoder_resolution_m);
+  Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
   ~Reporter() { finish(); }
@@ -35,18 +38,24 @@ class Reporter {
   void drain();
   void write(const StepRecord& step);
   void write(const FrameRecord& record);
-  void show(const StepRecord& step, bool live);
+  void show_change(const StepRecord& step);
+  void show_live(hal::Time time);
+  void print_line(bool live);
+  double metres(const StepRecord& step, std::int32_t counts) const { return counts * axes_[step.axis].resolution_m; }
   double seconds(hal::Time time) const;
+  // Since the epoch of CLOCK_REALTIME.
+  hal::Duration on_realtime_clock(hal::Time time) const { return time.time_since_epoch() + to_realtime_; }
   void put(const File& file) const;
 
   Telemetry& telemetry_;
   std::string interface_;
-  double resolution_m_;
+  const std::vector<AxisPlan>& axes_;
   File csv_, candump_;
   std::string line_;
   hal::Duration to_realtime_{};  // of CLOCK_MONOTONIC
   hal::Time start_{};
-  StepRecord shown_{};
+  std::vector<std::optional<StepRecord>> shown_;  // of each axis, as it was when it last changed
+  std::vector<StepRecord> newest_;
   hal::Time shown_at_{};
   bool any_shown_ = false;
   bool terminal_ = false;

@@ -25,6 +25,7 @@ struct StepRecord {
   hal::DriveState drive{};
   firmware::AxisFault fault{};
   std::uint16_t fault_code = 0;
+  std::uint8_t axis = 0;   // place in the node
   bool controlled = true;  // false: only listened to; mode and command say nothing
   bool link_lost = false;  // the interface is down or gone
 };
@@ -57,10 +58,10 @@ class NotedPort {
 
   void set_time(hal::Time now) noexcept { now_ = now; }
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    const hal::Status status = port_->send(frame, deadline);
-    if (status.ok()) telemetry_->add(FrameRecord{now_, frame});
-    return status;
+  hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    const hal::SendResult result = port_->send(frame, deadline);
+    if (result == hal::SendResult::queued) telemetry_->add(FrameRecord{now_, frame});
+    return result;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (!port_->receive(received)) return false;

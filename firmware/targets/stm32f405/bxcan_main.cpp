@@ -17,7 +17,6 @@ void run_image() {
   using namespace breakaway::stm32f405;
   static BxcanNode node;
   active = &node;
-  start_result = node.start();
-  if (start_result != StartResult::running) return;
+  if (!started(node)) return;
   for (;;) node.step(ticker.wait());
 }

@@ -2,9 +2,10 @@
 #pragma once
 
 #include "breakaway/bxcan/port.hpp"
+#include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "clocks.hpp"
-#include "node_config.hpp"
+#include "flashed_node.hpp"
 #include "pins.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
@@ -32,17 +33,17 @@ class BxcanNode {
   BxcanNode() noexcept : port_{registers_}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    bare_metal::tell(node_.verdict());
+    if (!node_.verdict().ok()) return StartResult::node_refused;
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!clocks.crystal) return StartResult::no_crystal;
-    const auto timing = hal::bit_timing(clocks.apb1_Hz, flashed::node.loop.bit_rate, bxcan::largest_prescaler);
+    const auto timing = hal::bit_timing(clocks.apb1_Hz, flashed::node.loop.network.bit_rate, bxcan::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
     connect();
     if (!port_.start(*timing, polls)) return StartResult::no_idle_bus;
     enable_interrupt(Can1::transmit_interrupt);
     enable_interrupt(Can1::receive_interrupt);
-    return ticker.start(clocks.core_Hz, flashed::node.loop.period) ? StartResult::running
+    return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
                                                                    : StartResult::period_impossible;
   }
 
@@ -67,7 +68,7 @@ class BxcanNode {
 
   Can1 registers_;
   Port port_;
-  firmware::ControlNode<Port> node_;
+  firmware::ControlNode<Port, flashed::node.capacity> node_;
 };
 
 }  // namespace breakaway::stm32f405

@@ -1,10 +1,11 @@
 // The controller node over slcan on USART1: what the image, and its twin for emulation, run.
 #pragma once
 
+#include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/slcan/port.hpp"
 #include "clocks.hpp"
-#include "node_config.hpp"
+#include "flashed_node.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "usart.hpp"
@@ -20,15 +21,15 @@ class SlcanNode {
  public:
   using Port = slcan::Port<Usart>;
 
-  SlcanNode() noexcept : port_{usart, flashed::node.loop.bit_rate}, node_{port_, flashed::node} {}
+  SlcanNode() noexcept : port_{usart, flashed::node.loop.network.bit_rate}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    bare_metal::tell(node_.verdict());
+    if (!node_.verdict().ok()) return StartResult::node_refused;
     // A serial line bears the 1 % of the internal oscillator.
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;
-    return ticker.start(clocks.core_Hz, flashed::node.loop.period) ? StartResult::running
+    return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
                                                                    : StartResult::period_impossible;
   }
 
@@ -43,7 +44,7 @@ class SlcanNode {
 
  private:
   Port port_;
-  firmware::ControlNode<Port> node_;
+  firmware::ControlNode<Port, flashed::node.capacity> node_;
 };
 
 }  // namespace breakaway::stm32f405

@@ -3,7 +3,6 @@
 void run_image() {
   using namespace breakaway::zynqmp_r5;
   static CanNode node;
-  start_result = node.start();
-  if (start_result != StartResult::running) return;
+  if (!started(node)) return;
   for (;;) node.step(node.wait());
 }

@@ -2,10 +2,11 @@
 #pragma once
 
 #include "breakaway/bare_metal/mmio.hpp"
+#include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/xilinx_can/port.hpp"
 #include "memory_protection.hpp"
-#include "node_config.hpp"
+#include "flashed_node.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "watchdog.hpp"
@@ -33,13 +34,13 @@ class CanNode {
 
   StartResult start() noexcept {
     protect_memory();
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
-    const auto& loop = flashed::node.loop;
-    const auto timing = hal::bit_timing(can_Hz, loop.bit_rate, xilinx_can::largest_prescaler);
+    bare_metal::tell(node_.verdict());
+    if (!node_.verdict().ok()) return StartResult::node_refused;
+    const auto& network = flashed::node.loop.network;
+    const auto timing = hal::bit_timing(can_Hz, network.bit_rate, xilinx_can::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
-    if (!port_.start({*timing, loop.bit_rate, accepted}, polls)) return StartResult::no_idle_bus;
-    const bool started = ticker_.start(core_Hz, loop.period) && watchdog_.start(watchdog_Hz, 3 * loop.period);
+    if (!port_.start({*timing, network.bit_rate, accepted}, polls)) return StartResult::no_idle_bus;
+    const bool started = ticker_.start(core_Hz, network.period) && watchdog_.start(watchdog_Hz, 3 * network.period);
     return started ? StartResult::running : StartResult::period_impossible;
   }
 
@@ -64,16 +65,27 @@ class CanNode {
   // Some 100 ns a poll over the peripherals' bus: 100 ms, in which a bus at 10 kbit/s is idle for 11 bits many times.
   static constexpr std::uint32_t polls = 1'000'000;
 
-  // All that the drive says, whatever the function, and the commands for this node: the rest stays out of the FIFO.
-  static constexpr std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters> accepted{
-      xilinx_can::Filter{0x07F, flashed::node.drive.node_id},
-      xilinx_can::Filter{0x7FF, static_cast<std::uint16_t>(0x200 + flashed::node.loop.node_id)}};
+  using Filters = std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters>;
+
+  // All that the drives say, whatever the function, and the commands for this node: the rest stays out of the FIFO. More
+  // drives than there are filters: everything comes in.
+  static constexpr Filters accept_ours() noexcept {
+    Filters wanted{};
+    if (flashed::node.count >= wanted.size()) return wanted;
+    std::size_t next = 0;
+    wanted[next++] = xilinx_can::Filter{canopen::whole_cob_id,
+                                        canopen::rpdo_cob_id(1, flashed::node.loop.network.node_id)};
+    for (std::size_t axis = 0; axis < flashed::node.count; ++axis)
+      wanted[next++] = xilinx_can::Filter{canopen::node_id_bits, flashed::node.axes[axis].drive.node_id};
+    return wanted;
+  }
+  static constexpr Filters accepted = accept_ours();
 
   Registers can_;
   SystemWatchdog watchdog_registers_;
   Port port_;
   Watchdog<SystemWatchdog> watchdog_;
-  firmware::ControlNode<Port> node_;
+  firmware::ControlNode<Port, flashed::node.capacity> node_;
   Ticker ticker_;
 };
 

@@ -1,20 +1,45 @@
-// Why a node does not run, for a debugger to read: `start_result` in the image's symbols.
+// Why a node does not run.
 #pragma once
 
 #include <cstdint>
+#include <string_view>
+
+#include "breakaway/bare_metal/start_message.hpp"
 
 namespace breakaway::zynqmp_r5 {
 
-enum class StartResult : std::uint32_t {
-  not_started,
+enum class StartResult : std::uint8_t {
   running,
-  configuration_refused,  // setup_detail says why (ControlNode::setup_status)
-  rate_impossible,        // this bit rate cannot be made of BREAKAWAY_CAN_HZ
-  no_idle_bus,            // the CAN controller has no clock or sees no 11 recessive bits
-  period_impossible,      // not a whole number of cycles of BREAKAWAY_CORE_HZ, or too long for the watchdog
+  node_refused,  // bare_metal::start_message says why
+  rate_impossible,
+  no_idle_bus,
+  period_impossible,
 };
 
-inline constinit volatile StartResult start_result = StartResult::not_started;
-inline constinit volatile std::uint32_t setup_detail = 0;
+constexpr std::string_view to_string(StartResult result) noexcept {
+  switch (result) {
+    case StartResult::running:
+      return "running";
+    case StartResult::node_refused:
+      return "the node is refused";
+    case StartResult::rate_impossible:
+      return "the bit rate cannot be made of BREAKAWAY_CAN_HZ and be sampled at 85 to 90 % of a bit: choose one that "
+             "divides it";
+    case StartResult::no_idle_bus:
+      return "the CAN controller has no clock or sees no 11 recessive bits: check clock and reset of the controller, "
+             "pins, transceiver, wiring and termination";
+    case StartResult::period_impossible:
+      return "the period is no whole number of cycles of BREAKAWAY_CORE_HZ, or above 0.4 s, which the watchdog needs";
+  }
+  return "unknown start result";
+}
+
+// Starts the node, and says how that went for a debugger to read.
+template <class Node>
+bool started(Node& node) noexcept {
+  const StartResult result = node.start();
+  if (result != StartResult::node_refused) bare_metal::tell(to_string(result));
+  return result == StartResult::running;
+}
 
 }  // namespace breakaway::zynqmp_r5

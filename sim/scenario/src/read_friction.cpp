@@ -20,8 +20,6 @@ constexpr Range frequency{0, 1e5, true};
 constexpr Range wavelength{1e-5, 1e12};
 constexpr Range dwell{1e-5, 1e12};
 
-ShapePtr read_shape(const Section& section);
-
 // Reads the keys that one kind has, beside the key `kind` itself.
 void read_keys(const Section& section, std::vector<Key> keys) {
   std::string kind;
@@ -124,6 +122,13 @@ constexpr std::array kinds{
     Kind{"complement", read_complement},
 };
 
+void require_ordered(const Section& section, std::string_view lower, double low, std::string_view upper, double up) {
+  if (low <= up) return;
+  section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
+}
+
+}  // namespace
+
 ShapePtr read_shape(const Section& section) {
   const auto kind = section.word("kind");
   std::string names;
@@ -139,13 +144,6 @@ ShapePtr read_shape(const Section& section) {
   section.fail("kind", fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : given, names));
 }
 
-void require_ordered(const Section& section, std::string_view lower, double low, std::string_view upper, double up) {
-  if (low <= up) return;
-  section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
-}
-
-}  // namespace
-
 model::FrictionLaw read_friction_law(const Section& section) {
   double lower_N = 0, upper_N = 0;
   ShapePtr shape = model::shape::constant(1);
@@ -153,32 +151,7 @@ model::FrictionLaw read_friction_law(const Section& section) {
                 required("upper_N", number(upper_N, "N", positive)),
                 optional("law", table([&](const Section& law) { shape = read_shape(law); }))});
   require_ordered(section, "lower_N", lower_N, "upper_N", upper_N);
-  return {law::FrictionBounds<double>{lower_N, upper_N}, std::move(shape)};
-}
-
-Friction read_friction(const Section& section, double mass_kg) {
-  Friction f;
-  const bool coefficients = section.has("mu_lower") || section.has("mu_upper") || section.has("gravity_m_s2");
-  double gravity_m_s2 = 0;
-  ShapePtr shape = model::shape::constant(1);
-  std::vector<Key> keys{
-      optional("smooth_slope_Ns_per_m", number(f.smooth_slope_Ns_per_m, "N s/m", {-1e12, 1e12})),
-      optional("law", table([&](const Section& law) { shape = read_shape(law); })),
-  };
-  const std::string_view lower = coefficients ? "mu_lower" : "lower_N", upper = coefficients ? "mu_upper" : "upper_N";
-  const std::string_view unit = coefficients ? "" : "N";
-  keys.push_back(required(lower, number(f.lower_N, unit, positive)));
-  keys.push_back(required(upper, number(f.upper_N, unit, positive)));
-  if (coefficients) keys.push_back(required("gravity_m_s2", number(gravity_m_s2, "m/s^2", positive)));
-  section.read(keys);
-  require_ordered(section, lower, f.lower_N, upper, f.upper_N);
-  if (coefficients) {
-    f.normal_force_N = mass_kg * gravity_m_s2;
-    f.lower_N *= *f.normal_force_N;
-    f.upper_N *= *f.normal_force_N;
-  }
-  f.law = model::FrictionLaw{law::FrictionBounds<double>{f.lower_N, f.upper_N}, std::move(shape)};
-  return f;
+  return {{lower_N, upper_N}, std::move(shape)};
 }
 
 }  // namespace breakaway::scenario

@@ -216,15 +216,6 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
   return s;
 }
 
-template <class Read>
-auto with_document(std::string_view text, const std::string& name, Read use) {
-  try {
-    return use(parse_toml(text, name));
-  } catch (const toml::parse_error& error) {
-    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
-  }
-}
-
 }  // namespace
 
 MachineScenario parse_machine_scenario(std::string_view text, const std::string& name) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
@@ -20,39 +21,41 @@ double resolution(double value) {
   return std::nextafter(std::fabs(value), std::numeric_limits<double>::infinity()) - std::fabs(value);
 }
 
-law::K3Table<double> kick_table(const scenario::Scenario& s, const law::AxisParameters<double>& p) {
-  const auto built = design::build_k3_table<double>(
-      {s.plant.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
-  return built.table;
+law::K3Table<double> kick_table(const law::AxisParameters<double>& p) {
+  return design::build_k3_table<double>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
+                                        p.stick_radius_upper_m())
+      .table;
 }
 
-class IdealScene {
+class IdealRun {
  public:
-  IdealScene(const scenario::Scenario& scene, const RecordingOptions& recording)
-      : scene_{scene},
-        parameters_{scenario::axis_parameters<double>(scene)},
-        table_{kick_table(scene, parameters_)},
+  IdealRun(const scenario::Scenario& s, std::size_t place, const RecordingOptions& recording)
+      : axis_{s.node.axes[place]},
+        duration_s_{s.run->duration_s},
+        parameters_{config::axis_parameters<double>(s.node, axis_)},
+        table_{kick_table(parameters_)},
         controller_{parameters_, table_},
-        slide_{scene.plant.mass_kg, scene.friction.law, {0, scene.plant.position_m, scene.plant.velocity_m_s}} {
+        slide_{axis_.mass_kg, s.worlds[place].friction, {0, s.worlds[place].position_m, s.worlds[place].velocity_m_s}} {
+    result_.name = axis_.name;
     if (recording.trace) record();
   }
 
-  Result run() {
-    const auto& changes = scene_.controller.targets;
-    double target_m = scene_.controller.target_m;
+  AxisResult run() {
+    const auto& changes = axis_.controller.targets;
+    double target_m = axis_.controller.target_m;
     for (std::size_t i = 0; i <= changes.size(); ++i) {
-      const double end_s =
-          i < changes.size() ? std::min(changes[i].time_s, scene_.run->duration_s) : scene_.run->duration_s;
+      const double end_s = i < changes.size() ? std::min(changes[i].time_s, duration_s_) : duration_s_;
       approach(target_m, end_s, i == changes.size());
       if (i < changes.size()) target_m = changes[i].position_m;
     }
     result_.final_error_m = error_m();
     result_.max_force_N = never;  // impulses have no finite force
-    result_.duration_s = slide_.state().time_s;
     result_.ideal = figures_;
     result_.ideal->steps = slide_.counters().steps;
     return std::move(result_);
   }
+
+  double time_s() const { return slide_.state().time_s; }
 
  private:
   double error_m() const { return slide_.state().position_m - target_m_; }
@@ -135,21 +138,27 @@ class IdealScene {
     });
   }
 
-  const scenario::Scenario& scene_;
+  const config::Axis& axis_;
+  double duration_s_;
   law::AxisParameters<double> parameters_;
   law::K3Table<double> table_;
   law::AxisController<double> controller_;
   motion::Slide slide_;
   double target_m_ = 0;
   IdealFigures figures_;
-  Result result_;
+  AxisResult result_;
 };
 
 }  // namespace
 
 Result run_ideal_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording) {
   const auto begin = std::chrono::steady_clock::now();
-  Result result = IdealScene{scenario, recording}.run();
+  Result result;
+  for (std::size_t place = 0; place < scenario.axes(); ++place) {
+    IdealRun axis{scenario, place, recording};
+    result.axes.push_back(axis.run());
+    result.duration_s = std::max(result.duration_s, axis.time_s());
+  }
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

@@ -2,58 +2,65 @@
 
 #include <fmt/format.h>
 
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/input/input_error.hpp"
-#include "breakaway/sil/run_bus_scenario.hpp"
 #include "breakaway/sil/run_ideal_scenario.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
 
 namespace breakaway::sil {
 namespace {
 
-void require(const scenario::Scenario& s, bool holds, const std::string& otherwise) {
-  if (!holds) throw InputError{s.file.empty() ? otherwise : s.file + ": " + otherwise};
-}
+using config::unlimited;
 
-void check_ideal(const scenario::Scenario& s) {
-  require(s, !s.drive && !s.bus, "[loop] is missing: a scene with a [drive] needs it");
-  require(s, s.controller.impulsive.has_value(),
-          "[loop] is missing: a pid controller runs in a loop only, with a [drive]");
-  require(s, s.controller.impulsive->kick == scenario::Kick::ideal,
-          "[controller] kick must be \"ideal\" in a scene without [loop]");
-  require(s,
-          s.controller.max_force_N == scenario::unlimited &&
-              s.controller.max_approach_speed_m_s == scenario::unlimited && s.controller.position_tolerance_m == 0,
+// Of one axis among several, the text says which.
+class Requirements {
+ public:
+  Requirements(const scenario::Scenario& s, const config::Axis* axis = nullptr)
+      : file_{s.node.file}, prefix_{axis != nullptr && s.axes() > 1 ? "axis " + axis->name + ": " : std::string{}} {}
+
+  void operator()(bool holds, const std::string& otherwise) const {
+    if (!holds) throw InputError{prefix_ + otherwise}.in_file(file_);
+  }
+
+ private:
+  const std::string& file_;
+  std::string prefix_;
+};
+
+void check_ideal(const scenario::Scenario& s, const config::Axis& axis) {
+  const Requirements require{s, &axis};
+  const config::Controller& c = axis.controller;
+  require(!axis.drive && !s.bus, "[loop] is missing: a scenario with a [drive] needs it");
+  require(c.impulsive.has_value(), "[loop] is missing: a pid controller runs in a loop only, with a [drive]");
+  require(c.impulsive->kick == config::Kick::ideal,
+          "[controller] kick must be \"ideal\" in a scenario without [loop]");
+  require(c.max_force_N == unlimited && c.max_approach_speed_m_s == unlimited && c.position_tolerance_m == 0,
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
 }
 
-void check_loop(const scenario::Scenario& s) {
-  require(s, s.drive.has_value(), "[drive] is missing: a scene with a [loop] needs it");
-  require(s, s.controller.max_force_N < scenario::unlimited,
-          "[controller] max_force_N is missing: a scene with a [drive] needs a limit that the drive can give");
-  require(
-      s, s.controller.max_force_N > s.friction.upper_N,
-      fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
-                  "move the axis",
-                  s.controller.max_force_N, s.friction.upper_N));
-  require(
-      s, s.controller.max_force_N <= scenario::drive_force_N(*s.drive) * (1 + 1e-12),
-      fmt::format("[controller] max_force_N is {}, but the [drive] gives {:.6g} N at most: lower it, or give the drive "
-                  "more torque",
-                  s.controller.max_force_N, scenario::drive_force_N(*s.drive)));
-  require(s, s.run->settle_tolerance_m > 0,
-          "[run] settle_tolerance_m is missing: say within which error a scene with a [loop] counts as settled");
+void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
+  const Requirements require{s, &axis};
+  require(axis.drive.has_value(), "[drive] is missing: a scenario with a [loop] needs it");
+  const double force_N = config::max_force_N(axis), friction_N = axis.friction.bounds.upper_N;
+  require(force_N > friction_N,
+          fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
+                      "move the axis",
+                      force_N, friction_N));
+  require(judged_tolerance_m(s.node, axis) > config::half_count_m(axis),
+          "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach");
 }
 
 }  // namespace
 
 void require_complete(const scenario::Scenario& s) {
-  require(s, s.run.has_value(), "[run] is missing: say how long to simulate with duration_s");
-  s.ideal() ? check_ideal(s) : check_loop(s);
+  Requirements{s}(s.run.has_value(), "[run] is missing: say how long to simulate with duration_s");
+  for (const config::Axis& axis : s.node.axes) s.ideal() ? check_ideal(s, axis) : check_sampled(s, axis);
 }
 
 Result run_scenario(const scenario::Scenario& s, const RecordingOptions& recording) {
   require_complete(s);
-  return s.ideal() ? run_ideal_scenario(s, recording) : run_bus_scenario(s, recording);
+  return s.ideal() ? run_ideal_scenario(s, recording) : run_loop_scenario(s, recording);
 }
 
 }  // namespace breakaway::sil

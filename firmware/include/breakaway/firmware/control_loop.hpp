@@ -12,13 +12,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
+#include <string_view>
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/sync.hpp"
+#include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/firmware/timing_statistics.hpp"
 #include "breakaway/hal/can_port.hpp"
@@ -36,6 +37,9 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
   { controller.shift_target(shift_m) } noexcept;
   { controller.reset() } noexcept;
   { controller.limit_force(shift_m) } noexcept;  // the actuator gives no more than this
+  { constant.period_s() } noexcept -> std::same_as<Scalar>;  // for which it was designed
+  { constant.encoder_resolution_m() } noexcept -> std::same_as<Scalar>;
+  { constant.max_force_N() } noexcept -> std::same_as<Scalar>;
   { constant.fault() } noexcept -> std::same_as<law::ControlFault>;
   { constant.mode() } noexcept -> std::same_as<law::Mode>;
 };
@@ -43,6 +47,7 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
 // A drive on the bus: MotorDrive, and the frames that make it one.
 template <class D, class Scalar>
 concept BusDrive = hal::MotorDrive<D, Scalar> &&
+    std::constructible_from<D, const typename D::Config&, const canopen::NetworkConfig&, const hal::AxisScale<Scalar>&> &&
     requires(D& drive, const D& constant, const hal::ReceivedFrame& in, hal::CanFrame& out, hal::Time now) {
   { drive.on_frame(in) } noexcept;
   { drive.on_sync(now) } noexcept;
@@ -50,6 +55,7 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
   { drive.next_acyclic_frame(out, now) } noexcept -> std::same_as<bool>;
   { drive.next_command_frame(out) } noexcept -> std::same_as<bool>;
   { constant.node_id() } noexcept -> std::same_as<std::uint8_t>;  // gets the frames of this node
+  { constant.encoder_resolution_m() } noexcept -> std::same_as<Scalar>;
   { constant.heartbeat_lost() } noexcept -> std::same_as<bool>;
   { constant.last_emcy() } noexcept -> std::same_as<const canopen::Emcy&>;
   { constant.emcy_count() } noexcept -> std::same_as<std::uint32_t>;  // messages since construction
@@ -57,12 +63,27 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
 
 // clang-format on
 
-struct LoopConfig {
-  hal::Duration period{};
-  std::uint32_t bit_rate = 1'000'000;
-  std::uint8_t node_id = 127;  // our own, as the drives' heartbeat consumers know it
-  hal::Duration heartbeat_period = std::chrono::milliseconds{50};
+// Why an axis is not taken into a loop.
+enum class AxisError : std::uint8_t {
+  none,
+  no_room,
+  period_differs,
+  node_id_taken,
 };
+
+constexpr std::string_view to_string(AxisError error) noexcept {
+  switch (error) {
+    case AxisError::none:
+      return "the axis is in the loop";
+    case AxisError::no_room:
+      return "the loop has no room for another axis: raise MaxAxes";
+    case AxisError::period_differs:
+      return "the controller was designed for another period than the loop's: design it again for this one";
+    case AxisError::node_id_taken:
+      return "the drive's node id is that of another drive or of the loop itself: give each its own";
+  }
+  return "unknown axis error";
+}
 
 // What one axis did in the last step: for logs and displays.
 template <class Scalar>
@@ -73,67 +94,95 @@ struct AxisStatus {
   bool running = false;  // enabled and under control
 };
 
+// Not for use by several threads at once. Axes are named by the AxisId that add_axis() gives: a call with one of
+// another loop, or of an axis that was refused, changes nothing.
 template <hal::CanPort Port, class Drive, class Controller, class Scalar, std::size_t MaxAxes = 8>
 requires BusDrive<Drive, Scalar> && AxisLaw<Controller, Scalar>
 class ControlLoop {
  public:
+  class AxisId {
+   public:
+    constexpr std::size_t index() const noexcept { return index_; }  // in the order in which the axes were added
+    friend constexpr bool operator==(AxisId, AxisId) = default;
+
+   private:
+    friend class ControlLoop;
+    constexpr explicit AxisId(std::size_t index) noexcept : index_{index} {}
+    std::size_t index_;
+  };
+
+  struct AddedAxis {
+    std::optional<AxisId> id;  // nothing: it was refused
+    AxisError error = AxisError::none;
+  };
+
   ControlLoop(Port& port, const LoopConfig& config) noexcept
       : port_{&port},
         config_{config},
-        statistics_{config.period},
-        heartbeat_{config.node_id, config.heartbeat_period} {}
+        statistics_{config.network.period},
+        heartbeat_{config.network.node_id, config.network.heartbeat_period} {}
 
-  // Before the first step. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop
-  // the axis. invalid_argument: no room for another axis.
-  hal::Status add_axis(const Drive& drive, const Controller& controller, AxisLimits<Scalar> limits,
-                       Scalar encoder_resolution_m) noexcept {
-    if (count_ == MaxAxes) return {hal::StatusCode::invalid_argument, static_cast<std::uint32_t>(MaxAxes)};
-    if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
-    axes_[count_++].emplace(drive, controller, limits, encoder_resolution_m);
-    return {};
+  // Before the first step. The drive is made for this loop's network and the controller's scale, so that nothing is
+  // said twice. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop the axis.
+  AddedAxis add_axis(const typename Drive::Config& drive, const Controller& controller,
+                     AxisLimits<Scalar> limits) noexcept {
+    if (count_ == MaxAxes) return {{}, AxisError::no_room};
+    const auto period_s = static_cast<Scalar>(config_.network.period.count()) * Scalar(1e-9);
+    if (!(std::abs(controller.period_s() - period_s) <= Scalar(1e-6) * period_s))
+      return {{}, AxisError::period_differs};
+    if (taken(drive.node_id)) return {{}, AxisError::node_id_taken};
+    if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.network.period * 5 / 2;
+    const hal::AxisScale<Scalar> scale{controller.encoder_resolution_m(), controller.max_force_N()};
+    axes_[count_].emplace(Drive{drive, config_.network, scale}, controller, limits);
+    return {AxisId{count_++}};
   }
 
   // Whether this many axes at this rate fit the bus; the figures are in canopen::bus_budget().
-  hal::Status check_configuration() const noexcept {
-    return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.period, config_.bit_rate);
+  canopen::BusFit check_bus() const noexcept {
+    return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.network.period, config_.network.bit_rate);
+  }
+
+  // The axis that was added at this place, for a caller who has a number only.
+  std::optional<AxisId> axis(std::size_t index) const noexcept {
+    if (index < count_) return AxisId{index};
+    return {};
   }
 
   // The axis is to be enabled as soon as its drive is set up, and kept enabled.
-  void request_enable(std::size_t axis) noexcept { axes_[axis]->wanted = true; }
+  void request_enable(AxisId id) noexcept {
+    if (Axis* const a = find(id)) a->wanted = true;
+  }
 
-  // The axis is to stop and stay disabled. Cannot fail.
-  void request_stop(std::size_t axis) noexcept {
-    axes_[axis]->wanted = false;
-    axes_[axis]->drive.request_stop();
+  // The axis is to stop and stay disabled. Cannot fail: an axis that there is stops, and there is no other.
+  void request_stop(AxisId id) noexcept {
+    if (Axis* const a = find(id)) {
+      a->wanted = false;
+      a->drive.request_stop();
+    }
   }
 
   // Acknowledges a latched fault; the drive is enabled again if it is still wanted.
-  void reset_fault(std::size_t axis) noexcept {
-    Axis& a = *axes_[axis];
-    a.supervisor.reset();
-    a.controller.reset();
-    a.drive.reset_fault();
-    a.reset_periods = static_cast<std::int32_t>(reset_time / config_.period);
+  void reset_fault(AxisId id) noexcept {
+    Axis* const a = find(id);
+    if (a == nullptr) return;
+    a->supervisor.reset();
+    a->controller.reset();
+    a->drive.reset_fault();
+    a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
   // The target as an encoder count: exact at any distance from zero, in any scalar type. May be called at any time.
-  void set_target_counts(std::size_t axis, std::int32_t counts) noexcept {
-    Axis& a = *axes_[axis];
-    // The difference of two int32 may need 33 bits.
-    const auto shift = static_cast<std::int64_t>(counts) - static_cast<std::int64_t>(a.target_counts);
-    const Scalar shift_m = static_cast<Scalar>(shift) * a.encoder_resolution_m;
-    a.target_counts = counts;
-    a.drive.set_datum_counts(counts);
-    a.controller.shift_target(shift_m);
-    a.supervisor.begin_motion(a.last_error_m - shift_m);
-    a.last_error_m -= shift_m;
+  void set_target_counts(AxisId id, std::int32_t counts) noexcept {
+    if (Axis* const a = find(id)) move_target(*a, counts);
   }
 
   // The target in metres, rounded to the nearest encoder count.
-  void set_target_m(std::size_t axis, Scalar target_m) noexcept {
+  void set_target_m(AxisId id, Scalar target_m) noexcept {
     constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
-    set_target_counts(
-        axis, static_cast<std::int32_t>(law::limited(std::round(target_m / axes_[axis]->encoder_resolution_m), most)));
+    Axis* const a = find(id);
+    if (a == nullptr) return;
+    move_target(*a, static_cast<std::int32_t>(
+                        law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
   }
 
   // One period. `now` is the time at which the step starts; nothing in it waits.
@@ -141,25 +190,26 @@ class ControlLoop {
     statistics_.begin(now);
     receive();
     for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
+    if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
     send(now);
   }
 
   std::size_t axes() const noexcept { return count_; }
-  const AxisStatus<Scalar>& status(std::size_t axis) const noexcept { return axes_[axis]->status; }
-  const Drive& drive(std::size_t axis) const noexcept { return axes_[axis]->drive; }
-  const Controller& controller(std::size_t axis) const noexcept { return axes_[axis]->controller; }
-  const Supervisor<Scalar>& supervisor(std::size_t axis) const noexcept { return axes_[axis]->supervisor; }
+  // An id of another loop shows the first axis.
+  const AxisStatus<Scalar>& status(AxisId id) const noexcept { return shown(id).status; }
+  const Drive& drive(AxisId id) const noexcept { return shown(id).drive; }
+  const Controller& controller(AxisId id) const noexcept { return shown(id).controller; }
+  const Supervisor<Scalar>& supervisor(AxisId id) const noexcept { return shown(id).supervisor; }
   const TimingStatistics& statistics() const noexcept { return statistics_; }
   std::uint64_t refused_frames() const noexcept { return refused_frames_; }
 
  private:
   struct Axis {
-    Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits, Scalar resolution_m) noexcept
-        : drive{d}, controller{c}, supervisor{limits}, encoder_resolution_m{resolution_m} {}
+    Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits) noexcept
+        : drive{d}, controller{c}, supervisor{limits} {}
     Drive drive;
     Controller controller;
     Supervisor<Scalar> supervisor;
-    Scalar encoder_resolution_m;
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     std::uint32_t emergencies_seen = 0;
@@ -172,6 +222,27 @@ class ControlLoop {
 
   // A step takes in at most what a full bus can bring in a period of 10 ms at 1 Mbit/s; the rest waits in the port.
   static constexpr int max_frames_per_step = 256;
+
+  const Axis& shown(AxisId id) const noexcept { return *axes_[id.index_ < count_ ? id.index_ : 0]; }
+  Axis* find(AxisId id) noexcept { return id.index_ < count_ ? &*axes_[id.index_] : nullptr; }
+
+  bool taken(std::uint8_t node_id) const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (axes_[i]->drive.node_id() == node_id) return true;
+    }
+    return node_id == config_.network.node_id;
+  }
+
+  void move_target(Axis& a, std::int32_t counts) noexcept {
+    // The difference of two int32 may need 33 bits.
+    const auto shift = static_cast<std::int64_t>(counts) - static_cast<std::int64_t>(a.target_counts);
+    const Scalar shift_m = static_cast<Scalar>(shift) * a.drive.encoder_resolution_m();
+    a.target_counts = counts;
+    a.drive.set_datum_counts(counts);
+    a.controller.shift_target(shift_m);
+    a.supervisor.begin_motion(a.last_error_m - shift_m);
+    a.last_error_m -= shift_m;
+  }
 
   void receive() noexcept {
     hal::ReceivedFrame received;
@@ -220,6 +291,22 @@ class ControlLoop {
            (was_running || feedback.fresh);
   }
 
+  // One axis with a fault stops all that are wanted.
+  void stop_together(hal::Time now) noexcept {
+    bool any = false;
+    for (std::size_t i = 0; i < count_; ++i) any = any || axes_[i]->status.fault != AxisFault::none;
+    if (!any) return;
+    for (std::size_t i = 0; i < count_; ++i) {
+      Axis& a = *axes_[i];
+      if (!a.wanted || a.status.fault != AxisFault::none) continue;
+      a.supervisor.latch(AxisFault::stopped_with_another, 0, now);
+      a.drive.request_stop();
+      a.status.fault = AxisFault::stopped_with_another;
+      a.status.output = {};
+      a.status.running = false;
+    }
+  }
+
   // A drive that is in fault before it ever ran, or that a reset did not help, is named as well.
   void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, hal::Time now) noexcept {
     if (a.reset_periods > 0) --a.reset_periods;
@@ -243,7 +330,7 @@ class ControlLoop {
 
   // Frames still queued when the next step starts are stale by then: the port drops them.
   void send(hal::Time now) noexcept {
-    const hal::Time deadline = now + config_.period;
+    const hal::Time deadline = now + config_.network.period;
     hal::CanFrame frame;
     for (std::size_t i = 0; i < count_; ++i) {
       if (axes_[i]->drive.next_command_frame(frame)) transmit(frame, deadline);
@@ -264,7 +351,7 @@ class ControlLoop {
   }
 
   void transmit(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (!port_->send(frame, deadline).ok()) ++refused_frames_;
+    if (port_->send(frame, deadline) != hal::SendResult::queued) ++refused_frames_;
   }
 
   Port* port_;

@@ -1,83 +1,68 @@
 // ControlNode: a whole controller on one bus, commanded by another node. A target's main() adds a port and a tick.
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/firmware/flashed_node.hpp"
 #include "breakaway/firmware/remote_control.hpp"
 #include "breakaway/law/axis_controller.hpp"
-#include "breakaway/law/flashed_axis.hpp"
 
 namespace breakaway::firmware {
 
-// A node of one axis. The axis must outlive it.
-template <class Scalar>
-struct NodeConfig {
-  LoopConfig loop{};
-  cia402::DriveConfig<Scalar> drive{};
-  AxisLimits<Scalar> limits{};
-  const law::FlashedAxis<Scalar>* axis = nullptr;
-};
+// The axes of a node that verify() has found to be good, in a loop with room for them. The node must outlive the loop.
+template <class Loop, class Scalar, std::size_t Axes>
+void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
+  for (std::size_t i = 0; i < node.count; ++i) {
+    const FlashedAxis<Scalar>& axis = node.axes[i];
+    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table}, axis.limits));
+  }
+}
 
-template <hal::CanPort Port, class Scalar = float>
+template <hal::CanPort Port, std::size_t Axes, class Scalar = float>
 class ControlNode {
  public:
-  // Periods between two status frames.
+  // Periods between two status frames of an axis.
   static constexpr std::uint32_t status_interval = 50;
 
-  ControlNode(Port& port, const NodeConfig<Scalar>& config) noexcept
-      : config_{config}, port_{port, config.loop.node_id}, loop_{port_, config.loop} {
-    setup_ = check();
-    if (!setup_.ok()) return;
-    const Controller controller{config.axis->parameters, config.axis->k3_table};
-    setup_ = loop_.add_axis(cia402::Drive<Scalar>{config.drive}, controller, config.limits,
-                            config.drive.encoder_resolution_m);
-    if (setup_.ok()) setup_ = loop_.check_configuration();
+  // The flashed node must outlive this one.
+  ControlNode(Port& port, const FlashedNode<Scalar, Axes>& node) noexcept
+      : network_{node.loop.network}, port_{port, network_.node_id}, loop_{port_, node.loop}, verdict_{verify(node)} {
+    if (verdict_.ok()) add_axes(loop_, node);
   }
 
-  // ok, or what keeps this configuration from running: then step() does nothing. invalid_argument with detail 100 and
-  // the law::FlashedAxisError added: the axis is damaged or was not certified like this; 200: drive or loop contradict
-  // it; 1 to 9: as cia402::check. bus_overload: as ControlLoop::check_configuration.
-  hal::Status setup_status() const noexcept { return setup_; }
+  // What keeps the node from running, if anything does: then step() does nothing, and the bus stays silent.
+  NodeVerdict verdict() const noexcept { return verdict_; }
 
   // Once a period.
   void step(hal::Time now) noexcept {
-    if (!setup_.ok()) return;
-    if (const auto command = port_.take_command(0)) remote_.apply(loop_, *command);
+    if (!verdict_.ok()) return;
+    for (std::size_t i = 0; i < loop_.axes(); ++i) {
+      if (const auto command = port_.take_command(i)) remote_[i].apply(loop_, *loop_.axis(i), *command);
+    }
     loop_.step(now);
-    if (++periods_ % status_interval == 0)
-      static_cast<void>(port_.send(status_frame(loop_, 0, config_.loop.node_id), now + config_.loop.period));
+    tell(now);
   }
 
  private:
-  using Controller = law::AxisController<Scalar>;
-  using Tap = CommandedPort<Port, 1>;
-  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, Controller, Scalar, 1>;
+  using Tap = CommandedPort<Port, Axes>;
+  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar>, Scalar, Axes>;
 
-  hal::Status check() const noexcept {
-    if (config_.axis == nullptr) return {hal::StatusCode::invalid_argument, 200};
-    const auto error = law::verify(*config_.axis);
-    if (error != law::FlashedAxisError::none)
-      return {hal::StatusCode::invalid_argument, 100 + static_cast<std::uint32_t>(error)};
-    if (const hal::Status drive = cia402::check(config_.drive); !drive.ok()) return drive;
-    const law::AxisParameters<Scalar>& p = config_.axis->parameters;
-    const auto period_ns = static_cast<Scalar>(config_.loop.period.count());
-    const bool agree = same(config_.drive.encoder_resolution_m, p.encoder_resolution_m) &&
-                       same(config_.drive.max_force_N, p.max_force_N) && same(p.period_s * Scalar(1e9), period_ns) &&
-                       config_.loop.period == config_.drive.period;
-    return agree ? hal::Status{} : hal::Status{hal::StatusCode::invalid_argument, 200};
+  // The axes take turns, so that no period has more than one status frame.
+  void tell(hal::Time now) noexcept {
+    static_assert(Axes <= status_interval);
+    if (const auto axis = loop_.axis(++periods_ % status_interval))
+      static_cast<void>(port_.send(status_frame(loop_, *axis, network_.node_id), now + network_.period));
   }
 
-  // To the rounding of float.
-  static bool same(Scalar a, Scalar b) noexcept { return std::abs(a - b) <= Scalar(1e-6) * std::abs(b); }
-
-  NodeConfig<Scalar> config_;
+  canopen::NetworkConfig network_;
   Tap port_;
   Loop loop_;
-  RemoteAxis remote_;
-  hal::Status setup_;
+  std::array<RemoteAxis, Axes> remote_{};
+  NodeVerdict verdict_;
   std::uint32_t periods_ = 0;
 };
 

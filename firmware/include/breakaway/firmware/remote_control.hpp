@@ -1,9 +1,10 @@
 // How another node on the bus commands a controller node, and what it is told: the controller's own first PDOs.
 //
-//   command, 200h + node id, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
-//   status,  180h + node id, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
+//   command, RPDO1 of the node, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
+//   status,  TPDO1 of the node, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
 //
-// Little-endian. The reset acts on its rising edge, the rest as long as it is said. Nothing moves before a command.
+// Little-endian; the axes of a node count from 0. The reset acts on its rising edge, the rest as long as it is said.
+// Nothing moves before a command.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/hal/can_port.hpp"
 
 namespace breakaway::firmware {
@@ -25,13 +27,13 @@ struct MotionCommand {
 };
 
 inline std::optional<MotionCommand> decode_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
-  if (frame.id != 0x200U + node_id || frame.remote || frame.size != 8) return {};
+  if (frame.id != canopen::rpdo_cob_id(1, node_id) || frame.remote || frame.size != 8) return {};
   const auto target = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
   return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, target};
 }
 
 inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t node_id) noexcept {
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x200U + node_id), .size = 8};
+  hal::CanFrame frame{.id = canopen::rpdo_cob_id(1, node_id), .size = 8};
   frame.data[0] = command.axis;
   frame.data[1] = static_cast<std::uint8_t>((command.enable ? 1U : 0U) | (command.reset_fault ? 2U : 0U));
   canopen::store_little_endian(frame.data, command.target_counts, 4);
@@ -45,7 +47,7 @@ class CommandedPort {
  public:
   CommandedPort(Port& port, std::uint8_t node_id) noexcept : port_{&port}, node_id_{node_id} {}
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept { return port_->send(frame, deadline); }
+  hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept { return port_->send(frame, deadline); }
   bool receive(hal::ReceivedFrame& received) noexcept {
     while (port_->receive(received)) {
       const auto command = decode_command(received.frame, node_id_);
@@ -57,7 +59,7 @@ class CommandedPort {
   void purge_transmit_queue() noexcept { port_->purge_transmit_queue(); }
   hal::BusState bus_state() const noexcept { return port_->bus_state(); }
 
-  // The newest command, if one came since the last call.
+  // The newest command, if one came since the last call. axis: below MaxAxes.
   std::optional<MotionCommand> take_command(std::size_t axis) noexcept {
     return std::exchange(commands_[axis], std::nullopt);
   }
@@ -68,12 +70,11 @@ class CommandedPort {
   std::array<std::optional<MotionCommand>, MaxAxes> commands_{};
 };
 
-// Carries commands out on a ControlLoop, and tells its status. One object for each axis.
+// Carries the commands for one axis out on a ControlLoop.
 class RemoteAxis {
  public:
   template <class Loop>
-  void apply(Loop& loop, const MotionCommand& command) noexcept {
-    const std::size_t axis = command.axis;
+  void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command) noexcept {
     if (command.target_counts != last_.target_counts) loop.set_target_counts(axis, command.target_counts);
     if (command.reset_fault && !last_.reset_fault) loop.reset_fault(axis);
     if (command.enable && !last_.enable) loop.request_enable(axis);
@@ -85,11 +86,12 @@ class RemoteAxis {
   MotionCommand last_{};
 };
 
+// What is told of an axis.
 template <class Loop>
-hal::CanFrame status_frame(const Loop& loop, std::size_t axis, std::uint8_t node_id) noexcept {
+hal::CanFrame status_frame(const Loop& loop, typename Loop::AxisId axis, std::uint8_t node_id) noexcept {
   const auto& status = loop.status(axis);
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x180U + node_id), .size = 8};
-  frame.data = {static_cast<std::uint8_t>(axis), static_cast<std::uint8_t>(status.fault),
+  hal::CanFrame frame{.id = canopen::tpdo_cob_id(1, node_id), .size = 8};
+  frame.data = {static_cast<std::uint8_t>(axis.index()), static_cast<std::uint8_t>(status.fault),
                 static_cast<std::uint8_t>(status.output.mode), static_cast<std::uint8_t>(status.feedback.state)};
   canopen::store_little_endian(frame.data, loop.drive(axis).position_counts(), 4);
   return frame;

@@ -30,7 +30,8 @@ enum class AxisFault : std::uint8_t {
   axis_jammed,
   position_diverging,
   bus_off,         // the CAN controller left the bus
-  drive_unusable,  // set-up failed
+  drive_unusable,        // set-up failed
+  stopped_with_another,  // another axis of the node has a fault, and the node stops them together
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -65,6 +66,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "bus off";
     case AxisFault::drive_unusable:
       return "drive unusable";
+    case AxisFault::stopped_with_another:
+      return "stopped with another axis";
   }
   return "unknown axis fault";
 }
@@ -72,6 +75,7 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
 template <class Scalar>
 struct AxisLimits {
   static constexpr Scalar unlimited = std::numeric_limits<Scalar>::infinity();
+  static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
   Scalar position_min_m = -unlimited;
   Scalar position_max_m = unlimited;
   Scalar speed_m_s = unlimited;

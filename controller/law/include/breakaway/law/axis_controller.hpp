@@ -82,6 +82,9 @@ class AxisController {
   Scalar velocity_m_s() const noexcept { return velocity_.velocity_m_s(); }
   std::uint32_t kicks() const noexcept { return kicks_; }
   const Parameters& parameters() const noexcept { return p_; }
+  Scalar period_s() const noexcept { return p_.period_s; }
+  Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
+  Scalar max_force_N() const noexcept { return p_.max_force_N; }
 
  private:
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();

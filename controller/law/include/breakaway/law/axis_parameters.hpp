@@ -4,7 +4,6 @@
 // reads kg m^2, N m and rad for kg, N and m.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string_view>
@@ -92,17 +91,19 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
 
 // The first rule that the parameters break. Written so that a NaN breaks the rule that it stands in.
 template <class Scalar>
-ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
+constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
   const auto positive = [](Scalar value) { return value > 0 && value < infinity; };
   const auto not_negative = [](Scalar value) { return value >= 0 && value < infinity; };
   if (!positive(p.mass_kg)) return ParameterError::mass_not_positive;
   if (!positive(p.stiffness_N_per_m)) return ParameterError::stiffness_not_positive;
-  const Scalar critical = 2 * std::sqrt(p.stiffness_N_per_m * p.mass_kg);
-  if (!(p.approach_damping_Ns_per_m > 0 && p.approach_damping_Ns_per_m < critical))
-    return ParameterError::approach_not_underdamped;
-  if (!(p.kick_damping_Ns_per_m > critical && p.kick_damping_Ns_per_m < infinity))
-    return ParameterError::kick_not_overdamped;
+  // zeta^2 = k^2 / (4 k1 m) against 1: a square root is no constant expression.
+  const auto squared_ratio = [&p](Scalar damping) {
+    return damping / (4 * p.mass_kg) * (damping / p.stiffness_N_per_m);
+  };
+  const Scalar k21 = p.approach_damping_Ns_per_m, k22 = p.kick_damping_Ns_per_m;
+  if (!(k21 > 0 && squared_ratio(k21) < 1)) return ParameterError::approach_not_underdamped;
+  if (!(squared_ratio(k22) > 1 && k22 > 0 && k22 < infinity)) return ParameterError::kick_not_overdamped;
   if (!positive(p.friction.lower_N)) return ParameterError::friction_lower_not_positive;
   if (!(p.friction.upper_N >= p.friction.lower_N && p.friction.upper_N < infinity))
     return ParameterError::friction_bounds_reversed;

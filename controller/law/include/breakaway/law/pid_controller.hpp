@@ -64,6 +64,9 @@ class PidController {
   Mode mode() const noexcept { return fault_ == ControlFault::none ? Mode::approach : Mode::fault; }
   Scalar velocity_m_s() const noexcept { return velocity_.velocity_m_s(); }
   std::uint32_t kicks() const noexcept { return 0; }
+  Scalar period_s() const noexcept { return p_.period_s; }
+  Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
+  Scalar max_force_N() const noexcept { return p_.max_force_N; }
 
  private:
   ControlOutput<Scalar> without_sample() noexcept {

@@ -44,4 +44,14 @@ inline toml::table parse_toml(std::string_view text, std::string_view name) {
   return toml::parse(text);
 }
 
+// use(document) for the document that the text is. Throws InputError for a text that is none.
+template <class Use>
+auto with_document(std::string_view text, const std::string& name, Use use) {
+  try {
+    return use(parse_toml(text, name));
+  } catch (const toml::parse_error& error) {
+    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
+  }
+}
+
 }  // namespace breakaway::config

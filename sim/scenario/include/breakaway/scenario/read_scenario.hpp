@@ -1,4 +1,4 @@
-// Scenarios from TOML files.
+// Scenarios from TOML files: the node's keys are read by firmware/config, those of the world here.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace breakaway::scenario {
 
-// Throws InputError: file not readable, TOML syntax, unknown or missing key, wrong type, value outside its range, or
-// parts that do not fit together. Keys, units and ranges stand in read_scenario.cpp, one row each.
+// Throws InputError as config::read_node, and for the keys of the simulation, which stand in read_scenario.cpp, one row
+// each.
 Scenario read_scenario(const std::filesystem::path& file);
 
 // The same from text; `name` stands for the file in errors.

@@ -1,6 +1,7 @@
 // What a scene gives: figures for people and scripts, and samples for pictures if they were asked for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -73,21 +74,28 @@ struct Reached {
   double time_s = 0;
 };
 
-struct Result {
+struct AxisResult {
+  std::string name;
   bool settled = false;
   double settling_time_s = 0;  // since the last target change; NaN if never settled
   double final_error_m = 0;    // position - target
   double max_force_N = 0;      // largest |force| of the actuator; NaN for the ideal law, which has impulses
-  double duration_s = 0;       // simulated
-  double wall_s = 0;           // taken by the computation
   std::vector<KickRecord> kicks;
   std::vector<FaultRecord> faults;
   std::optional<IdealFigures> ideal;
-  std::optional<LoopFigures> loop;
-  std::vector<Reached> reached;  // scenes on the bus: 1 mm, 0.1 mm, 10 um and the settling tolerance
-  bool limit_cycle = false;      // scenes on the bus: not settled, and set in motion again and again in the last second
+  std::vector<Reached> reached;  // scenarios on the bus: 1 mm, 0.1 mm, 10 um and the tolerance that is judged
+  bool limit_cycle = false;      // scenarios on the bus: not settled, and set in motion again and again in the last second
   std::vector<Sample> trace;
+};
+
+struct Result {
+  double duration_s = 0;         // simulated
+  double wall_s = 0;             // taken by the computation
+  std::vector<AxisResult> axes;  // as the scenario has them
+  std::optional<LoopFigures> loop;
   std::vector<TimedFrame> frames;
+
+  bool settled() const { return std::ranges::all_of(axes, &AxisResult::settled); }
 };
 
 }  // namespace breakaway::sil

@@ -1,0 +1,21 @@
+// The axes of a node as controller/design examines them: what `breakaway design` shows and what a node asks of itself
+// before it starts.
+#pragma once
+
+#include <vector>
+
+#include "breakaway/config/node.hpp"
+#include "breakaway/design/report.hpp"
+
+namespace breakaway::config {
+
+// Throws InputError: a PID, or no accuracy asked for.
+design::AxisDesign axis_design(const Node& node, const Axis& axis);
+
+// Every axis, in the order of the file. Throws InputError as axis_design(), and when the axes do not fit the bus.
+std::vector<design::DesignReport> examine(const Node& node);
+
+// Throws InputError with the axis and the first reason unless every axis is certified.
+void require_certified(const Node& node, const std::vector<design::DesignReport>& reports);
+
+}  // namespace breakaway::config

@@ -1,0 +1,21 @@
+// From a node's description to the parameters of the control law, in the scalar type that it computes in.
+#pragma once
+
+#include "breakaway/config/node.hpp"
+#include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/pid_controller.hpp"
+
+namespace breakaway::config {
+
+// The most that the law asks for: what the file allows it, and what the drive can give.
+double max_force_N(const Axis& axis);
+
+// Requires axis.controller.impulsive. Real: float or double.
+template <class Real>
+law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis);
+
+// Requires axis.controller.pid and axis.drive.
+template <class Real>
+law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis);
+
+}  // namespace breakaway::config

@@ -1,0 +1,41 @@
+// From a node's description to what is flashed, and to the C++ header that an image is compiled with.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "breakaway/config/node.hpp"
+#include "breakaway/design/report.hpp"
+#include "breakaway/firmware/flashed_node.hpp"
+
+namespace breakaway::config {
+
+inline constexpr std::size_t most_axes = 8;
+
+// The parts of a node as the loop is told them. Require node.loop and a drive. Real: float or double.
+firmware::LoopConfig loop_config(const Node& node);
+template <class Real>
+cia402::DriveConfig<Real> drive_config(const Axis& axis);
+template <class Real>
+firmware::AxisLimits<Real> axis_limits(const Axis& axis);
+
+template <class Real>
+using AnyNode = firmware::FlashedNode<Real, most_axes>;
+
+// The node with its kick tables, not certified: for simulation. Requires node.loop, and of every axis a drive and
+// impulsive gains. Throws InputError for numbers that the scalar type cannot hold. Real: float or double.
+template <class Real>
+AnyNode<Real> flashed(const Node& node);
+
+// The same, certified, under its checksum. Throws InputError as require_certified(), and when firmware::verify() finds
+// something else.
+AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
+
+// The header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace breakaway::flashed, after
+// a statement of what was certified and on which conditions. Numbers are hexadecimal, so that they are exact; the
+// compiler checks the checksum and that nothing contradicts itself. `source`: the file, for the statement.
+std::string node_header(const AnyNode<float>& flashed, const Node& node,
+                        const std::vector<design::DesignReport>& reports);
+
+}  // namespace breakaway::config

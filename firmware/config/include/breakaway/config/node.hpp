@@ -1,0 +1,138 @@
+// Node: a controller node and its axes, described once. What is flashed, started, checked, certified or simulated
+// comes from here; where each number stands in the file is said in read_node.cpp, one row each.
+//
+// [I]: van de Wouw and Leine, Impulsive Control of Mechanical Motion Systems with Uncertain Friction. SI units; a
+// rotary axis reads kg m^2, N m and rad for kg, N and m.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "breakaway/firmware/fault_scope.hpp"
+#include "breakaway/hal/time.hpp"
+#include "breakaway/law/friction_bounds.hpp"
+
+namespace breakaway::config {
+
+inline constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+// The friction that the axis is designed for (Assumption 1 of [I]).
+struct Friction {
+  law::FrictionBounds<double> bounds{1, 1};
+  double smooth_slope_Ns_per_m = 0;        // dF_sm/dv at rest of Proposition 3
+  std::optional<double> normal_force_N{};  // m g where the file states coefficients: pictures then show coefficients
+};
+
+enum class Kick : std::uint8_t { ideal, two_phase, naive };
+
+// Gains of the switching impulsive law (16).
+struct ImpulsiveGains {
+  double stiffness_N_per_m = 0;          // k1
+  double approach_damping_Ns_per_m = 0;  // k21
+  double kick_damping_Ns_per_m = 0;      // k22
+  Kick kick = Kick::ideal;
+};
+
+struct PidGains {
+  double proportional_N_per_m = 0;
+  double integral_N_per_ms = 0;
+  double derivative_Ns_per_m = 0;
+};
+
+struct TargetChange {
+  double time_s = 0;
+  double position_m = 0;
+};
+
+struct Controller {
+  std::optional<ImpulsiveGains> impulsive;  // exactly one of impulsive and pid is there
+  std::optional<PidGains> pid;
+  double max_force_N = unlimited;
+  double max_approach_speed_m_s = unlimited;
+  double position_tolerance_m = 0;    // at rest within this the axis is left alone; 0: never
+  double target_m = 0;                // at the start
+  std::vector<TargetChange> targets;  // in the order of time
+};
+
+// The drive on the bus, as the file describes it.
+struct Drive {
+  std::uint8_t node_id = 1;
+  std::uint32_t rated_torque_mNm = 1000;      // 6076h
+  std::uint32_t rated_current_mA = 1000;      // 6075h
+  std::uint16_t max_torque_per_mille = 3000;  // 6072h
+  std::optional<double> peak_force_N{};       // what the motor gives at most, where that is less
+  double force_per_torque_N_per_Nm = 1;       // transmission: 1 / lever
+  double encoder_resolution_m = 1e-6;         // one count
+  double current_loop_time_constant_s = 0;    // first-order lag from demand to force
+  bool invert_direction = false;              // the drive's positive direction is the axis' negative one
+  hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
+  hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
+  hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer
+
+  // Force at the axis of one per mille of the rated torque, the step in which force can be commanded.
+  double force_quantum_N() const { return 1e-6 * rated_torque_mNm * force_per_torque_N_per_Nm; }
+  // The most that the motor gives at the axis.
+  double max_force_N() const {
+    return std::min(max_torque_per_mille * force_quantum_N(), peak_force_N.value_or(unlimited));
+  }
+};
+
+// What the supervisor stops the axis for.
+struct Limits {
+  double position_min_m = -unlimited;
+  double position_max_m = unlimited;
+  double speed_m_s = unlimited;
+  double force_N = unlimited;  // of the force that the drive reports
+  double following_error_m = unlimited;
+  std::optional<hal::Duration> feedback_timeout{};  // age of the newest sample; nothing: two and a half periods
+};
+
+struct Axis {
+  std::string name;  // unique in the node
+  double mass_kg = 0;
+  Friction friction;
+  Controller controller;
+  std::optional<Drive> drive;
+  Limits limits;
+};
+
+struct Loop {
+  hal::Duration period{};
+  std::uint8_t node_id = 127;  // the node's own on the bus
+  hal::Duration heartbeat_period{std::chrono::milliseconds{50}};
+  firmware::FaultScope fault_scope = firmware::FaultScope::axis;
+};
+
+struct Node {
+  std::string file;  // where it was read from, for errors
+  std::string title;
+  std::optional<Loop> loop;               // absent: the ideal law, which nothing samples
+  std::optional<std::uint32_t> bit_rate;  // of the bus; present where there is a drive
+  double settle_tolerance_m = 0;          // [run]: within which true error an axis counts as settled; 0: see below
+  std::vector<Axis> axes;                 // at least one
+
+  double period_s() const { return loop ? std::chrono::duration<double>(loop->period).count() : 0; }
+};
+
+// The law holds to a reading, which is half a count off the truth at most.
+inline double half_count_m(const Axis& axis) { return axis.drive ? axis.drive->encoder_resolution_m / 2 : 0; }
+
+// The tolerance of the reading that the law holds to, and that is flashed and certified: position_tolerance_m, or else
+// what keeps the true error within settle_tolerance_m.
+inline double tolerance_m(const Node& node, const Axis& axis) {
+  if (axis.controller.position_tolerance_m > 0 || !node.loop) return axis.controller.position_tolerance_m;
+  const double reading_m = node.settle_tolerance_m - half_count_m(axis);
+  return reading_m > 0 ? reading_m : node.settle_tolerance_m;
+}
+
+// The true error that is promised and judged.
+inline double judged_tolerance_m(const Node& node, const Axis& axis) {
+  return node.settle_tolerance_m > 0 ? node.settle_tolerance_m : tolerance_m(node, axis) + half_count_m(axis);
+}
+
+}  // namespace breakaway::config

@@ -1,0 +1,66 @@
+#include "breakaway/config/axis_design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+namespace {
+
+// With one axis the file says which.
+std::string place(const Node& node, const Axis& axis) {
+  return node.axes.size() == 1 ? std::string{} : fmt::format("axis {}: ", axis.name);
+}
+
+// The ideal law reaches any accuracy, so there it may be left out.
+double accuracy_m(const Node& node, const Axis& axis) {
+  if (const double asked_m = tolerance_m(node, axis); asked_m > 0) return asked_m;
+  if (!node.loop) return node.settle_tolerance_m > 0 ? node.settle_tolerance_m : std::numeric_limits<double>::min();
+  throw InputError{place(node, axis) +
+                   "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach"};
+}
+
+}  // namespace
+
+design::AxisDesign axis_design(const Node& node, const Axis& axis) {
+  if (!axis.controller.impulsive)
+    throw InputError{place(node, axis) + "[controller] kind is \"pid\"; design checks the impulsive law only"}.in_file(
+        node.file);
+  const auto p = axis_parameters<double>(node, axis);
+  return {.mass_kg = p.mass_kg,
+          .stiffness_N_per_m = p.stiffness_N_per_m,
+          .approach_damping_Ns_per_m = p.approach_damping_Ns_per_m,
+          .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
+          .friction = p.friction,
+          .smooth_friction_slope_Ns_per_m = axis.friction.smooth_slope_Ns_per_m,
+          .max_force_N = std::min(p.max_force_N, std::numeric_limits<double>::max()),
+          .period_s = p.period_s,
+          .encoder_resolution_m = p.encoder_resolution_m,
+          .latency_ticks = p.latency_periods,
+          .position_tolerance_m = accuracy_m(node, axis)};
+}
+
+std::vector<design::DesignReport> examine(const Node& node) try {
+  require_fitting_bus(node);
+  std::vector<design::DesignReport> reports;
+  for (const Axis& axis : node.axes) reports.push_back(design::design_axis(axis_design(node, axis)));
+  return reports;
+} catch (const InputError& error) {
+  throw error.file().empty() ? error.in_file(node.file) : error;
+}
+
+void require_certified(const Node& node, const std::vector<design::DesignReport>& reports) {
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    if (reports[i].certified) continue;
+    throw InputError{fmt::format("{}not certified: {}; `breakaway design {}` shows every check",
+                                 place(node, node.axes[i]), reports[i].reasons.front(), node.file)}
+        .in_file(node.file);
+  }
+}
+
+}  // namespace breakaway::config

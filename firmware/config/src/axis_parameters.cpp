@@ -1,0 +1,50 @@
+#include "breakaway/config/axis_parameters.hpp"
+
+#include <algorithm>
+
+namespace breakaway::config {
+
+double max_force_N(const Axis& axis) {
+  const double given_N = axis.drive ? axis.drive->max_force_N() : unlimited;
+  return std::min(axis.controller.max_force_N, given_N);
+}
+
+template <class Real>
+law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
+  const ImpulsiveGains& gains = *axis.controller.impulsive;
+  law::AxisParameters<Real> p;
+  p.mass_kg = static_cast<Real>(axis.mass_kg);
+  p.stiffness_N_per_m = static_cast<Real>(gains.stiffness_N_per_m);
+  p.approach_damping_Ns_per_m = static_cast<Real>(gains.approach_damping_Ns_per_m);
+  p.kick_damping_Ns_per_m = static_cast<Real>(gains.kick_damping_Ns_per_m);
+  p.friction = {static_cast<Real>(axis.friction.bounds.lower_N), static_cast<Real>(axis.friction.bounds.upper_N)};
+  p.max_force_N = static_cast<Real>(max_force_N(axis));
+  p.max_approach_speed_m_s = static_cast<Real>(axis.controller.max_approach_speed_m_s);
+  p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
+  p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
+  p.period_s = static_cast<Real>(node.period_s());
+  p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;
+  return p;
+}
+
+template <class Real>
+law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis) {
+  const PidGains& gains = *axis.controller.pid;
+  law::PidParameters<Real> p;
+  p.proportional_N_per_m = static_cast<Real>(gains.proportional_N_per_m);
+  p.integral_N_per_ms = static_cast<Real>(gains.integral_N_per_ms);
+  p.derivative_Ns_per_m = static_cast<Real>(gains.derivative_Ns_per_m);
+  p.max_force_N = static_cast<Real>(max_force_N(axis));
+  p.max_approach_speed_m_s = static_cast<Real>(axis.controller.max_approach_speed_m_s);
+  p.encoder_resolution_m = static_cast<Real>(axis.drive->encoder_resolution_m);
+  p.friction_lower_N = static_cast<Real>(axis.friction.bounds.lower_N);
+  p.period_s = static_cast<Real>(node.period_s());
+  return p;
+}
+
+template law::AxisParameters<float> axis_parameters(const Node&, const Axis&);
+template law::AxisParameters<double> axis_parameters(const Node&, const Axis&);
+template law::PidParameters<float> pid_parameters(const Node&, const Axis&);
+template law::PidParameters<double> pid_parameters(const Node&, const Axis&);
+
+}  // namespace breakaway::config

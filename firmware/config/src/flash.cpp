@@ -1,0 +1,97 @@
+#include "breakaway/config/flash.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <type_traits>
+
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+
+firmware::LoopConfig loop_config(const Node& node) {
+  return {.network = {.period = node.loop->period,
+                      .bit_rate = *node.bit_rate,
+                      .node_id = node.loop->node_id,
+                      .heartbeat_period = node.loop->heartbeat_period},
+          .fault_scope = node.loop->fault_scope};
+}
+
+template <class Real>
+cia402::DriveConfig<Real> drive_config(const Axis& axis) {
+  const Drive& d = *axis.drive;
+  return {.node_id = d.node_id,
+          .force_per_torque_N_per_Nm = static_cast<Real>(d.force_per_torque_N_per_Nm),
+          .heartbeat_period = d.heartbeat_period,
+          .heartbeat_timeout = d.heartbeat_timeout,
+          .sdo_timeout = d.sdo_timeout,
+          .invert_direction = d.invert_direction};
+}
+
+template <class Real>
+firmware::AxisLimits<Real> axis_limits(const Axis& axis) {
+  const Limits& l = axis.limits;
+  firmware::AxisLimits<Real> limits;
+  limits.position_min_m = static_cast<Real>(l.position_min_m);
+  limits.position_max_m = static_cast<Real>(l.position_max_m);
+  limits.speed_m_s = static_cast<Real>(l.speed_m_s);
+  limits.force_N = static_cast<Real>(l.force_N);
+  limits.following_error_m = static_cast<Real>(l.following_error_m);
+  limits.feedback_timeout = l.feedback_timeout.value_or(hal::Duration::zero());
+  return limits;
+}
+
+template cia402::DriveConfig<float> drive_config(const Axis&);
+template cia402::DriveConfig<double> drive_config(const Axis&);
+template firmware::AxisLimits<float> axis_limits(const Axis&);
+template firmware::AxisLimits<double> axis_limits(const Axis&);
+
+namespace {
+
+template <class Real>
+firmware::FlashedAxis<Real> flashed_axis(const Node& node, const Axis& axis) {
+  const law::AxisParameters<Real> p = axis_parameters<Real>(node, axis);
+  if (const auto error = law::validate(p); error != law::ParameterError::none)
+    throw InputError{fmt::format("axis {}: in {}: {}", axis.name, std::is_same_v<Real, float> ? "float" : "double",
+                                 to_string(error))};
+  const auto built = design::build_k3_table<Real>(
+      {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+  firmware::FlashedAxis<Real> flashed{
+      .drive = drive_config<Real>(axis), .limits = axis_limits<Real>(axis), .law = p, .k3_table = built.table};
+  std::ranges::copy(axis.name, flashed.name.characters.begin());
+  return flashed;
+}
+
+}  // namespace
+
+template <class Real>
+AnyNode<Real> flashed(const Node& node) try {
+  AnyNode<Real> flashed;
+  flashed.loop = loop_config(node);
+  flashed.count = static_cast<std::uint8_t>(node.axes.size());
+  std::ranges::transform(node.axes, flashed.axes.begin(),
+                         [&](const Axis& axis) { return flashed_axis<Real>(node, axis); });
+  flashed.checksum = checksum_of(flashed);
+  return flashed;
+} catch (const InputError& error) {
+  throw error.in_file(node.file);
+}
+
+template AnyNode<float> flashed(const Node&);
+template AnyNode<double> flashed(const Node&);
+
+AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports) {
+  require_certified(node, reports);
+  AnyNode<float> result = flashed<float>(node);
+  for (std::size_t i = 0; i < result.count; ++i) result.axes[i].certified = true;
+  result.checksum = checksum_of(result);
+  if (const firmware::NodeVerdict verdict = firmware::verify(result); !verdict.ok())
+    throw InputError{fmt::format("axis {}: {}", node.axes[verdict.axis].name, to_string(verdict.error))}.in_file(
+        node.file);
+  return result;
+}
+
+}  // namespace breakaway::config

@@ -1,0 +1,51 @@
+// Example 1: bring an axis that sticks to its target, and hold it there.
+//
+// The controller below is the class that is flashed. It sees the axis as a controller does, by encoder counts once a
+// period, and its force acts one period later. The axis is a mass on dry friction that the simulation follows exactly. Friction
+// follows a Stribeck curve that the controller is not told: it knows two bounds.
+//
+// A PD alone would leave this axis up to f_upper / k1 = 11 mm from its target.
+#include <cmath>
+#include <cstdio>
+
+#include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/law/axis_controller.hpp"
+#include "breakaway/model/shapes.hpp"
+#include "breakaway/motion/slide.hpp"
+
+using namespace breakaway;
+
+int main() {
+  law::AxisParameters<float> p;
+  p.mass_kg = 1;
+  p.stiffness_N_per_m = 400;         // k1
+  p.approach_damping_Ns_per_m = 32;  // k21: on the way to the first rest, zeta < 1
+  p.kick_damping_Ns_per_m = 60;      // k22: from the first kick on, zeta > 1
+  p.friction = {2.5F, 4.5F};         // newtons; nothing else is known of the friction
+  p.max_force_N = 50;
+  p.encoder_resolution_m = 1e-6F;
+  p.period_s = 1e-3F;
+  p.position_tolerance_m = p.accuracy_floor_m();  // what a pulse of one period can still correct
+
+  // On a PC, once: the kick that ends on the target under the least friction, as a table over the distance.
+  const auto k3 = design::build_k3_table<float>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
+                                                p.stick_radius_upper_m());
+  law::AxisController<float> controller{p, k3.table};
+
+  // The axis, 10 mm short of its target at 0.
+  motion::Slide axis{1.0, {{2.5, 4.5}, model::shape::stribeck(0.01)}, {0, -0.01, 0}};
+
+  std::printf("%8s  %14s  %s\n", "time", "error", "");
+  double acting_N = 0;
+  for (int period = 0; period < 500; ++period) {
+    const double counts = std::floor(axis.state().position_m / 1e-6);
+    const auto output = controller.update({static_cast<float>(counts * 1e-6)});
+    if (output.kicked) std::printf("%6d ms  %11.2f um  kick\n", period, 1e6 * axis.state().position_m);
+
+    axis.advance_to(1e-3 * (period + 1), {.constant_N = acting_N});
+    acting_N = static_cast<double>(output.force_N);
+  }
+  const double error_m = axis.state().position_m;
+  std::printf("%6d ms  %11.2f um  %s\n", 500, 1e6 * error_m, controller.mode() == law::Mode::hold ? "held" : "not held");
+  return controller.mode() == law::Mode::hold && std::abs(error_m) < 3e-6 ? 0 : 1;
+}

@@ -1,0 +1,259 @@
+// FlashedNode: a whole controller node as `breakaway design --header` writes it and a controller starts from it: loop,
+// and for each axis drive, limits, law and table, under one checksum.
+//
+// An image and the Linux node start from nothing else. What contradicts itself stops the compiler: the generated header
+// asserts verify(), which is constexpr. What was damaged or edited afterwards stops the start.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/cia402/drive.hpp"
+#include "breakaway/firmware/crc32.hpp"
+#include "breakaway/firmware/loop_config.hpp"
+#include "breakaway/firmware/supervisor.hpp"
+#include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/k3_table.hpp"
+
+namespace breakaway::firmware {
+
+// As text, with a zero behind it.
+struct AxisName {
+  std::array<char, longest_axis_name + 1> characters{};
+
+  constexpr std::string_view view() const noexcept {
+    std::size_t length = 0;
+    while (length < longest_axis_name && characters[length] != '\0') ++length;
+    return {characters.data(), length};
+  }
+};
+
+template <class Scalar>
+struct FlashedAxis {
+  AxisName name{};
+  cia402::DriveConfig<Scalar> drive{};
+  AxisLimits<Scalar> limits{};
+  law::AxisParameters<Scalar> law{};
+  law::K3Table<Scalar> k3_table{};  // built for `law`
+  bool certified = false;           // by breakaway design, with these very numbers
+
+  constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
+};
+
+// Axes: room for so many, 1..8; the first `count` of them are there.
+template <class Scalar, std::size_t Axes>
+struct FlashedNode {
+  LoopConfig loop{};
+  std::uint8_t count = Axes;
+  std::array<FlashedAxis<Scalar>, Axes> axes{};
+  std::uint32_t checksum{};  // checksum_of(), made by the generator
+
+  static constexpr std::size_t capacity = Axes;
+};
+
+// The axes that are there.
+template <class Node>
+constexpr auto present_axes(Node& node) noexcept {
+  return std::span{node.axes}.first(node.count < Node::capacity ? node.count : Node::capacity);
+}
+
+// The numbers of a node, one line each: what is counted into the checksum, written into the header and spoiled in the
+// tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items, body)
+// for an array. Node: a FlashedNode, or a const one.
+template <class Node, class Visitor>
+constexpr void visit_numbers(Node& node, Visitor& visit) {
+  visit.group("loop", [&] {
+    visit.group("network", [&] {
+      auto& network = node.loop.network;
+      visit.value("period", network.period, "ns");
+      visit.value("bit_rate", network.bit_rate, "bit/s");
+      visit.value("node_id", network.node_id, "of this node");
+      visit.value("heartbeat_period", network.heartbeat_period, "ns");
+    });
+    visit.value("fault_scope", node.loop.fault_scope, "");
+  });
+  visit.value("count", node.count, "");
+  visit.list("axes", present_axes(node), [&](auto& axis) {
+    visit.value("name", axis.name, "");
+    visit.group("drive", [&] {
+      visit.value("node_id", axis.drive.node_id, "");
+      visit.value("force_per_torque_N_per_Nm", axis.drive.force_per_torque_N_per_Nm, "N/(N m)");
+      visit.value("heartbeat_period", axis.drive.heartbeat_period, "ns");
+      visit.value("heartbeat_timeout", axis.drive.heartbeat_timeout, "ns");
+      visit.value("sdo_timeout", axis.drive.sdo_timeout, "ns");
+      visit.value("invert_direction", axis.drive.invert_direction, "");
+    });
+    visit.group("limits", [&] {
+      visit.value("position_min_m", axis.limits.position_min_m, "m");
+      visit.value("position_max_m", axis.limits.position_max_m, "m");
+      visit.value("speed_m_s", axis.limits.speed_m_s, "m/s");
+      visit.value("force_N", axis.limits.force_N, "N");
+      visit.value("following_error_m", axis.limits.following_error_m, "m");
+      visit.value("feedback_timeout", axis.limits.feedback_timeout, "ns");
+    });
+    visit.group("law", [&] {
+      auto& p = axis.law;
+      visit.value("mass_kg", p.mass_kg, "kg");
+      visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
+      visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
+      visit.value("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22");
+      visit.group("friction", [&] {
+        visit.value("lower_N", p.friction.lower_N, "N");
+        visit.value("upper_N", p.friction.upper_N, "N");
+      });
+      visit.value("max_force_N", p.max_force_N, "N");
+      visit.value("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s");
+      visit.value("position_tolerance_m", p.position_tolerance_m, "m");
+      visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
+      visit.value("period_s", p.period_s, "s");
+      visit.value("latency_periods", p.latency_periods, "");
+      visit.value("kick_shape", p.kick_shape, "");
+    });
+    visit.group("k3_table", [&] {
+      visit.value("root_max", axis.k3_table.root_max, "sqrt(m)");
+      visit.value("nodes_per_root", axis.k3_table.nodes_per_root, "1/sqrt(m)");
+      visit.list("nodes", axis.k3_table.nodes, [&](auto& k3) {
+        visit.value("value", k3.value, "");
+        visit.value("slope", k3.slope, "");
+      });
+    });
+    visit.value("certified", axis.certified, "");
+  });
+}
+
+namespace internal {
+
+struct ChecksumVisitor {
+  Crc32 crc;
+
+  template <class T>
+  constexpr void value(const char*, const T& number, const char*) noexcept {
+    crc.add_bits_of(number);
+  }
+  constexpr void value(const char*, const AxisName& name, const char*) noexcept {
+    for (const char c : name.characters) crc.add_bits_of(c);
+  }
+  constexpr void value(const char*, const hal::Duration& duration, const char*) noexcept {
+    crc.add_bits_of(duration.count());
+  }
+  template <class Body>
+  constexpr void group(const char*, const Body& body) noexcept {
+    body();
+  }
+  template <class Items, class Body>
+  constexpr void list(const char*, const Items& items, const Body& body) noexcept {
+    for (const auto& item : items) body(item);
+  }
+};
+
+}  // namespace internal
+
+// Over every number of the node but the checksum itself, and of the axes that are there: the room for more is no fact.
+template <class Scalar, std::size_t Axes>
+constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes>& node) noexcept {
+  internal::ChecksumVisitor visit;
+  visit_numbers(node, visit);
+  return visit.crc.value();
+}
+
+enum class NodeError : std::uint8_t {
+  none,
+  checksum_differs,
+  count_impossible,
+  not_certified,
+  law_invalid,
+  drive_invalid,
+  period_differs,
+  node_id_taken,
+  name_taken,
+  limits_below_law,
+  bus_overloaded,
+};
+
+constexpr std::string_view to_string(NodeError error) noexcept {
+  switch (error) {
+    case NodeError::none:
+      return "the node is intact and certified";
+    case NodeError::checksum_differs:
+      return "the node is damaged or was edited by hand: generate it again with breakaway design --header";
+    case NodeError::count_impossible:
+      return "count is 0 or above the room for axes: generate the node again with breakaway design --header";
+    case NodeError::not_certified:
+      return "an axis is not certified: breakaway design says why";
+    case NodeError::law_invalid:
+      return "a parameter of an axis' law is out of its range: law::validate() names it";
+    case NodeError::drive_invalid:
+      return "a number of an axis' drive is out of its range: cia402::check() names it";
+    case NodeError::period_differs:
+      return "an axis' law was designed for another period than the loop's: design the axis again";
+    case NodeError::node_id_taken:
+      return "two drives, or a drive and the node itself, have one node id: give each its own";
+    case NodeError::name_taken:
+      return "two axes have one name: give each its own";
+    case NodeError::limits_below_law:
+      return "a limit of an axis is below what its law may use: raise the limit or lower the law's";
+    case NodeError::bus_overloaded:
+      return "the axes do not fit the bus at this period: canopen::bus_budget() names the least one that does";
+  }
+  return "unknown node error";
+}
+
+struct NodeVerdict {
+  NodeError error = NodeError::none;
+  std::uint8_t axis = 0;  // the first that is concerned, where one is
+
+  constexpr bool ok() const noexcept { return error == NodeError::none; }
+};
+
+// The period as the law counts it.
+template <class Scalar>
+constexpr Scalar period_s(const LoopConfig& loop) noexcept {
+  return static_cast<Scalar>(loop.network.period.count()) * Scalar(1e-9);
+}
+
+namespace internal {
+
+template <class Scalar>
+constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig& loop) noexcept {
+  const law::AxisParameters<Scalar>& p = axis.law;
+  if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
+  if (!axis.certified) return NodeError::not_certified;
+  // To the rounding of the scalar type.
+  const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
+  if (!(difference_s <= Scalar(1e-6) * p.period_s && -difference_s <= Scalar(1e-6) * p.period_s))
+    return NodeError::period_differs;
+  if (check(axis.drive, loop.network, axis.scale()) != cia402::DriveConfigError::none)
+    return axis.drive.node_id == loop.network.node_id ? NodeError::node_id_taken : NodeError::drive_invalid;
+  const AxisLimits<Scalar>& l = axis.limits;
+  const bool wide = l.force_N >= p.max_force_N && l.following_error_m >= p.position_tolerance_m &&
+                    l.position_min_m < l.position_max_m &&
+                    (p.max_approach_speed_m_s > AxisLimits<Scalar>::largest || l.speed_m_s >= p.max_approach_speed_m_s);
+  return wide ? NodeError::none : NodeError::limits_below_law;
+}
+
+}  // namespace internal
+
+// What a controller asks before it moves anything. Written so that a NaN is refused.
+template <class Scalar, std::size_t Axes>
+constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
+  if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};
+  if (node.count < 1 || node.count > Axes) return {NodeError::count_impossible};
+  for (std::uint8_t i = 0; i < node.count; ++i) {
+    const FlashedAxis<Scalar>& axis = node.axes[i];
+    if (const NodeError error = internal::check_axis(axis, node.loop); error != NodeError::none) return {error, i};
+    for (std::uint8_t before = 0; before < i; ++before) {
+      if (node.axes[before].drive.node_id == axis.drive.node_id) return {NodeError::node_id_taken, i};
+      if (node.axes[before].name.view() == axis.name.view()) return {NodeError::name_taken, i};
+    }
+  }
+  const auto& network = node.loop.network;
+  if (canopen::check_bus_budget(node.count, network.period, network.bit_rate) != canopen::BusFit::fits)
+    return {NodeError::bus_overloaded};
+  return {};
+}
+
+}  // namespace breakaway::firmware

@@ -1,0 +1,145 @@
+// AxisRun: one axis of a scenario on the bus: its mechanism and drive, its targets, and what is noted of it.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/result.hpp"
+#include "breakaway/sil/simulated_network.hpp"
+#include "judge.hpp"
+
+namespace breakaway::sil {
+
+template <class Loop>
+class AxisRun {
+ public:
+  using AxisId = typename Loop::AxisId;
+
+  // Everything must outlive it. The axis is the loop's of the same place.
+  AxisRun(const scenario::Scenario& s, std::size_t place, SimulatedNetwork& network, Loop& loop)
+      : axis_{s.node.axes[place]},
+        world_{s.worlds[place]},
+        mechanism_{{axis_.mass_kg, world_.friction, {0.0, world_.position_m, world_.velocity_m_s}},
+                   axis_.drive->invert_direction ? Mounting::inverted : Mounting::straight},
+        drive_{network.add_drive(*world_.drive, mechanism_)},
+        loop_{loop},
+        id_{*loop.axis(place)},
+        judge_{*s.run, judged_tolerance_m(s.node, axis_), mechanism_.slide()} {
+    result_.name = axis_.name;
+    move_target(axis_.controller.target_m);
+  }
+  AxisRun(const AxisRun&) = delete;
+  AxisRun& operator=(const AxisRun&) = delete;
+
+  // The drive is set up, or cannot be.
+  bool configured() const { return loop_.status(id_).feedback.state != hal::DriveState::configuring; }
+  void enable() { loop_.request_enable(id_); }
+  bool running() const { return loop_.status(id_).running; }
+  bool faulted() const { return loop_.status(id_).fault != firmware::AxisFault::none; }
+
+  // The brake opens.
+  void release(double time_s) {
+    mechanism_.release(time_s);
+    note_fault(0);
+    if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled within 10 s"});
+  }
+
+  void change_target(double time_s) {
+    const auto& targets = axis_.controller.targets;
+    for (; next_target_ < targets.size() && targets[next_target_].time_s <= time_s; ++next_target_) {
+      move_target(targets[next_target_].position_m);
+      judge_.start_again(targets[next_target_].time_s);
+    }
+  }
+
+  // After each step; now: of the bus.
+  void note(double time_s, hal::Time now, double bus_load, bool trace) {
+    const auto& status = loop_.status(id_);
+    if (status.running && !status.feedback.fresh) ++periods_without_feedback_;
+    note_kick(time_s, status.output.kicked, status.output.mode, static_cast<double>(status.output.force_N));
+    note_fault(time_s);
+    if (trace) note_sample(time_s, now, bus_load, status.output.mode);
+  }
+  void judge(double time_s) { judge_.look(time_s, target_m_); }
+
+  // Nothing more is to come: it rests on its last target, or it has a fault and stands.
+  bool over() const {
+    const bool last = next_target_ == axis_.controller.targets.size();
+    return (judge_.settled() && last) || (!result_.faults.empty() && mechanism_.slide().sticking());
+  }
+  std::uint64_t periods_without_feedback() const { return periods_without_feedback_; }
+
+  AxisResult finish(hal::Time now) {
+    result_.settled = judge_.settled() && result_.faults.empty();
+    result_.settling_time_s = judge_.settling_time_s();
+    result_.final_error_m = position_m() - target_m_;
+    result_.reached = judge_.reached();
+    result_.limit_cycle = judge_.limit_cycle();
+    result_.max_force_N = drive_.largest_force_N(now);
+    return std::move(result_);
+  }
+
+ private:
+  double position_m() const { return mechanism_.slide().state().position_m; }
+
+  void move_target(double target_m) {
+    target_m_ = target_m;
+    loop_.set_target_counts(id_, static_cast<std::int32_t>(std::llround(target_m / axis_.drive->encoder_resolution_m)));
+  }
+
+  void note_kick(double time_s, bool kicked, law::Mode mode, double force_N) {
+    if (velocity_pending_ && --velocity_pending_ == 0) {
+      result_.kicks.back().velocity_after_m_s = mechanism_.velocity_at_segment_start_m_s();
+    }
+    if (kicked) result_.kicks.push_back({time_s, position_m(), position_m() - target_m_, 0, 0, force_N, 0});
+    if (mode != law::Mode::kick) return;
+    ++result_.kicks.back().periods;
+    velocity_pending_ = 2;  // the pulse ends with the SYNC of the next step, which has passed one step later
+  }
+
+  void note_fault(double time_s) {
+    const firmware::AxisFault fault = loop_.status(id_).fault;
+    if (fault == firmware::AxisFault::none || !result_.faults.empty()) return;
+    std::string name{to_string(fault)};
+    if (const auto code = loop_.supervisor(id_).fault_code(); code != 0)
+      name += fmt::format(" (error code {:04X}h)", code);
+    if (fault == firmware::AxisFault::drive_unusable)
+      name += fmt::format(": {}", to_string(loop_.drive(id_).setup_status()));
+    result_.faults.push_back({time_s, name});
+  }
+
+  void note_sample(double time_s, hal::Time now, double bus_load, law::Mode mode) {
+    const motion::Slide& slide = mechanism_.slide();
+    Sample sample;
+    sample.time_s = time_s;
+    sample.position_m = slide.state().position_m;
+    sample.velocity_m_s = slide.state().velocity_m_s;
+    sample.force_N = mechanism_.on_axis_N(drive_.force().at_N(hal::seconds(now), 0, 0));
+    sample.friction_level_N = slide.sticking() ? std::nan("") : std::fabs(slide.friction_force_N());
+    sample.target_m = target_m_;
+    sample.bus_load = bus_load;
+    sample.mode = mode;
+    result_.trace.push_back(sample);
+  }
+
+  const config::Axis& axis_;
+  const scenario::AxisWorld& world_;
+  BrakedSlide mechanism_;
+  drive_emulator::DriveEmulator& drive_;
+  Loop& loop_;
+  AxisId id_;
+  Judge judge_;
+  AxisResult result_;
+  double target_m_ = 0;
+  std::size_t next_target_ = 0;
+  std::uint64_t periods_without_feedback_ = 0;
+  int velocity_pending_ = 0;
+};
+
+}  // namespace breakaway::sil

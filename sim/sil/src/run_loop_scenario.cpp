@@ -1,0 +1,172 @@
+#include "breakaway/sil/run_loop_scenario.hpp"
+
+#include <chrono>
+#include <deque>
+#include <memory>
+
+#include "axis_run.hpp"
+#include "breakaway/cia402/drive.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/flash.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/firmware/control_node.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/law/axis_controller.hpp"
+#include "breakaway/law/pid_controller.hpp"
+
+namespace breakaway::sil {
+namespace {
+
+template <class Real, class Controller>
+class LoopRun {
+ public:
+  using Loop = firmware::ControlLoop<SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real, config::most_axes>;
+
+  LoopRun(const scenario::Scenario& s, const RecordingOptions& recording, const firmware::LoopConfig& config)
+      : s_{s},
+        recording_{recording},
+        period_{config.network.period},
+        network_{*s.bus},
+        loop_{network_.controller_port(), config} {
+    if (recording.frames) network_.log_to(result_.frames);
+  }
+
+  Loop& loop() { return loop_; }
+
+  // With all axes in the loop.
+  Result run() {
+    for (std::size_t place = 0; place < loop_.axes(); ++place) axes_.emplace_back(s_, place, network_, loop_);
+    if (commission()) move();
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  using Axis = AxisRun<Loop>;
+
+  void step() {
+    network_.advance_to(now_);
+    loop_.step(now_);
+    now_ += period_;
+  }
+  // When the last step began.
+  hal::Time stepped_at() const { return now_ - period_; }
+  double scenario_time_s() const { return hal::seconds(stepped_at() - release_); }
+
+  bool all(bool (Axis::*holds)() const) const {
+    return std::ranges::all_of(axes_, [&](const Axis& axis) { return (axis.*holds)(); });
+  }
+
+  // Sets the drives up over the bus, enables them together, and opens the brakes with the first command. False: no axis
+  // runs.
+  bool commission() {
+    const hal::Time give_up = hal::Time{} + std::chrono::seconds{10};
+    const auto settled = [](const Axis& axis) { return axis.running() || axis.faulted(); };
+    bool enabled = false;
+    while (!(enabled && std::ranges::all_of(axes_, settled)) && now_ < give_up) {
+      if (!enabled && all(&Axis::configured)) {
+        for (Axis& axis : axes_) axis.enable();
+        enabled = true;
+      }
+      step();
+    }
+    release_ = stepped_at();
+    for (Axis& axis : axes_) axis.release(hal::seconds(network_.bus().now()));
+    busy_before_ = busy_at_release_ = network_.bus().counters().busy_time;
+    return std::ranges::any_of(axes_, &Axis::running);
+  }
+
+  void move() {
+    const double duration_s = s_.run->duration_s;
+    note(0);
+    for (double time_s = 0; time_s < duration_s;) {
+      time_s = hal::seconds(now_ - release_);
+      for (Axis& axis : axes_) axis.change_target(time_s);
+      step();
+      note(time_s);
+      for (Axis& axis : axes_) axis.judge(time_s);
+      if (all(&Axis::over) && (s_.run->stop_when_settled || all(&Axis::faulted))) break;
+    }
+  }
+
+  void note(double time_s) {
+    const hal::Duration busy = network_.bus().counters().busy_time;
+    const double load = hal::seconds(busy - busy_before_) / hal::seconds(period_);
+    busy_before_ = busy;
+    for (Axis& axis : axes_) axis.note(time_s, stepped_at(), load, recording_.trace);
+  }
+
+  void finish() {
+    result_.duration_s = scenario_time_s();
+    LoopFigures figures;
+    figures.ticks = loop_.statistics().ticks();
+    figures.missed_ticks = loop_.statistics().missed_ticks();
+    for (const Axis& axis : axes_) figures.missed_ticks += axis.periods_without_feedback();
+    if (result_.duration_s > 0)
+      figures.bus_load =
+          hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
+    result_.loop = figures;
+    for (Axis& axis : axes_) result_.axes.push_back(axis.finish(stepped_at()));
+  }
+
+  const scenario::Scenario& s_;
+  RecordingOptions recording_;
+  hal::Duration period_;
+  Result result_;
+  SimulatedNetwork network_;
+  Loop loop_;
+  std::deque<Axis> axes_;
+  hal::Time now_{};
+  hal::Time release_{};
+  hal::Duration busy_before_{};
+  hal::Duration busy_at_release_{};
+};
+
+template <class Real>
+Result run_impulsive(const scenario::Scenario& s, const RecordingOptions& recording) {
+  const auto node = std::make_unique<config::AnyNode<Real>>(config::flashed<Real>(s.node));
+  LoopRun<Real, law::AxisController<Real>> run{s, recording, node->loop};
+  firmware::add_axes(run.loop(), *node);
+  return run.run();
+}
+
+template <class Real>
+Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
+  LoopRun<Real, law::PidController<Real>> run{s, recording, config::loop_config(s.node)};
+  for (const config::Axis& axis : s.node.axes) {
+    const law::PidController<Real> controller{config::pid_parameters<Real>(s.node, axis)};
+    static_cast<void>(
+        run.loop().add_axis(config::drive_config<Real>(axis), controller, config::axis_limits<Real>(axis)));
+  }
+  return run.run();
+}
+
+template <class Real>
+Result run_with(const scenario::Scenario& s, const RecordingOptions& recording) {
+  const bool pid = s.node.axes.front().controller.pid.has_value();
+  return pid ? run_pid<Real>(s, recording) : run_impulsive<Real>(s, recording);
+}
+
+// One loop has one kind of controller.
+void require_one_kind(const scenario::Scenario& s) {
+  for (const config::Axis& axis : s.node.axes) {
+    if (axis.controller.pid.has_value() != s.node.axes.front().controller.pid.has_value())
+      throw InputError{"[controller] kind differs from axis to axis; a loop runs one kind of controller"}.in_file(
+          s.node.file);
+  }
+}
+
+}  // namespace
+
+Result run_loop_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording) {
+  config::require_fitting_bus(scenario.node);
+  require_one_kind(scenario);
+  const auto start = std::chrono::steady_clock::now();
+  Result result = scenario.scalar == scenario::ScalarType::float64 ? run_with<double>(scenario, recording)
+                                                                   : run_with<float>(scenario, recording);
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace breakaway::sil
