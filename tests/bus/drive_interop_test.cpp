@@ -25,8 +25,8 @@ using breakaway::hal::Time;
 using breakaway::virtual_bus::VirtualBus;
 using breakaway::virtual_bus::VirtualBusConfig;
 
-constexpr std::uint8_t kNode = 5;
-constexpr Time kPeriod = 1ms;
+constexpr std::uint8_t node_id = 5;
+constexpr Time period = 1ms;
 
 // Holds the axis where the test puts it.
 class HeldAxis final : public breakaway::drive_emulator::Mechanism {
@@ -39,7 +39,7 @@ class HeldAxis final : public breakaway::drive_emulator::Mechanism {
 // 0.05 N a per mille, 50 N at most, 1 um a count.
 breakaway::drive_emulator::EmulatorConfig emulated_drive() {
   breakaway::drive_emulator::EmulatorConfig config;
-  config.node_id = kNode;
+  config.node_id = node_id;
   config.force_per_torque_N_per_Nm = 50;
   config.max_torque_per_mille = 1000;
   return config;
@@ -54,7 +54,7 @@ class Bench {
         slave{bus.add_port()},
         emulator{config, axis,
                  [this](const CanFrame& frame, Time) { EXPECT_TRUE(slave.send(frame, Time::max()).ok()); }},
-        drive{{.node_id = kNode, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50}} {
+        drive{{.node_id = node_id, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50}} {
     slave.set_listener(
         [](void* self, const ReceivedFrame& received) noexcept {
           static_cast<Bench*>(self)->emulator.on_frame(received.frame, received.time);
@@ -74,7 +74,7 @@ class Bench {
   bool master_silent = false;
 
   void step(float force_N = 0) {
-    now_ += kPeriod;
+    now_ += period;
     while (bus.now() < now_) {
       const Time next = std::min({now_, bus.next_event(), emulator.next_event().value_or(now_)});
       bus.advance_to(std::max(next, bus.now()));
@@ -112,7 +112,7 @@ class Bench {
   Time now() const { return now_; }
 
  private:
-  void send(const CanFrame& frame) { EXPECT_TRUE(master.send(frame, now_ + kPeriod).ok()); }
+  void send(const CanFrame& frame) { EXPECT_TRUE(master.send(frame, now_ + period).ok()); }
 
   Time now_{0};
 };
@@ -151,7 +151,7 @@ TEST(DriveInterop, PositionArrivesToTheCount) {
     bench.run_for(3ms);
     EXPECT_TRUE(bench.feedback.fresh);
     EXPECT_NEAR(static_cast<double>(bench.feedback.position_offset_m), position - 2.0, 0.51e-6);
-    EXPECT_EQ(bench.feedback.sample_time, bench.now() - kPeriod);
+    EXPECT_EQ(bench.feedback.sample_time, bench.now() - period);
   }
 }
 
@@ -219,7 +219,7 @@ TEST(DriveInterop, StopTakesTheForceAwayWithinTwoPeriods) {
   ASSERT_TRUE(bench.enable());
   bench.run_for(10ms, 20.0F);
   bench.drive.request_stop();
-  bench.run_for(3 * kPeriod, 20.0F);
+  bench.run_for(3 * period, 20.0F);
   EXPECT_EQ(bench.emulator.force().constant_N, 0.0);
   ASSERT_TRUE(bench.reach(DriveState::disabled));
   ASSERT_TRUE(bench.enable());

@@ -31,7 +31,7 @@ struct RigConfig {
   double start_m = -0.1;
   model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
-  std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque;
 };
 
 class Rig {

@@ -32,7 +32,7 @@ std::string why_unusable(hal::Status status, std::uint32_t object) {
       case cia402::object::mode_display:
         return "refuses the cyclic synchronous torque mode (6061h never showed 10); end what else commands the drive, "
                "its commissioning software, say, and look for an interlock on the mode in its manual";
-      case cia402::object::rated_torque_mNm:
+      case cia402::object::rated_torque:
       case cia402::object::max_torque:
         return fmt::format("states no torque ({:04X}h is 0); set up the motor's data in the drive first", index);
       default:
@@ -142,10 +142,11 @@ std::string AxisRun::nodes_on_bus() {
     socket_port_.poll(now_);
     port_.set_time(now_);
     while (port_.receive(received)) {
-      const unsigned function = received.frame.id & 0x780U;
-      if (function == 0x580 || function == 0x700) alive.set(canopen::node_id_of(received.frame.id));
+      const std::uint16_t function = canopen::function_code_of(received.frame.id);
+      if (function == canopen::sdo_response_function_code || function == canopen::heartbeat_function_code)
+        alive.set(canopen::node_id_of(received.frame.id));
     }
-    if (tick > canopen::kMaxNodeId) continue;
+    if (tick > canopen::max_node_id) continue;
     const hal::CanFrame question{
         .id = canopen::sdo_request_cob_id(static_cast<std::uint8_t>(tick)), .size = 8, .data = {0x40, 0x00, 0x10}};
     static_cast<void>(port_.send(question, now_ + c_.loop.period));

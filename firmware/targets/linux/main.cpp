@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "axis_run.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
@@ -59,7 +60,9 @@ void add_options(CLI::App& app, Options& o) {
 
 void open(socketcan::KernelSocket& socket, const Options& o, std::uint8_t node_id) {
   // The drive's frames, and what tells which other nodes are there: SDO answers and heartbeats.
-  const std::array<socketcan::Filter, 3> wanted{{{node_id, 0x7F}, {0x580, 0x780}, {0x700, 0x780}}};
+  const std::array<socketcan::Filter, 3> wanted{{{node_id, canopen::node_id_mask},
+                                                 {canopen::sdo_response_function_code, canopen::function_code_mask},
+                                                 {canopen::heartbeat_function_code, canopen::function_code_mask}}};
   const std::span<const socketcan::Filter> all;
   const auto result = socket.open(o.interface.c_str(), o.readonly ? all : wanted);
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};

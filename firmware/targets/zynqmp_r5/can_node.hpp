@@ -2,6 +2,7 @@
 #pragma once
 
 #include "breakaway/bare_metal/mmio.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/xilinx_can/port.hpp"
 #include "memory_protection.hpp"
@@ -66,8 +67,8 @@ class CanNode {
 
   // All that the drive says, whatever the function, and the commands for this node: the rest stays out of the FIFO.
   static constexpr std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters> accepted{
-      xilinx_can::Filter{0x07F, flashed::node.drive.node_id},
-      xilinx_can::Filter{0x7FF, static_cast<std::uint16_t>(0x200 + flashed::node.loop.node_id)}};
+      xilinx_can::Filter{canopen::node_id_mask, flashed::node.drive.node_id},
+      xilinx_can::Filter{0x7FF, canopen::rpdo_cob_id(1, flashed::node.loop.node_id)}};
 
   Registers can_;
   SystemWatchdog watchdog_registers_;

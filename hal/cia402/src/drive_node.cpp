@@ -18,9 +18,9 @@ constexpr std::uint32_t object_id(std::uint16_t index, std::uint8_t subindex) no
   return static_cast<std::uint32_t>(index) << 8 | subindex;
 }
 
-constexpr SetupStep kReadMode{.kind = SetupStep::Kind::read, .index = object::mode_display};
-constexpr SetupStep kReadErrorCode{.kind = SetupStep::Kind::read, .index = object::error_code};
-constexpr SetupStep kWriteMode{.kind = SetupStep::Kind::write,
+constexpr SetupStep read_mode{.kind = SetupStep::Kind::read, .index = object::mode_display};
+constexpr SetupStep read_error_code{.kind = SetupStep::Kind::read, .index = object::error_code};
+constexpr SetupStep write_mode{.kind = SetupStep::Kind::write,
                                .index = object::mode,
                                .size = 1,
                                .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
@@ -100,7 +100,7 @@ void DriveNode::refuse(hal::Status status) noexcept {
 void DriveNode::wait_for_node(hal::Time now) noexcept {
   if (heartbeat_.state() == NmtState::pre_operational) return begin_configuration(now);
   const bool heard = heartbeat_.state().has_value();
-  const hal::Duration patience = last_command_ && !heard ? kBootTime : config_.heartbeat_timeout;
+  const hal::Duration patience = last_command_ && !heard ? boot_time : config_.heartbeat_timeout;
   const bool at_once = heard && !last_command_;
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
   nmt_command_ = heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication;
@@ -156,7 +156,7 @@ void DriveNode::on_step_done(const SetupStep& step, hal::Time now) noexcept {
 
 void DriveNode::on_step_failed(const SetupStep& step, hal::Status result, hal::Time now) noexcept {
   if (result.code != StatusCode::timeout) return refuse(result);
-  if (++attempts_ < kSdoAttempts) return;
+  if (++attempts_ < sdo_attempts) return;
   enter(SetupPhase::waiting, now);
   heartbeat_.stop();
   heartbeat_.forget_state();
@@ -168,15 +168,15 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
   const hal::Status unsupported{StatusCode::not_supported, object_id(index, 0)};
   switch (index) {
     case object::device_type:
-      if ((value & 0xFFFFU) != kDeviceProfile) refuse(unsupported);
+      if ((value & 0xFFFFU) != device_profile) refuse(unsupported);
       break;
     case object::supported_modes:
-      if ((value & kSupportsCyclicTorque) == 0) refuse(unsupported);
+      if ((value & supports_cyclic_torque) == 0) refuse(unsupported);
       break;
-    case object::rated_current_mA:
+    case object::rated_current:
       rating_.rated_current_mA = value;
       break;
-    case object::rated_torque_mNm:
+    case object::rated_torque:
       rating_.rated_torque_mNm = value;
       if (value == 0) refuse(unsupported);  // no unit to command torque in
       break;
@@ -224,11 +224,11 @@ void DriveNode::verify_mode(hal::Time now) noexcept {
     transfer_running_ = false;
     return on_mode_transfer(result, now);
   }
-  if (last_mode_poll_ && now - *last_mode_poll_ < kModePollTime) return;
+  if (last_mode_poll_ && now - *last_mode_poll_ < mode_poll_time) return;
   last_mode_poll_ = now;
-  mode_write_ = now - last_mode_request_ >= kModeRequestTime;
+  mode_write_ = now - last_mode_request_ >= mode_request_time;
   if (mode_write_) last_mode_request_ = now;
-  start_transfer(mode_write_ ? kWriteMode : kReadMode);
+  start_transfer(mode_write_ ? write_mode : read_mode);
 }
 
 void DriveNode::on_mode_transfer(hal::Status result, hal::Time now) noexcept {
@@ -237,7 +237,7 @@ void DriveNode::on_mode_transfer(hal::Status result, hal::Time now) noexcept {
     enter(SetupPhase::ready, now);
     status_ = {};
     setup_object_ = 0;
-  } else if (now - *since_ > kModeTimeout) {
+  } else if (now - *since_ > mode_timeout) {
     refuse({StatusCode::not_supported, object_id(object::mode_display, 0)});
   }
 }
@@ -251,7 +251,7 @@ void DriveNode::watch(hal::Time now) noexcept {
     if (result.ok()) error_code_ = canopen::load_little_endian<std::uint16_t>(sdo_.data());
   } else if (error_code_wanted_) {
     error_code_wanted_ = false;
-    start_transfer(kReadErrorCode);
+    start_transfer(read_error_code);
   }
 }
 

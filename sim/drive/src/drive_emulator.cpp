@@ -35,16 +35,16 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
   add_drive_objects(dictionary_, config_);
   // What CiA 402 maps at power-on, with the torque command and the position in the third PDOs.
   using Mapped = std::initializer_list<Address>;
-  const Mapped received[kPdos] = {{{object::controlword, 0}},
-                                  {{object::controlword, 0}, {object::mode, 0}},
-                                  {{object::controlword, 0}, {object::target_torque, 0}},
+  const Mapped received[pdo_count] = {{{object::controlword, 0}},
+                                      {{object::controlword, 0}, {object::mode, 0}},
+                                      {{object::controlword, 0}, {object::target_torque, 0}},
+                                      {}};
+  const Mapped sent[pdo_count] = {{{object::statusword, 0}},
+                                  {{object::statusword, 0}, {object::mode_display, 0}},
+                                  {{object::statusword, 0}, {object::position_actual, 0}},
                                   {}};
-  const Mapped sent[kPdos] = {{{object::statusword, 0}},
-                              {{object::statusword, 0}, {object::mode_display, 0}},
-                              {{object::statusword, 0}, {object::position_actual, 0}},
-                              {}};
-  for (unsigned number = 1; number <= kPdos; ++number) {
-    const std::uint32_t absent = number > config_.valid_pdos ? canopen::kCobIdInvalid : 0;
+  for (unsigned number = 1; number <= pdo_count; ++number) {
+    const std::uint32_t absent = number > config_.valid_pdos ? canopen::cob_id_invalid : 0;
     rpdos_.emplace_back(dictionary_, PdoDirection::receive, number,
                         absent | canopen::rpdo_cob_id(number, config_.node_id), received[number - 1]);
     tpdos_.emplace_back(dictionary_, PdoDirection::transmit, number,

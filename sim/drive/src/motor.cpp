@@ -24,8 +24,8 @@ double Motor::largest_force_N(double time_s) const {
 }
 
 std::int32_t encoder_counts(double position_m, double resolution_m) {
-  constexpr double kRange = 4294967296.0;
-  const double wrapped = std::fmod(std::round(position_m / resolution_m), kRange);
+  constexpr double counter_range = 4294967296.0;
+  const double wrapped = std::fmod(std::round(position_m / resolution_m), counter_range);
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(wrapped)));
 }
 

@@ -12,8 +12,8 @@ namespace status_bit = cia402::status_bit;
 
 namespace {
 
-constexpr std::int64_t kModeChanging = -1;
-constexpr std::uint16_t kEnableOperationBit = 0x08;
+constexpr std::int64_t mode_changing = -1;
+constexpr std::uint16_t enable_operation_bit = 0x08;
 
 double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
 
@@ -72,10 +72,10 @@ void PowerDrive::control(std::uint16_t controlword, hal::Time at) {
 }
 
 std::uint16_t PowerDrive::as_the_drive_reads_it(std::uint16_t controlword) {
-  if ((controlword & kEnableOperationBit) == 0) enable_needs_edge_ = false;
+  if ((controlword & enable_operation_bit) == 0) enable_needs_edge_ = false;
   const bool no_mode = config_.quirks.needs_mode_to_enable && get(object::mode) == 0;
   if (!enable_needs_edge_ && !no_mode) return controlword;
-  return static_cast<std::uint16_t>(controlword & ~unsigned{kEnableOperationBit});
+  return static_cast<std::uint16_t>(controlword & ~unsigned{enable_operation_bit});
 }
 
 void PowerDrive::request_mode(hal::Time at) {
@@ -85,7 +85,7 @@ void PowerDrive::request_mode(hal::Time at) {
     dictionary_.set({object::mode_display, 0}, get(object::mode));
     return;
   }
-  dictionary_.set({object::mode_display, 0}, kModeChanging);
+  dictionary_.set({object::mode_display, 0}, mode_changing);
   timers_.set(mode_change, at + config_.quirks.mode_display_delay);
 }
 

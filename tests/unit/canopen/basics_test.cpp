@@ -55,7 +55,7 @@ TEST(Bytes, NothingOutsideIsTouchedAndItReadsAsZero) {
 
 TEST(Nmt, CommandNamesTheNode) {
   EXPECT_EQ(nmt_frame(NmtCommand::start, 7), (CanFrame{.id = 0, .size = 2, .data = {0x01, 7}}));
-  EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, kAllNodes).data[0], 0x82);
+  EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, all_nodes).data[0], 0x82);
 }
 
 TEST(Heartbeat, SilenceIsNoLossBeforeSupervisionStarts) {

@@ -14,11 +14,11 @@ struct Row {
   unsigned axes, cycle_us, max_rate_Hz, max_rate_with_acyclic_Hz;
 };
 // Worked by hand at 1 Mbit/s: 55 + axes x (95 + 135) bits, and 135 more with one 8-byte frame kept free.
-constexpr Row kRows[] = {{1, 285, 3508, 2380}, {2, 515, 1941, 1538}, {3, 745, 1342, 1136}, {4, 975, 1025, 900},
-                         {5, 1205, 829, 746},  {6, 1435, 696, 636},  {7, 1665, 600, 555},  {8, 1895, 527, 492}};
+constexpr Row rows[] = {{1, 285, 3508, 2380}, {2, 515, 1941, 1538}, {3, 745, 1342, 1136}, {4, 975, 1025, 900},
+                        {5, 1205, 829, 746},  {6, 1435, 696, 636},  {7, 1665, 600, 555},  {8, 1895, 527, 492}};
 
 TEST(BusBudget, GivesTheCycleAndRateOfOneToEightAxes) {
-  for (const Row& row : kRows) {
+  for (const Row& row : rows) {
     const auto bare = bus_budget(row.axes, 1ms, 1'000'000, {.frames = 0});
     EXPECT_EQ(bare.needed_us, row.cycle_us) << row.axes;
     EXPECT_EQ(bare.max_rate_Hz, row.max_rate_Hz) << row.axes;

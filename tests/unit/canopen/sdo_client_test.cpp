@@ -9,11 +9,14 @@
 #include <vector>
 
 #include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
 using breakaway::canopen::load_little_endian;
+using breakaway::canopen::sdo_request_cob_id;
+using breakaway::canopen::sdo_response_cob_id;
 using breakaway::canopen::SdoAbort;
 using breakaway::canopen::SdoClient;
 using breakaway::canopen::store_little_endian;
@@ -23,10 +26,10 @@ using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint8_t kNode = 5;
-constexpr auto kTimeout = 10ms;
+constexpr std::uint8_t node_id = 5;
+constexpr auto timeout = 10ms;
 
-CanFrame response(std::array<std::uint8_t, 8> data, std::uint16_t id = 0x585) {
+CanFrame response(std::array<std::uint8_t, 8> data, std::uint16_t id = sdo_response_cob_id(node_id)) {
   return {.id = id, .size = 8, .remote = false, .data = data};
 }
 
@@ -46,7 +49,7 @@ class Server {
   int aborts_received = 0;
 
   std::optional<CanFrame> answer(const CanFrame& request) {
-    EXPECT_EQ(request.id, 0x605);
+    EXPECT_EQ(request.id, sdo_request_cob_id(node_id));
     EXPECT_EQ(request.size, 8);
     const std::uint8_t command = request.data[0];
     switch (command >> 5) {
@@ -133,7 +136,7 @@ class Server {
 
 class SdoClientTest : public testing::Test {
  protected:
-  SdoClient client{kNode, kTimeout};
+  SdoClient client{node_id, timeout};
   Server server;
   Time now{0};
   int frames = 0;
@@ -175,7 +178,7 @@ Bytes pattern(std::size_t size) {
 
 TEST_F(SdoClientTest, ReadsObjectsOfEverySize) {
   for (const bool announces : {true, false})
-    for (std::size_t size = 0; size <= SdoClient::kCapacity; ++size) {
+    for (std::size_t size = 0; size <= SdoClient::capacity; ++size) {
       server.announces_size = announces;
       server.objects[0x2000] = pattern(size);
       frames = 0;
@@ -187,7 +190,7 @@ TEST_F(SdoClientTest, ReadsObjectsOfEverySize) {
 }
 
 TEST_F(SdoClientTest, WritesObjectsOfEverySize) {
-  for (std::size_t size = 1; size <= SdoClient::kCapacity; ++size) {
+  for (std::size_t size = 1; size <= SdoClient::capacity; ++size) {
     ASSERT_TRUE(client.start_write(0x2001, 3, pattern(size)).ok());
     ASSERT_TRUE(run().ok()) << size;
     EXPECT_EQ(server.objects[0x032001], pattern(size));
@@ -210,7 +213,7 @@ TEST_F(SdoClientTest, ExpeditedCommandBytesAreTheStandards) {
 
 TEST_F(SdoClientTest, RefusesToStartWhatCannotBe) {
   EXPECT_EQ(client.start_write(0x2000, 0, {}).code, StatusCode::invalid_argument);
-  EXPECT_EQ(client.start_write(0x2000, 0, pattern(SdoClient::kCapacity + 1)).code, StatusCode::invalid_argument);
+  EXPECT_EQ(client.start_write(0x2000, 0, pattern(SdoClient::capacity + 1)).code, StatusCode::invalid_argument);
   ASSERT_TRUE(client.start_read(0x2000, 0).ok());
   EXPECT_EQ(client.start_read(0x2000, 0).code, StatusCode::would_block);
   EXPECT_EQ(client.start_write(0x2000, 0, pattern(1)).code, StatusCode::would_block);
@@ -232,7 +235,7 @@ TEST_F(SdoClientTest, TimesOutWhenTheAnswerIsLostAndTellsTheServer) {
       if (++count != lost) client.on_frame(answer);
     });
     EXPECT_EQ(status.code, StatusCode::timeout) << lost;
-    EXPECT_LE(now - start, kTimeout + 1ms * (lost + 2));
+    EXPECT_LE(now - start, timeout + 1ms * (lost + 2));
     CanFrame abort;
     ASSERT_TRUE(client.next_frame(abort, now));
     EXPECT_EQ(abort.data[0], 0x80);
@@ -295,7 +298,7 @@ TEST_F(SdoClientTest, ForeignFramesAreIgnored) {
   ASSERT_TRUE(client.start_read(0x2000, 0).ok());
   const Status status = run([this](const CanFrame& answer) {
     CanFrame foreign = answer;
-    foreign.id = 0x586;
+    foreign.id = sdo_response_cob_id(node_id + 1);
     foreign.data[4] = 99;
     client.on_frame(foreign);
     foreign = answer;
@@ -339,7 +342,7 @@ TEST_F(SdoClientTest, UnknownCommandAbortsTheTransfer) {
 TEST_F(SdoClientTest, RefusesObjectsThatDoNotFit) {
   for (const bool announces : {true, false}) {
     server.announces_size = announces;
-    server.objects[0x2000] = pattern(SdoClient::kCapacity + 1);
+    server.objects[0x2000] = pattern(SdoClient::capacity + 1);
     const Status status = read(0x2000);
     EXPECT_EQ(status.code, StatusCode::sdo_aborted);
     EXPECT_EQ(status.detail, 0x05040005U);
@@ -372,7 +375,7 @@ TEST_F(SdoClientTest, RandomFramesNeverBreakIt) {
     if (random() % 8 == 0) {
       const Status started = random() % 2 == 0
                                  ? client.start_read(0x2000, 0)
-                                 : client.start_write(0x2000, 0, pattern(1 + random() % SdoClient::kCapacity));
+                                 : client.start_write(0x2000, 0, pattern(1 + random() % SdoClient::capacity));
       EXPECT_EQ(started.ok(), started.code != StatusCode::would_block);
     }
     CanFrame request;
@@ -380,14 +383,14 @@ TEST_F(SdoClientTest, RandomFramesNeverBreakIt) {
     CanFrame frame = response({static_cast<std::uint8_t>(random()), 0x00, 0x20, 0x00});
     if (random() % 4 == 0) store_little_endian(frame.data, static_cast<std::uint32_t>(random()), 4);
     client.on_frame(frame);
-    EXPECT_LE(client.data().size(), SdoClient::kCapacity);
+    EXPECT_LE(client.data().size(), SdoClient::capacity);
     client.poll(now).ok();
   }
-  now += kTimeout + 1ms;
+  now += timeout + 1ms;
   CanFrame request;
   while (client.next_frame(request, now)) {
   }
-  now += kTimeout + 1ms;
+  now += timeout + 1ms;
   EXPECT_NE(client.poll(now).code, StatusCode::would_block);
 }
 

@@ -9,9 +9,16 @@
 namespace {
 
 using namespace std::chrono_literals;
+using breakaway::canopen::emcy_cob_id;
+using breakaway::canopen::heartbeat_cob_id;
+using breakaway::canopen::is_sync;
 using breakaway::canopen::NmtCommand;
 using breakaway::canopen::NmtState;
+using breakaway::canopen::rpdo_cob_id;
+using breakaway::canopen::sdo_request_cob_id;
+using breakaway::canopen::sdo_response_cob_id;
 using breakaway::canopen::SdoAbort;
+using breakaway::canopen::tpdo_cob_id;
 using breakaway::cia402::Drive;
 using breakaway::cia402::DriveConfig;
 using breakaway::cia402::State;
@@ -22,11 +29,11 @@ using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 using breakaway::test::ScriptedDrive;
 
-constexpr std::uint8_t kNode = 4;
+constexpr std::uint8_t node_id = 4;
 
 // 1 um a count, 50 N at the rated torque: 0.05 N a per mille.
 DriveConfig<float> axis() {
-  return {.node_id = kNode, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50.0F, .max_force_N = 60.0F};
+  return {.node_id = node_id, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50.0F, .max_force_N = 60.0F};
 }
 
 class DriveTest : public testing::Test {
@@ -34,7 +41,7 @@ class DriveTest : public testing::Test {
   explicit DriveTest(const DriveConfig<float>& config = axis()) : drive{config} {}
 
   Drive<float> drive;
-  ScriptedDrive node{kNode};
+  ScriptedDrive node{node_id};
   Time now{0};
   DriveFeedback<float> feedback{};
   std::vector<CanFrame> sent;
@@ -114,7 +121,7 @@ TEST_F(DriveTest, OneAcyclicFrameAPeriodAtMost) {
   for (int i = 0; i < 500; ++i) {
     step();
     int acyclic = 0;
-    for (const CanFrame& frame : sent) acyclic += frame.id != 0x080 && frame.id != 0x204 ? 1 : 0;
+    for (const CanFrame& frame : sent) acyclic += !is_sync(frame) && frame.id != rpdo_cob_id(1, node_id) ? 1 : 0;
     ASSERT_LE(acyclic, 1);
   }
 }
@@ -193,7 +200,7 @@ TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
 
 TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
   for (const std::uint16_t index : {std::uint16_t{0x6076}, std::uint16_t{0x1000}, std::uint16_t{0x6502}}) {
-    ScriptedDrive lacking{kNode};
+    ScriptedDrive lacking{node_id};
     lacking.objects.erase(ScriptedDrive::key(index, 0));
     std::swap(node, lacking);
     node.boot();
@@ -369,7 +376,7 @@ TEST_F(DriveTest, FeedbackIsFreshOncePerSampleAndCarriesTheTimeOfItsSync) {
 TEST_F(DriveTest, SampleWithoutKnownSyncHasTheTimeOfItsFrame) {
   set_up();
   now += 1s;  // the last SYNC is long ago
-  CanFrame frame{.id = 0x184, .size = 8, .data = {}};
+  CanFrame frame{.id = tpdo_cob_id(1, node_id), .size = 8, .data = {}};
   drive.on_frame({.frame = frame, .time = now});
   EXPECT_EQ(drive.feedback().sample_time, now);
 }
@@ -401,9 +408,11 @@ TEST_F(DriveTest, CountsOfAPositionSaturate) {
 TEST_F(DriveTest, OtherNodesFramesChangeNothing) {
   enable();
   const auto before = drive.statusword();
-  for (const int id : {0x185, 0x085, 0x585, 0x705, 0x284, 0x204, 0x604})
-    drive.on_frame(
-        {.frame = {.id = static_cast<std::uint16_t>(id), .size = 8, .data = {0x08, 0, 0, 0, 0, 0, 0, 0}}, .time = now});
+  constexpr std::uint8_t other = node_id + 1;
+  for (const std::uint16_t id :
+       {tpdo_cob_id(1, other), emcy_cob_id(other), sdo_response_cob_id(other), heartbeat_cob_id(other),
+        tpdo_cob_id(2, node_id), rpdo_cob_id(1, node_id), sdo_request_cob_id(node_id)})
+    drive.on_frame({.frame = {.id = id, .size = 8, .data = {0x08, 0, 0, 0, 0, 0, 0, 0}}, .time = now});
   step();
   EXPECT_EQ(drive.statusword(), before);
   EXPECT_EQ(feedback.state, DriveState::enabled);

@@ -58,7 +58,7 @@ TEST(SetupPlan, ReadsBeforeItWritesAndEndsWithTheMode) {
       EXPECT_EQ(step.value, 3U) << "two lost commands in a row are tolerated";
       EXPECT_TRUE(step.optional);
     }
-    if (step.index == object::sync_period_us) {
+    if (step.index == object::sync_period) {
       EXPECT_EQ(step.value, 1000U);
     }
     if (step.index == object::interpolation_period && step.subindex == 2) {

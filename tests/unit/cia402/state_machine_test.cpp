@@ -95,7 +95,7 @@ TEST_F(StateMachineTest, QuickStopThatStaysIsSwitchedOffAfterASecond) {
   const Time begin = now;
   while (step() == 0x02) ASSERT_LT(now - begin, 2s);
   EXPECT_EQ(machine.controlword(), 0x00);
-  EXPECT_EQ(now - begin, StateMachine::kQuickStopTime + 1ms);
+  EXPECT_EQ(now - begin, StateMachine::quick_stop_time + 1ms);
 }
 
 TEST_F(StateMachineTest, FaultResetShowsTheBitLowThenHighThenLow) {

@@ -66,11 +66,11 @@ struct FakeDrive {
   void on_sync(hal::Time time) noexcept { probe->syncs.push_back(time); }
   void update(hal::Time) noexcept {}
   bool next_acyclic_frame(hal::CanFrame& frame, hal::Time) noexcept {
-    frame.id = static_cast<std::uint16_t>(0x600 + id);
+    frame.id = canopen::sdo_request_cob_id(id);
     return probe->wants_acyclic;
   }
   bool next_command_frame(hal::CanFrame& frame) noexcept {
-    frame.id = static_cast<std::uint16_t>(0x200 + id);
+    frame.id = canopen::rpdo_cob_id(1, id);
     return true;
   }
   std::uint8_t node_id() const noexcept { return id; }
@@ -126,9 +126,9 @@ TEST_F(ControlLoopTest, SendsCommandsBeforeTheSyncAtWhichTheyAct) {
   probe.wants_acyclic = true;
   step();
   ASSERT_EQ(port.sent.size(), 3U);
-  EXPECT_EQ(port.sent[0].id, 0x201);
-  EXPECT_EQ(port.sent[1].id, 0x080);
-  EXPECT_EQ(port.sent[2].id, 0x601);
+  EXPECT_EQ(port.sent[0].id, canopen::rpdo_cob_id(1, 1));
+  EXPECT_EQ(port.sent[1].id, canopen::sync_cob_id);
+  EXPECT_EQ(port.sent[2].id, canopen::sdo_request_cob_id(1));
   EXPECT_EQ(probe.syncs.back(), now);
 }
 
@@ -251,10 +251,10 @@ TEST_F(ControlLoopTest, CountsFramesThatThePortRefused) {
 }
 
 TEST_F(ControlLoopTest, HandsADriveItsFramesWithinABound) {
-  port.to_receive.push_back({{.id = 0x182}, {}});
+  port.to_receive.push_back({{.id = canopen::tpdo_cob_id(1, 2)}, {}});
   step();
   EXPECT_EQ(probe.frames, 0) << "another node's";
-  for (int i = 0; i < 300; ++i) port.to_receive.push_back({{.id = 0x181}, {}});
+  for (int i = 0; i < 300; ++i) port.to_receive.push_back({{.id = canopen::tpdo_cob_id(1, 1)}, {}});
   step();
   EXPECT_EQ(probe.frames, 256);
   step();
@@ -271,7 +271,7 @@ TEST_F(ControlLoopTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
   for (int i = 0; i < 30; ++i) {
     step();
     ASSERT_EQ(port.sent.size(), 6U) << "4 commands, SYNC, and one acyclic frame";
-    ++seen[port.sent.back().id - 0x600U];
+    ++seen[canopen::node_id_of(port.sent.back().id)];
   }
   EXPECT_EQ(seen, (std::vector<int>{0, 0, 10, 10, 10}));
 }
@@ -297,7 +297,7 @@ TEST_F(ControlLoopTest, SendsItsOwnHeartbeatInPlaceOfAnAcyclicFrame) {
   for (int i = 1; i <= 100; ++i) {
     port.sent.clear();
     beating.step(i * 1ms);
-    heartbeats += port.sent.back().id == 0x700 + 100;
+    heartbeats += port.sent.back().id == canopen::heartbeat_cob_id(100);
   }
   EXPECT_EQ(heartbeats, 10);
 }

@@ -65,12 +65,12 @@ TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
   TestPort port;
   CommandedPort<TestPort, 1> commanded{port, node};
   port.inbox = {{encode_command({.target_counts = 1}, node)},
-                {{.id = 0x181}},
+                {{.id = canopen::tpdo_cob_id(1, 1)}},
                 {encode_command({.axis = 9, .target_counts = 3}, node)},
                 {encode_command({.target_counts = 2}, node)}};
   hal::ReceivedFrame received;
   ASSERT_TRUE(commanded.receive(received));
-  EXPECT_EQ(received.frame.id, 0x181);
+  EXPECT_EQ(received.frame.id, canopen::tpdo_cob_id(1, 1));
   EXPECT_FALSE(commanded.receive(received));
   EXPECT_EQ(commanded.take_command(0)->target_counts, 2) << "the newest";
   EXPECT_FALSE(commanded.take_command(0).has_value()) << "once";
@@ -153,7 +153,7 @@ TEST_F(ControlNodeTest, TellsItsStatusEveryFiftyPeriods) {
   ControlNode<TestPort> running{port, config};
   for (int i = 1; i <= 100; ++i) running.step(i * 1ms);
   int told = 0;
-  for (const auto& frame : port.sent) told += frame.id == 0x1FF && frame.size == 8 ? 1 : 0;
+  for (const auto& frame : port.sent) told += frame.id == canopen::tpdo_cob_id(1, node) && frame.size == 8 ? 1 : 0;
   EXPECT_EQ(told, 2);
 }
 

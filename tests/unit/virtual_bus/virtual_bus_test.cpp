@@ -19,7 +19,7 @@ using breakaway::hal::wire_time;
 using breakaway::virtual_bus::VirtualBus;
 using breakaway::virtual_bus::VirtualBusConfig;
 
-constexpr Time kNever = Time::max();
+constexpr Time never = Time::max();
 
 CanFrame frame_of(std::uint16_t id, std::uint8_t byte = 0) { return {.id = id, .size = 1, .data = {byte}}; }
 
@@ -43,7 +43,7 @@ TEST(VirtualBus, DeliversToAllOthersWithTheLastBitOfTheFrame) {
     auto& c = bus.add_port();
     const CanFrame frame = frame_of(0x123, 0x45);
     bus.advance_to(10us);
-    ASSERT_TRUE(a.send(frame, kNever).ok());
+    ASSERT_TRUE(a.send(frame, never).ok());
     const Time end = 10us + wire_time(wire_bits(frame) - 3, bit_rate);
     bus.advance_to(end - 1ns);
     EXPECT_TRUE(drain(b).empty());
@@ -64,9 +64,9 @@ TEST(VirtualBus, LowestIdentifierWinsWhateverTheOrderOfSends) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   auto& listener = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(0x300), kNever).ok());
-  ASSERT_TRUE(b.send(frame_of(0x181), kNever).ok());
-  ASSERT_TRUE(a.send(frame_of(0x080), kNever).ok());  // behind 300h in the same queue: first in, first out
+  ASSERT_TRUE(a.send(frame_of(0x300), never).ok());
+  ASSERT_TRUE(b.send(frame_of(0x181), never).ok());
+  ASSERT_TRUE(a.send(frame_of(0x080), never).ok());  // behind 300h in the same queue: first in, first out
   bus.advance_to(1ms);
   EXPECT_EQ(ids(drain(listener)), (std::vector<unsigned>{0x181, 0x300, 0x080}));
 }
@@ -76,8 +76,8 @@ TEST(VirtualBus, DataFrameWinsAgainstRemoteFrameOfTheSameIdentifier) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   auto& listener = bus.add_port();
-  ASSERT_TRUE(a.send({.id = 0x201, .size = 1, .remote = true}, kNever).ok());
-  ASSERT_TRUE(b.send(frame_of(0x201), kNever).ok());
+  ASSERT_TRUE(a.send({.id = 0x201, .size = 1, .remote = true}, never).ok());
+  ASSERT_TRUE(b.send(frame_of(0x201), never).ok());
   bus.advance_to(1ms);
   const auto received = drain(listener);
   ASSERT_EQ(received.size(), 2U);
@@ -90,9 +90,9 @@ TEST(VirtualBus, RunningFrameIsNotInterrupted) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   auto& listener = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(0x700), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(0x700), never).ok());
   bus.advance_to(1us);
-  ASSERT_TRUE(b.send(frame_of(0x080), kNever).ok());
+  ASSERT_TRUE(b.send(frame_of(0x080), never).ok());
   bus.advance_to(1ms);
   const auto received = drain(listener);
   ASSERT_EQ(ids(received), (std::vector<unsigned>{0x700, 0x080}));
@@ -108,7 +108,7 @@ TEST(VirtualBus, EachPortIsFirstInFirstOut) {
   for (std::uint16_t i = 0; i < 40; ++i) {
     const auto id = static_cast<std::uint16_t>((i * 733U) & 0x7FFU);
     sent.push_back(id);
-    ASSERT_TRUE(a.send(frame_of(id), kNever).ok());
+    ASSERT_TRUE(a.send(frame_of(id), never).ok());
   }
   bus.advance_to(10ms);
   EXPECT_EQ(ids(drain(b)), sent);
@@ -118,9 +118,9 @@ TEST(VirtualBus, RefusesWhenTheQueueIsFullAndKeepsWhatIsIn) {
   VirtualBus bus{{.transmit_capacity = 2}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
-  ASSERT_TRUE(a.send(frame_of(2), kNever).ok());
-  EXPECT_EQ(a.send(frame_of(3), kNever).code, StatusCode::queue_full);
+  ASSERT_TRUE(a.send(frame_of(1), never).ok());
+  ASSERT_TRUE(a.send(frame_of(2), never).ok());
+  EXPECT_EQ(a.send(frame_of(3), never).code, StatusCode::queue_full);
   EXPECT_EQ(bus.counters().overflows, 1U);
   bus.advance_to(1ms);
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 2}));
@@ -129,15 +129,15 @@ TEST(VirtualBus, RefusesWhenTheQueueIsFullAndKeepsWhatIsIn) {
 TEST(VirtualBus, RefusesWhatIsNoClassicFrame) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();
-  EXPECT_EQ(a.send({.id = 0x800}, kNever).code, StatusCode::invalid_argument);
-  EXPECT_EQ(a.send({.id = 1, .size = 9}, kNever).detail, 2U);
+  EXPECT_EQ(a.send({.id = 0x800}, never).code, StatusCode::invalid_argument);
+  EXPECT_EQ(a.send({.id = 1, .size = 9}, never).detail, 2U);
 }
 
 TEST(VirtualBus, DropsAFrameThatIsNotOnTheWireByItsDeadline) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());  // keeps the wire busy for more than 50 us
+  ASSERT_TRUE(a.send(frame_of(1), never).ok());  // keeps the wire busy for more than 50 us
   ASSERT_TRUE(a.send(frame_of(2), 50us).ok());
   ASSERT_TRUE(a.send(frame_of(3), 1ms).ok());
   bus.advance_to(2ms);
@@ -158,11 +158,11 @@ TEST(VirtualBus, ListenerMayAnswerAtTheInstantOfDelivery) {
         auto& self = *static_cast<Node*>(context);
         self.heard_at = self.bus->now();
         EXPECT_EQ(received.time, self.heard_at);
-        EXPECT_TRUE(self.port->send(frame_of(0x181), kNever).ok());
+        EXPECT_TRUE(self.port->send(frame_of(0x181), never).ok());
       },
       &node);
   const CanFrame sync{.id = 0x080};
-  ASSERT_TRUE(master.send(sync, kNever).ok());
+  ASSERT_TRUE(master.send(sync, never).ok());
   bus.advance_to(1ms);
   EXPECT_EQ(node.heard_at, wire_time(wire_bits(sync) - 3, 1'000'000));
   const auto received = drain(master);
@@ -184,8 +184,8 @@ TEST(VirtualBus, TapSeesEveryFrameWithItsTimes) {
       &log);
   auto& a = bus.add_port();
   bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(5), kNever).ok());
-  ASSERT_TRUE(a.send(frame_of(6), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(5), never).ok());
+  ASSERT_TRUE(a.send(frame_of(6), never).ok());
   bus.advance_to(1ms);
   ASSERT_EQ(log.size(), 2U);
   EXPECT_EQ(log[0].start, 0ns);
@@ -198,7 +198,7 @@ std::vector<ReceivedFrame> run_lossy(std::uint64_t seed) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   for (unsigned i = 0; i < 10'000; ++i) {
-    EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(i & 0x7FF)), kNever).ok());
+    EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(i & 0x7FF)), never).ok());
     bus.advance_to(std::chrono::milliseconds{i + 1});
   }
   return drain(b);
@@ -222,11 +222,11 @@ TEST(VirtualBus, DelaysWithinBoundsAndInOrder) {
   VirtualBus bus{{.min_delay = 100us, .max_delay = 400us, .seed = 3}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  Time shortest = kNever;
+  Time shortest = never;
   Time longest{0};
   for (int i = 0; i < 1000; ++i) {
     const Time sent = bus.now();
-    ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
+    ASSERT_TRUE(a.send(frame_of(1), never).ok());
     bus.advance_to(sent + 1ms);
     const auto received = drain(b);
     ASSERT_EQ(received.size(), 1U);
@@ -247,7 +247,7 @@ TEST(VirtualBus, DelayedFramesDoNotOvertake) {
   std::vector<unsigned> sent;
   for (std::uint16_t i = 0; i < 60; ++i) {
     sent.push_back(i);
-    ASSERT_TRUE(a.send(frame_of(i), kNever).ok());
+    ASSERT_TRUE(a.send(frame_of(i), never).ok());
   }
   bus.advance_to(20ms);
   const auto received = drain(b);
@@ -259,16 +259,16 @@ TEST(VirtualBus, BusOffRefusesSendsAndForgetsTheQueue) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(1), never).ok());
   a.set_bus_state(BusState::bus_off);
   EXPECT_EQ(a.bus_state(), BusState::bus_off);
-  EXPECT_EQ(a.send(frame_of(2), kNever).code, StatusCode::bus_off);
-  ASSERT_TRUE(b.send(frame_of(3), kNever).ok());
+  EXPECT_EQ(a.send(frame_of(2), never).code, StatusCode::bus_off);
+  ASSERT_TRUE(b.send(frame_of(3), never).ok());
   bus.advance_to(1ms);
   EXPECT_TRUE(drain(a).empty());
   EXPECT_TRUE(drain(b).empty());
   a.set_bus_state(BusState::error_active);
-  ASSERT_TRUE(a.send(frame_of(4), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(4), never).ok());
   bus.advance_to(2ms);
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{4}));
 }
@@ -277,8 +277,8 @@ TEST(VirtualBus, PurgeForgetsWhatIsNotOnTheWire) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
-  ASSERT_TRUE(a.send(frame_of(2), kNever).ok());
+  ASSERT_TRUE(a.send(frame_of(1), never).ok());
+  ASSERT_TRUE(a.send(frame_of(2), never).ok());
   bus.advance_to(1us);
   a.purge_transmit_queue();
   bus.advance_to(1ms);
@@ -290,11 +290,11 @@ TEST(VirtualBus, TellsWhenItHasSomethingToDoNext) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   bus.advance_to(5us);
-  EXPECT_EQ(bus.next_event(), kNever);
-  ASSERT_TRUE(a.send(frame_of(1), kNever).ok());
-  ASSERT_TRUE(a.send(frame_of(2), kNever).ok());
+  EXPECT_EQ(bus.next_event(), never);
+  ASSERT_TRUE(a.send(frame_of(1), never).ok());
+  ASSERT_TRUE(a.send(frame_of(2), never).ok());
   std::vector<ReceivedFrame> received;
-  for (int events = 0; bus.next_event() != kNever; ++events) {
+  for (int events = 0; bus.next_event() != never; ++events) {
     ASSERT_LT(events, 10);
     bus.advance_to(bus.next_event());
     for (const auto& frame : drain(b)) {
@@ -312,8 +312,8 @@ TEST(VirtualBus, TheSameFramesPassHoweverTimeIsCutUp) {
     auto& b = bus.add_port();
     auto& c = bus.add_port();
     for (std::uint16_t i = 0; i < 30; ++i) {
-      EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(0x100 + i)), kNever).ok());
-      EXPECT_TRUE(b.send(frame_of(static_cast<std::uint16_t>(0x110 - i)), kNever).ok());
+      EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(0x100 + i)), never).ok());
+      EXPECT_TRUE(b.send(frame_of(static_cast<std::uint16_t>(0x110 - i)), never).ok());
     }
     for (Time time{0}; time < 10ms; time += step) bus.advance_to(time);
     bus.advance_to(10ms);

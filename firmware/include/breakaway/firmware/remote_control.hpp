@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/hal/can_port.hpp"
 
 namespace breakaway::firmware {
@@ -25,13 +26,13 @@ struct MotionCommand {
 };
 
 inline std::optional<MotionCommand> decode_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
-  if (frame.id != 0x200U + node_id || frame.remote || frame.size != 8) return {};
+  if (frame.id != canopen::rpdo_cob_id(1, node_id) || frame.remote || frame.size != 8) return {};
   const auto target = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
   return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, target};
 }
 
 inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t node_id) noexcept {
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x200U + node_id), .size = 8};
+  hal::CanFrame frame{.id = canopen::rpdo_cob_id(1, node_id), .size = 8};
   frame.data[0] = command.axis;
   frame.data[1] = static_cast<std::uint8_t>((command.enable ? 1U : 0U) | (command.reset_fault ? 2U : 0U));
   canopen::store_little_endian(frame.data, command.target_counts, 4);
@@ -88,7 +89,7 @@ class RemoteAxis {
 template <class Loop>
 hal::CanFrame status_frame(const Loop& loop, std::size_t axis, std::uint8_t node_id) noexcept {
   const auto& status = loop.status(axis);
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x180U + node_id), .size = 8};
+  hal::CanFrame frame{.id = canopen::tpdo_cob_id(1, node_id), .size = 8};
   frame.data = {static_cast<std::uint8_t>(axis), static_cast<std::uint8_t>(status.fault),
                 static_cast<std::uint8_t>(status.output.mode), static_cast<std::uint8_t>(status.feedback.state)};
   canopen::store_little_endian(frame.data, loop.drive(axis).position_counts(), 4);

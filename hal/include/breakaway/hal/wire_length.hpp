@@ -9,9 +9,9 @@
 
 namespace breakaway::hal {
 
-inline constexpr unsigned kIntermissionBits = 3;
+inline constexpr unsigned intermission_bits = 3;
 // CRC delimiter, ACK slot and delimiter, end of frame (7): sent without stuffing. Then the intermission.
-inline constexpr unsigned kUnstuffedTailBits = 1 + 2 + 7 + kIntermissionBits;
+inline constexpr unsigned unstuffed_tail_bits = 1 + 2 + 7 + intermission_bits;
 
 // CRC-15-CAN: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 constexpr std::uint16_t crc15_step(std::uint16_t crc, bool bit) noexcept {
@@ -62,7 +62,7 @@ constexpr unsigned wire_bits(const CanFrame& frame) noexcept {
   if (!frame.remote)
     for (const std::uint8_t byte : frame.payload()) stuffed.send(byte, 8);
   stuffed.send_crc();
-  return stuffed.bits() + kUnstuffedTailBits;
+  return stuffed.bits() + unstuffed_tail_bits;
 }
 
 // Upper bound over all data frames of `data_bytes` (0..8): 47 + 8 s bits, and a stuff bit for every four of the 33 + 8

@@ -66,7 +66,7 @@ bool VirtualBus::start_next_frame() noexcept {
   sender_ = winner;
   const unsigned bits = hal::wire_bits(frame_);
   frame_start_ = now_;
-  frame_end_ = now_ + hal::wire_time(bits - hal::kIntermissionBits, config_.bit_rate);
+  frame_end_ = now_ + hal::wire_time(bits - hal::intermission_bits, config_.bit_rate);
   idle_from_ = now_ + hal::wire_time(bits, config_.bit_rate);
   on_wire_ = true;
   return true;

@@ -36,13 +36,13 @@ constexpr std::uint64_t bits_per_period(unsigned axes, AcyclicTraffic acyclic = 
 // axes: 1..127; period: above 0, up to 1 h; bit_rate in bit/s: 10'000..1'000'000. Everything else gives all zeros.
 constexpr BusBudget bus_budget(unsigned axes, hal::Duration period, std::uint32_t bit_rate,
                                AcyclicTraffic acyclic = {}) noexcept {
-  constexpr std::uint64_t kGiga = 1'000'000'000;
+  constexpr std::uint64_t nanoseconds_per_second = 1'000'000'000;
   const bool valid = axes >= 1 && axes <= 127 && period > hal::Duration::zero() && period <= std::chrono::hours{1} &&
                      bit_rate >= 10'000 && bit_rate <= 1'000'000;
   if (!valid) return {};
   const std::uint64_t bits = bits_per_period(axes, acyclic);
   const auto period_ns = static_cast<std::uint64_t>(period.count());
-  const std::uint64_t available_bits = period_ns * bit_rate / kGiga;
+  const std::uint64_t available_bits = period_ns * bit_rate / nanoseconds_per_second;
   const std::uint64_t fixed_bits = bits_per_period(0, acyclic);
   const std::uint64_t free_bits = available_bits > fixed_bits ? available_bits - fixed_bits : 0;
   const std::uint64_t max_axes = free_bits / bits_per_axis();

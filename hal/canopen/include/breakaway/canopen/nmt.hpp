@@ -21,11 +21,11 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
-inline constexpr std::uint8_t kAllNodes = 0;
+inline constexpr std::uint8_t all_nodes = 0;
 
-// node_id: 1..127, or kAllNodes.
+// node_id: 1..127, or all_nodes.
 constexpr hal::CanFrame nmt_frame(NmtCommand command, std::uint8_t node_id) noexcept {
-  return {.id = kNmtCobId, .size = 2, .remote = false, .data = {static_cast<std::uint8_t>(command), node_id}};
+  return {.id = nmt_cob_id, .size = 2, .remote = false, .data = {static_cast<std::uint8_t>(command), node_id}};
 }
 
 constexpr bool is_nmt_state(std::uint8_t value) noexcept {

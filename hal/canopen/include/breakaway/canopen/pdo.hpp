@@ -13,9 +13,9 @@
 namespace breakaway::canopen {
 
 // Bit 30 of a TPDO's COB-ID entry: no remote requests. A node that does not support them refuses an entry without it.
-inline constexpr std::uint32_t kNoRemoteRequest = 0x4000'0000U;
+inline constexpr std::uint32_t no_remote_request = 0x4000'0000U;
 // Transmission type 1: acts at every SYNC.
-inline constexpr std::uint8_t kEverySync = 1;
+inline constexpr std::uint8_t every_sync = 1;
 
 struct MappedObject {
   std::uint16_t index = 0;
@@ -34,17 +34,17 @@ struct MappedObject {
 };
 
 struct PdoMapping {
-  static constexpr std::size_t kMaxObjects = 8;
+  static constexpr std::size_t max_objects = 8;
 
   std::uint16_t parameter_index = 0;  // 1400h.. or 1800h..
   std::uint16_t mapping_index = 0;    // 1600h.. or 1A00h..
   std::uint32_t cob_id = 0;           // with its flags, valid
-  std::uint8_t transmission_type = kEverySync;
-  std::uint8_t count = 0;  // 0..kMaxObjects
-  std::array<MappedObject, kMaxObjects> objects{};
+  std::uint8_t transmission_type = every_sync;
+  std::uint8_t count = 0;  // 0..max_objects
+  std::array<MappedObject, max_objects> objects{};
 
   constexpr std::span<const MappedObject> mapped() const noexcept {
-    return std::span{objects}.first(count <= kMaxObjects ? count : kMaxObjects);
+    return std::span{objects}.first(count <= max_objects ? count : max_objects);
   }
   // The payload's length, rounded up to whole bytes.
   constexpr std::size_t size_bytes() const noexcept {
@@ -68,7 +68,7 @@ constexpr std::size_t remap_step_count(const PdoMapping& pdo) noexcept { return 
 // step: 0..remap_step_count(pdo) - 1.
 constexpr ObjectWrite remap_step(const PdoMapping& pdo, std::size_t step) noexcept {
   const std::size_t count = pdo.mapped().size();
-  if (step == 0) return {pdo.parameter_index, 1, 4, pdo.cob_id | kCobIdInvalid};
+  if (step == 0) return {pdo.parameter_index, 1, 4, pdo.cob_id | cob_id_invalid};
   if (step == 1) return {pdo.mapping_index, 0, 1, 0};
   if (step < count + 2)
     return {pdo.mapping_index, static_cast<std::uint8_t>(step - 1), 4, pdo.objects[step - 2].entry()};

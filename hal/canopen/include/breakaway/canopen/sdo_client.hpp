@@ -22,14 +22,14 @@ namespace breakaway::canopen {
 
 class SdoClient {
  public:
-  static constexpr std::size_t kCapacity = 64;  // bytes of the longest object
+  static constexpr std::size_t capacity = 64;  // bytes of the longest object
 
   // node_id: 1..127, the server's. timeout: above 0, for every single response.
   SdoClient(std::uint8_t node_id, hal::Duration timeout) noexcept;
 
   // ok; would_block: the last transfer is not finished.
   hal::Status start_read(std::uint16_t index, std::uint8_t subindex) noexcept;
-  // bytes: 1..kCapacity of them, else invalid_argument. They are copied.
+  // bytes: 1..capacity of them, else invalid_argument. They are copied.
   hal::Status start_write(std::uint16_t index, std::uint8_t subindex, std::span<const std::uint8_t> bytes) noexcept;
 
   void on_frame(const hal::CanFrame& frame) noexcept;
@@ -38,7 +38,7 @@ class SdoClient {
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
 
   // would_block until the transfer is finished, then how it ended, until the next start: ok, timeout, sdo_aborted
-  // (detail: the abort code; out_of_memory is our own, for an object longer than kCapacity), protocol_error (detail:
+  // (detail: the abort code; out_of_memory is our own, for an object longer than capacity), protocol_error (detail:
   // the command byte that came). Before the first transfer: ok.
   hal::Status poll(hal::Time now) noexcept;
 
@@ -73,7 +73,7 @@ class SdoClient {
   hal::Status result_;
   std::uint16_t index_ = 0;
   std::uint8_t subindex_ = 0;
-  std::array<std::uint8_t, kCapacity> buffer_{};
+  std::array<std::uint8_t, capacity> buffer_{};
   std::size_t size_ = 0;       // bytes in the buffer
   std::size_t announced_ = 0;  // by the server, for a segmented read; 0: it did not say
   std::size_t sent_ = 0;       // bytes of the buffer in segments so far

@@ -36,11 +36,11 @@ struct DriveRating {
 class DriveNode {
  public:
   // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
-  static constexpr hal::Duration kBootTime = std::chrono::seconds{2};
-  static constexpr unsigned kSdoAttempts = 3;  // of one transfer, before the node counts as gone
-  static constexpr hal::Duration kModePollTime = std::chrono::milliseconds{20};
-  static constexpr hal::Duration kModeRequestTime = std::chrono::milliseconds{500};
-  static constexpr hal::Duration kModeTimeout = std::chrono::seconds{10};  // drives were seen to take seconds
+  static constexpr hal::Duration boot_time = std::chrono::seconds{2};
+  static constexpr unsigned sdo_attempts = 3;  // of one transfer, before the node counts as gone
+  static constexpr hal::Duration mode_poll_time = std::chrono::milliseconds{20};
+  static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
+  static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};  // drives were seen to take seconds
 
   explicit DriveNode(const NodeConfig& config) noexcept;
 

@@ -16,9 +16,9 @@ class StateMachine {
  public:
   // How long each level of the fault reset bit is shown: some drives miss changes less than 1 ms apart, and a
   // controlword acts only at the SYNC after the one that it was sent for.
-  static constexpr hal::Duration kResetLevelTime = std::chrono::milliseconds{3};
+  static constexpr hal::Duration reset_level_time = std::chrono::milliseconds{3};
   // A drive that stays in Quick stop active (options 5..8 of 605Ah) is switched off after this.
-  static constexpr hal::Duration kQuickStopTime = std::chrono::seconds{1};
+  static constexpr hal::Duration quick_stop_time = std::chrono::seconds{1};
 
   // enable: ignored while the drive is in Fault; reset it first. reset_fault: ignored unless in Fault.
   void request_enable() noexcept;

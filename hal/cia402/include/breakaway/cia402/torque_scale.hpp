@@ -22,7 +22,7 @@ class TorqueScale {
     if (!std::isnormal(quantum_N_)) return;
     // A limit that is a whole number of quanta must not lose one to the rounding of the quotient.
     const Scalar quanta = max_force_N / quantum_N_ * (Scalar{1} + 4 * std::numeric_limits<Scalar>::epsilon());
-    const Scalar most = static_cast<Scalar>(std::min<std::uint16_t>(max_torque_per_mille, kHighest));
+    const Scalar most = static_cast<Scalar>(std::min<std::uint16_t>(max_torque_per_mille, highest_per_mille));
     limit_ = static_cast<std::int16_t>(std::min(quanta, most));
     max_force_N_ = std::min(max_force_N, force_N(limit_));
   }
@@ -42,7 +42,7 @@ class TorqueScale {
   std::int16_t limit_per_mille() const noexcept { return limit_; }
 
  private:
-  static constexpr std::uint16_t kHighest = 32767;  // 6071h is an int16
+  static constexpr std::uint16_t highest_per_mille = 32767;  // 6071h is an int16
 
   Scalar quantum_N_{};
   Scalar max_force_N_{};

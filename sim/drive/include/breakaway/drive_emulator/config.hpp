@@ -34,7 +34,7 @@ struct EmulatorConfig {
   std::optional<double> peak_force_N{};       // what the motor can do at most, > 0; default: max_torque_per_mille
   double current_loop_time_constant_s = 0.0;  // first-order lag from demand to force, >= 0; 0: ideal
   double encoder_resolution_m = 1e-6;         // one count, > 0
-  std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;  // 6502h; without bit 9 the drive makes no torque
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque;  // 6502h; without bit 9 the drive makes no torque
 
   // A TPDO leaves between min and max after the SYNC or event that asks for it, uniformly distributed.
   hal::Duration min_tpdo_delay = std::chrono::microseconds{20};

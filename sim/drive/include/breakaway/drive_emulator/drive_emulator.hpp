@@ -32,7 +32,7 @@ namespace breakaway::drive_emulator {
 
 class DriveEmulator {
  public:
-  static constexpr std::size_t kPdos = 4;  // in each direction
+  static constexpr std::size_t pdo_count = 4;  // in each direction
   // Called with each frame that the drive puts into its transmit queue, and when; must not call the drive.
   using Send = std::function<void(const hal::CanFrame&, hal::Time)>;
 
@@ -72,9 +72,9 @@ class DriveEmulator {
     master_heartbeat,
     sync_alarm,
     sdo_timeout,
-    rpdo_deadline,                       // kPdos timers from here
-    tpdo_event = rpdo_deadline + kPdos,  // and from here
-    timer_count = tpdo_event + kPdos,
+    rpdo_deadline,                           // pdo_count timers from here
+    tpdo_event = rpdo_deadline + pdo_count,  // and from here
+    timer_count = tpdo_event + pdo_count,
   };
   struct TpdoState {
     unsigned syncs = 0;  // since the last transmission
@@ -132,8 +132,8 @@ class DriveEmulator {
   canopen::NmtState nmt_ = canopen::NmtState::boot_up;
   std::optional<hal::Time> last_sync_;
   std::int64_t last_mode_display_ = 0;
-  std::array<std::optional<hal::CanFrame>, kPdos> latched_{};  // synchronous RPDOs that wait for their SYNC
-  std::array<TpdoState, kPdos> tpdo_states_{};
+  std::array<std::optional<hal::CanFrame>, pdo_count> latched_{};  // synchronous RPDOs that wait for their SYNC
+  std::array<TpdoState, pdo_count> tpdo_states_{};
 };
 
 }  // namespace breakaway::drive_emulator

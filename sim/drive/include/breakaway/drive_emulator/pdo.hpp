@@ -15,7 +15,7 @@ enum class PdoDirection : std::uint8_t { receive, transmit };
 
 class Pdo {
  public:
-  static constexpr std::uint8_t kMaxEntries = 8;
+  static constexpr std::uint8_t max_entries = 8;
 
   // Adds the PDO's objects to the dictionary, which must outlive it. number: 1..4. mapped: objects at power-on.
   Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, std::uint32_t cob_id,
