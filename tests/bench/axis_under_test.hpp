@@ -24,7 +24,7 @@ inline scenario::Scenario axis_scenario(std::size_t axes = 1) {
   while (!canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate).ok()) {
     if (++period > std::chrono::seconds{1}) throw std::runtime_error("the axes do not fit the bus of can_axis.toml");
   }
-  s.loop->period_s = std::chrono::duration<double>(period).count();
+  s.loop->period_s = hal::seconds(period);
   return s;
 }
 

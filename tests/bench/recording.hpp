@@ -56,7 +56,7 @@ struct Recording {
   std::size_t first_running = 0;
   std::vector<law::Measurement<Real>> measurements;  // of the first axis, from first_running on
 
-  hal::Time time(std::size_t step) const { return period * static_cast<std::int64_t>(step); }
+  hal::Time time(std::size_t step) const { return hal::Time{period * static_cast<std::int64_t>(step)}; }
 };
 
 // The plant as a drive's mechanism; notes the forces on it while a list for them is set.
@@ -83,7 +83,7 @@ class EmulatedAxis {
       : axis_{s}, drive_{config(s, node_id), axis_, [this](const hal::CanFrame& frame, hal::Time at) {
                            outbox_.push_back({frame, at});
                          }} {
-    drive_.power_on(hal::Time{0});
+    drive_.power_on(hal::Time{});
   }
 
   // Brings the axis to `now`, hands it the frames that were sent at the time of the step before, and takes its answers.

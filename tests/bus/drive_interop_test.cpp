@@ -19,6 +19,7 @@ using breakaway::drive_emulator::DriveEmulator;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
+using breakaway::hal::Duration;
 using breakaway::hal::ReceivedFrame;
 using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
@@ -26,7 +27,7 @@ using breakaway::virtual_bus::VirtualBus;
 using breakaway::virtual_bus::VirtualBusConfig;
 
 constexpr std::uint8_t node_id = 5;
-constexpr Time period = 1ms;
+constexpr Duration period = 1ms;
 
 // Holds the axis where the test puts it.
 class HeldAxis final : public breakaway::drive_emulator::Mechanism {
@@ -60,7 +61,7 @@ class Bench {
           static_cast<Bench*>(self)->emulator.on_frame(received.frame, received.time);
         },
         this);
-    emulator.power_on(Time{0});
+    emulator.power_on(Time{});
   }
 
   HeldAxis axis;
@@ -93,11 +94,11 @@ class Bench {
         drive.next_acyclic_frame(frame, now_))
       send(frame);
   }
-  void run_for(Time duration, float force_N = 0) {
+  void run_for(Duration duration, float force_N = 0) {
     for (const Time end = now_ + duration; now_ < end;) step(force_N);
   }
   // False when the state is not reached in time.
-  bool reach(DriveState state, Time limit = 10s) {
+  bool reach(DriveState state, Duration limit = 10s) {
     for (const Time end = now_ + limit; feedback.state != state;) {
       if (now_ >= end) return false;
       step();
@@ -114,13 +115,13 @@ class Bench {
  private:
   void send(const CanFrame& frame) { EXPECT_TRUE(master.send(frame, now_ + period).ok()); }
 
-  Time now_{0};
+  Time now_{};
 };
 
 TEST(DriveInterop, IsSetUpAndEnabledOverTheBus) {
   Bench bench;
   ASSERT_TRUE(bench.reach(DriveState::disabled));
-  EXPECT_LT(bench.now(), 500ms);
+  EXPECT_LT(bench.now(), Time{500ms});
   EXPECT_TRUE(bench.drive.setup_status().ok());
   EXPECT_FLOAT_EQ(bench.drive.torque_quantum_N(), 0.05F);
   bench.drive.request_enable();
@@ -227,10 +228,10 @@ TEST(DriveInterop, StopTakesTheForceAwayWithinTwoPeriods) {
 
 TEST(DriveInterop, SilentDropStaysOffUntilEnabledAgain) {
   auto config = emulated_drive();
-  config.quirks.silent_drop_at = 1s;
+  config.quirks.silent_drop_at = Time{1s};
   Bench bench{config};
   ASSERT_TRUE(bench.enable());
-  ASSERT_LT(bench.now(), 1s);
+  ASSERT_LT(bench.now(), Time{1s});
   ASSERT_TRUE(bench.reach(DriveState::disabled, 2s));
   bench.run_for(500ms, 20.0F);
   EXPECT_EQ(bench.feedback.state, DriveState::disabled);

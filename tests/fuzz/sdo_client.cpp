@@ -10,12 +10,13 @@ namespace {
 
 using breakaway::canopen::SdoClient;
 using breakaway::hal::CanFrame;
+using breakaway::hal::Duration;
 using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 
 constexpr std::uint8_t node_id = 5;
 constexpr std::uint16_t response_id = breakaway::canopen::sdo_response_cob_id(node_id);
-constexpr Time time_limit{1000};
+constexpr Duration time_limit{1000};
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -75,13 +76,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
   FuzzedDataProvider input(bytes, count);
   SdoClient client(node_id, time_limit);
   CanFrame request;
-  Time now{0};
+  Time now{};
   while (input.remaining_bytes() > 0) {
     if (!client.busy()) start(client, input);
     if (client.next_frame(request, now))
       require(request.id == breakaway::canopen::sdo_request_cob_id(node_id) && request.size == 8);
     client.on_frame(answer(input, request));
-    now += Time{input.ConsumeIntegralInRange<int>(0, 300)};
+    now += Duration{input.ConsumeIntegralInRange<int>(0, 300)};
     require(is_listed(client.poll(now).code));
     require(client.data().size() <= SdoClient::capacity);
   }

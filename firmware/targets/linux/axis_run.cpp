@@ -18,7 +18,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-double seconds(hal::Duration duration) { return std::chrono::duration<double>(duration).count(); }
 double microseconds(hal::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
 // Why the drive is refused, with the remedy. object: index << 8 | sub-index.
@@ -165,7 +164,7 @@ void AxisRun::move() {
     if (status().feedback.state == hal::DriveState::unusable) return;  // it came back as another drive
     if (!status().running) continue;
     if (!enabled_since_) enabled_since_ = now_;
-    follow_visits(seconds(now_ - *enabled_since_));
+    follow_visits(hal::seconds(now_ - *enabled_since_));
   }
 }
 
@@ -177,7 +176,7 @@ void AxisRun::follow_visits(double moving_s) {
   }
   if (visit_ + 1 == c_.visits.size()) return;
   const bool next = c_.timed ? moving_s >= c_.visits[visit_ + 1].after_s
-                             : resting_since_ && seconds(now_ - *resting_since_) >= options_.dwell_s;
+                             : resting_since_ && hal::seconds(now_ - *resting_since_) >= options_.dwell_s;
   if (!next) return;
   loop_.set_target_counts(0, c_.visits[++visit_].counts);
   resting_since_.reset();

@@ -46,10 +46,11 @@ const char* to_string(hal::DriveState state) {
 
 std::string_view mode_of(const StepRecord& step) { return step.controlled ? law::to_string(step.mode) : "-"; }
 
+// The wall clock's time now, less that of the clock that the loop runs on.
 hal::Duration realtime_minus_monotonic() {
   timespec t{};
   clock_gettime(CLOCK_REALTIME, &t);
-  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec} - monotonic_now();
+  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec} - monotonic_now().time_since_epoch();
 }
 
 }  // namespace
@@ -105,13 +106,11 @@ void Reporter::drain() {
   for (Record record; telemetry_.records.pop(record);) std::visit([this](const auto& r) { write(r); }, record);
 }
 
-double Reporter::seconds(hal::Time time) const { return std::chrono::duration<double>(time - start_).count(); }
-
 void Reporter::put(const File& file) const { std::fwrite(line_.data(), 1, line_.size(), file.get()); }
 
 void Reporter::write(const StepRecord& step) {
   if (csv_) {
-    const hal::Time time = step.time + to_realtime_;
+    const hal::Duration time = (step.time + to_realtime_).time_since_epoch();
     line_.clear();
     fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}\n",
                    time / std::chrono::seconds{1}, time % std::chrono::seconds{1} / std::chrono::microseconds{1},
@@ -131,7 +130,7 @@ void Reporter::show(const StepRecord& step, bool live) {
   line_.clear();
   const auto out = std::back_inserter(line_);
   fmt::format_to(out, "{}{:10.3f} s  {:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N",
-                 terminal_ ? "\r\x1b[K" : "", seconds(step.time), to_string(step.drive), mode_of(step),
+                 terminal_ ? "\r\x1b[K" : "", hal::seconds(step.time - start_), to_string(step.drive), mode_of(step),
                  step.target_counts * resolution_m_, step.position_counts * resolution_m_, step.reported_N);
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
@@ -146,7 +145,7 @@ void Reporter::show(const StepRecord& step, bool live) {
 
 void Reporter::write(const FrameRecord& record) {
   if (!candump_) return;
-  const hal::Time time = record.time + to_realtime_;
+  const hal::Duration time = (record.time + to_realtime_).time_since_epoch();
   line_.clear();
   const auto out = std::back_inserter(line_);
   fmt::format_to(out, "({:010}.{:06}) {} {:03X}#", time / std::chrono::seconds{1},

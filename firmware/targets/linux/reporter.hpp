@@ -36,7 +36,6 @@ class Reporter {
   void write(const StepRecord& step);
   void write(const FrameRecord& record);
   void show(const StepRecord& step, bool live);
-  double seconds(hal::Time time) const;
   void put(const File& file) const;
 
   Telemetry& telemetry_;

@@ -97,7 +97,7 @@ void DriveEmulator::advance_mechanism_to(hal::Time at) {
 }
 
 double DriveEmulator::largest_force_N(hal::Time until) const {
-  return drive_.motor().largest_force_N(std::chrono::duration<double>(until).count());
+  return drive_.motor().largest_force_N(hal::seconds(until));
 }
 
 void DriveEmulator::trip_fault(std::uint16_t code, hal::Time at) {

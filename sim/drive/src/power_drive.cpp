@@ -15,8 +15,6 @@ namespace {
 constexpr std::int64_t mode_changing = -1;
 constexpr std::uint16_t enable_operation_bit = 0x08;
 
-double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
 // The nearest value of an i16 object.
 std::int64_t saturate_i16(double value) {
   return static_cast<std::int64_t>(std::clamp(std::round(value), -32768.0, 32767.0));
@@ -103,19 +101,20 @@ void PowerDrive::clear_faults() {
   dictionary_.set({object::error_code, 0}, 0);
 }
 
-void PowerDrive::advance_mechanism_to(hal::Time at) { mechanism_.advance_to(seconds(at), motor_.segment()); }
+void PowerDrive::advance_mechanism_to(hal::Time at) { mechanism_.advance_to(hal::seconds(at), motor_.segment()); }
 
 void PowerDrive::sample(hal::Time at, bool on_sync) {
   advance_mechanism_to(at);
   const std::int32_t counts = encoder_counts(mechanism_.position_m(), config_.encoder_resolution_m);
   dictionary_.set({object::position_actual, 0}, counts);
-  dictionary_.set({object::torque_actual, 0}, saturate_i16(motor_.force_at_N(seconds(at)) / force_per_per_mille_N_));
+  dictionary_.set({object::torque_actual, 0},
+                  saturate_i16(motor_.force_at_N(hal::seconds(at)) / force_per_per_mille_N_));
   if (!on_sync) return;
   if (last_sync_ && at > *last_sync_) {
     // Unsigned: the counter may have wrapped around between the two.
     const auto moved =
         static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(last_sync_counts_));
-    const double velocity = std::round(moved / seconds(at - *last_sync_));
+    const double velocity = std::round(moved / hal::seconds(at - *last_sync_));
     dictionary_.set({object::velocity_actual, 0},
                     static_cast<std::int64_t>(std::clamp(velocity, -2147483648.0, 2147483647.0)));
   }
@@ -147,7 +146,7 @@ void PowerDrive::command_torque(double demand_per_mille, hal::Time at) {
   const double force_N = motor_.clamped(demand_per_mille * force_per_per_mille_N_);
   if (force_N == motor_.commanded_N()) return;
   advance_mechanism_to(at);
-  motor_.command(force_N, seconds(at));
+  motor_.command(force_N, hal::seconds(at));
   segment_listener_(motor_.segment());
 }
 

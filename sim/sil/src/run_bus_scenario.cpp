@@ -21,8 +21,6 @@
 namespace breakaway::sil {
 namespace {
 
-double seconds(hal::Duration duration) { return std::chrono::duration<double>(duration).count(); }
-
 template <class Real>
 law::K3Table<Real> k3_table(const law::AxisParameters<Real>& p, const std::string& file) try {
   return design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
@@ -128,13 +126,13 @@ class BusScene {
 
   // Sets the drive up over the bus until the axis runs; the brake is released with the first command.
   bool commission() {
-    const hal::Time give_up = std::chrono::seconds{10};
+    constexpr hal::Time give_up{std::chrono::seconds{10}};
     while (!loop_.status(0).running && now_ < give_up) {
       step();
       if (loop_.status(0).fault != firmware::AxisFault::none) break;
     }
     release_ = now_ - period_;
-    mechanism_.release(seconds(network_.bus().now()));
+    mechanism_.release(hal::seconds(network_.bus().now()));
     busy_before_ = busy_at_release_ = network_.bus().counters().busy_time;
     if (!loop_.status(0).running) note_fault(0);
     if (!loop_.status(0).running && result_.faults.empty())
@@ -146,7 +144,7 @@ class BusScene {
     const double duration_s = s_.run->duration_s;
     note(0);
     for (double time_s = 0; time_s < duration_s;) {
-      time_s = seconds(now_ - release_);
+      time_s = hal::seconds(now_ - release_);
       change_target(time_s);
       step();
       note(time_s);
@@ -210,17 +208,17 @@ class BusScene {
     sample.time_s = time_s;
     sample.position_m = slide.state().position_m;
     sample.velocity_m_s = slide.state().velocity_m_s;
-    sample.force_N = drive_.force().at_N(seconds(now_ - period_), 0, 0);
+    sample.force_N = drive_.force().at_N(hal::seconds(now_ - period_), 0, 0);
     sample.friction_level_N = slide.sticking() ? std::nan("") : std::fabs(slide.friction_force_N());
     sample.target_m = target_m_;
-    sample.bus_load = seconds(busy - busy_before_) / seconds(period_);
+    sample.bus_load = hal::seconds(busy - busy_before_) / hal::seconds(period_);
     sample.mode = mode;
     busy_before_ = busy;
     result_.trace.push_back(sample);
   }
 
   void finish() {
-    const double simulated_s = seconds(now_ - period_ - release_);
+    const double simulated_s = hal::seconds(now_ - period_ - release_);
     result_.duration_s = simulated_s;
     result_.settled = judge_.settled() && !faulted_;
     result_.settling_time_s = judge_.settling_time_s();
@@ -232,7 +230,7 @@ class BusScene {
     figures.ticks = loop_.statistics().ticks();
     figures.missed_ticks = loop_.statistics().missed_ticks() + periods_without_feedback_;
     figures.bus_load =
-        simulated_s > 0 ? seconds(network_.bus().counters().busy_time - busy_at_release_) / simulated_s : 0;
+        simulated_s > 0 ? hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / simulated_s : 0;
     result_.loop = figures;
   }
 
@@ -245,8 +243,8 @@ class BusScene {
   drive_emulator::DriveEmulator& drive_;
   Loop loop_;
   Judge judge_;
-  hal::Time now_{0};
-  hal::Time release_{0};
+  hal::Time now_{};
+  hal::Time release_{};
   hal::Duration busy_before_{0};
   hal::Duration busy_at_release_{0};
   double target_m_ = 0;

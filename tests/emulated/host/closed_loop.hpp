@@ -81,7 +81,7 @@ inline void run_node_here(SlcanWorld& world, Commander& commander) {
   firmware::ControlNode<slcan::Port<LocalStream>> node{port, flashed::node};
   if (!node.setup_status().ok()) throw std::runtime_error("the node refuses its configuration");
   const hal::Duration period = flashed::node.loop.period;
-  for (hal::Time now = period; !commander.finished() && world.periods() < 100'000; now += period) {
+  for (hal::Time now{period}; !commander.finished() && world.periods() < 100'000; now += period) {
     port.poll(now);
     node.step(now);
     port.flush(now);

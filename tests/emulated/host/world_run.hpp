@@ -54,7 +54,7 @@ class WorldRun {
 
  private:
   const hal::Duration period_ = flashed::node.loop.period;
-  hal::Time now_{0};
+  hal::Time now_{};
   WorldPort port_;
   AxisWorld world_;
   firmware::ControlNode<WorldPort> node_;

@@ -47,7 +47,7 @@ class BxcanPortTest : public testing::Test {
 
   ControllerModel controller;
   Port port{controller};
-  Time now = 5s;
+  Time now{5s};
 };
 
 TEST_F(BxcanPortTest, StartsWithItsBitTimingAndInterruptsOn) {
@@ -89,8 +89,8 @@ TEST_F(BxcanPortTest, SaysThatTheQueueIsFull) {
 }
 
 TEST_F(BxcanPortTest, RefusesWhatIsNoClassicFrame) {
-  EXPECT_EQ(port.send({.id = 0x800}, 1s), (breakaway::hal::Status{StatusCode::invalid_argument, 1}));
-  EXPECT_EQ(port.send({.id = 1, .size = 9}, 1s), (breakaway::hal::Status{StatusCode::invalid_argument, 2}));
+  EXPECT_EQ(port.send({.id = 0x800}, Time{1s}), (breakaway::hal::Status{StatusCode::invalid_argument, 1}));
+  EXPECT_EQ(port.send({.id = 1, .size = 9}, Time{1s}), (breakaway::hal::Status{StatusCode::invalid_argument, 2}));
 }
 
 TEST_F(BxcanPortTest, AbortsMailboxesAndDropsFramesAtTheirDeadline) {
@@ -137,10 +137,10 @@ TEST_F(BxcanPortTest, TakesALengthAboveEightForEight) {
 
 TEST_F(BxcanPortTest, StampsFramesWithTheTimeOfTheInterrupt) {
   controller.receive({0x181, false, false, 0, {}});
-  port.on_receive_interrupt(7s);
+  port.on_receive_interrupt(Time{7s});
   ReceivedFrame frame;
   ASSERT_TRUE(port.receive(frame));
-  EXPECT_EQ(frame.time, 7s);
+  EXPECT_EQ(frame.time, Time{7s});
 }
 
 TEST_F(BxcanPortTest, CountsAnOverrunOfTheFifoAndGoesOn) {

@@ -16,6 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace breakaway::canopen;
 using breakaway::hal::CanFrame;
+using breakaway::hal::Time;
 
 TEST(CobId, FollowsThePredefinedConnectionSet) {
   EXPECT_EQ(emcy_cob_id(5), 0x085);
@@ -60,40 +61,40 @@ TEST(Nmt, CommandNamesTheNode) {
 
 TEST(Heartbeat, SilenceIsNoLossBeforeSupervisionStarts) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.update(10s);
+  consumer.update(Time{10s});
   EXPECT_FALSE(consumer.lost());
   EXPECT_FALSE(consumer.state().has_value());
 }
 
 TEST(Heartbeat, LostAfterTheTimeoutAndBackWithTheNextOne) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.start(0ms);
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 100ms);
-  consumer.update(350ms);
+  consumer.start(Time{0ms});
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), Time{100ms});
+  consumer.update(Time{350ms});
   EXPECT_FALSE(consumer.lost());
-  consumer.update(350ms + 1ns);
+  consumer.update(Time{350ms + 1ns});
   EXPECT_TRUE(consumer.lost());
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 400ms);
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), Time{400ms});
   EXPECT_FALSE(consumer.lost());
   EXPECT_EQ(consumer.state(), NmtState::operational);
 }
 
 TEST(Heartbeat, OtherNodesAndMalformedFramesDoNotCount) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.start(0ms);
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 4), 200ms);
-  consumer.on_frame({.id = 0x703, .size = 1, .remote = true, .data = {}}, 200ms);
-  consumer.on_frame({.id = 0x703, .size = 2, .data = {0x05}}, 200ms);
-  consumer.on_frame({.id = 0x703, .size = 1, .data = {0x33}}, 200ms);
-  consumer.update(251ms);
+  consumer.start(Time{0ms});
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 4), Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 1, .remote = true, .data = {}}, Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 2, .data = {0x05}}, Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 1, .data = {0x33}}, Time{200ms});
+  consumer.update(Time{251ms});
   EXPECT_TRUE(consumer.lost());
   EXPECT_FALSE(consumer.state().has_value());
 }
 
 TEST(Heartbeat, BootUpIsReportedOnce) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.on_frame(heartbeat_frame(NmtState::boot_up, 3), 1ms);
-  consumer.on_frame(heartbeat_frame(NmtState::pre_operational, 3), 2ms);
+  consumer.on_frame(heartbeat_frame(NmtState::boot_up, 3), Time{1ms});
+  consumer.on_frame(heartbeat_frame(NmtState::pre_operational, 3), Time{2ms});
   EXPECT_TRUE(consumer.take_boot_up());
   EXPECT_FALSE(consumer.take_boot_up());
 }
@@ -101,13 +102,13 @@ TEST(Heartbeat, BootUpIsReportedOnce) {
 TEST(Heartbeat, ProducerSendsOnceAPeriodAndDoesNotCatchUp) {
   HeartbeatProducer producer{127, 100ms};
   CanFrame frame;
-  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 5ms));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{5ms}));
   EXPECT_EQ(frame, (CanFrame{.id = 0x77F, .size = 1, .data = {0x05}}));
-  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 104ms));
-  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 405ms));
-  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 406ms));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{104ms}));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{405ms}));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{406ms}));
   HeartbeatProducer silent{127, 0ms};
-  EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, 1s));
+  EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, Time{1s}));
 }
 
 TEST(Emcy, RoundTripAndReset) {

@@ -138,7 +138,7 @@ class SdoClientTest : public testing::Test {
  protected:
   SdoClient client{node_id, timeout};
   Server server;
-  Time now{0};
+  Time now{};
   int frames = 0;
 
   // One period: the client sends at most one frame, the answer comes before the next period.

@@ -25,6 +25,7 @@ using breakaway::cia402::State;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
+using breakaway::hal::Duration;
 using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 using breakaway::test::ScriptedDrive;
@@ -42,7 +43,7 @@ class DriveTest : public testing::Test {
 
   Drive<float> drive;
   ScriptedDrive node{node_id};
-  Time now{0};
+  Time now{};
   DriveFeedback<float> feedback{};
   std::vector<CanFrame> sent;
 
@@ -71,14 +72,14 @@ class DriveTest : public testing::Test {
     deliver();
   }
   template <class Condition>
-  void run_until(Condition condition, Time limit = 3s) {
+  void run_until(Condition condition, Duration limit = 3s) {
     const Time end = now + limit;
     while (!condition()) {
       ASSERT_LT(now, end) << "state " << static_cast<int>(feedback.state);
       step();
     }
   }
-  void run_for(Time duration) {
+  void run_for(Duration duration) {
     for (const Time end = now + duration; now < end;) step();
   }
   void run_until_state(DriveState state) {
@@ -259,7 +260,7 @@ TEST_F(DriveTest, ForceIsZeroUnlessEnabled) {
   while (feedback.state != DriveState::enabled) {
     ASSERT_EQ(node.target, 0);
     step(10.0F);
-    ASSERT_LT(now, 3s);
+    ASSERT_LT(now, Time{3s});
   }
   EXPECT_EQ(node.target, 200);
   drive.request_stop();
@@ -426,7 +427,7 @@ TEST_F(DriveTest, DriveThatStayedEnergisedOutsideOfOperationalIsSwitchedOff) {
   while (feedback.state == DriveState::configuring) {
     step(10.0F);
     ASSERT_EQ(node.target, 0);
-    ASSERT_LT(now, 3s);
+    ASSERT_LT(now, Time{3s});
   }
   EXPECT_EQ(feedback.state, DriveState::disabled);
   EXPECT_EQ(node.state, State::switch_on_disabled);
@@ -463,12 +464,12 @@ TEST(DriveConfigTest, BadConfigurationIsUnusableFromTheStart) {
     DriveConfig<float> config = axis();
     change(config);
     Drive<float> drive{config};
-    drive.update(1s);
+    drive.update(Time{1s});
     EXPECT_EQ(drive.setup_status().code, StatusCode::invalid_argument);
     EXPECT_EQ(drive.setup_status().detail, detail);
     EXPECT_EQ(drive.feedback().state, DriveState::unusable);
     CanFrame frame;
-    EXPECT_FALSE(drive.next_acyclic_frame(frame, 1s));
+    EXPECT_FALSE(drive.next_acyclic_frame(frame, Time{1s}));
     EXPECT_FALSE(drive.next_command_frame(frame));
   };
   expect(1, [](auto& c) { c.node_id = 0; });

@@ -100,7 +100,7 @@ class ControlLoopTest : public ::testing::Test {
   FakePort port;
   DriveProbe probe;
   Loop loop{port, {.period = 1ms, .heartbeat_period = 0ms}};
-  hal::Time now{0};
+  hal::Time now{};
 
   void SetUp() override {
     AxisLimits<float> limits;
@@ -296,7 +296,7 @@ TEST_F(ControlLoopTest, SendsItsOwnHeartbeatInPlaceOfAnAcyclicFrame) {
   int heartbeats = 0;
   for (int i = 1; i <= 100; ++i) {
     port.sent.clear();
-    beating.step(i * 1ms);
+    beating.step(hal::Time{i * 1ms});
     heartbeats += port.sent.back().id == canopen::heartbeat_cob_id(100);
   }
   EXPECT_EQ(heartbeats, 10);

@@ -145,13 +145,13 @@ TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
 TEST_F(ControlNodeTest, IsSilentWhenRefused) {
   config.drive.max_force_N = 60;
   ControlNode<TestPort> refused{port, config};
-  refused.step(1ms);
+  refused.step(hal::Time{1ms});
   EXPECT_TRUE(port.sent.empty());
 }
 
 TEST_F(ControlNodeTest, TellsItsStatusEveryFiftyPeriods) {
   ControlNode<TestPort> running{port, config};
-  for (int i = 1; i <= 100; ++i) running.step(i * 1ms);
+  for (int i = 1; i <= 100; ++i) running.step(hal::Time{i * 1ms});
   int told = 0;
   for (const auto& frame : port.sent) told += frame.id == canopen::tpdo_cob_id(1, node) && frame.size == 8 ? 1 : 0;
   EXPECT_EQ(told, 2);

@@ -63,11 +63,11 @@ class SlcanPortTest : public testing::Test {
 
   Wire wire;
   breakaway::slcan::Port<Wire> port{wire, 500'000};
-  Time now{0};
+  Time now{};
 };
 
 TEST_F(SlcanPortTest, OpensTheAdapterAtItsBitRate) {
-  EXPECT_EQ(port.send(sync, 1s).code, StatusCode::bus_off);
+  EXPECT_EQ(port.send(sync, Time{1s}).code, StatusCode::bus_off);
   EXPECT_EQ(period("\a\a\a\r"), "\r\r\rC\r") << "what came before may have left half a line";
   for (int i = 0; i < 9; ++i) EXPECT_EQ(period(""), "") << "the answers to that are waited out";
   EXPECT_EQ(asked(), "S6\r");
@@ -91,11 +91,11 @@ TEST_F(SlcanPortTest, HandsFramesOverInOrderAndAsksForTheFlags) {
 TEST_F(SlcanPortTest, StampsReceivedFramesWithThePollThatBroughtThem) {
   open();
   wire.to_port += "z\rt1811AA\r";
-  port.poll(7s);
+  port.poll(Time{7s});
   ReceivedFrame received;
   ASSERT_TRUE(port.receive(received));
   EXPECT_EQ(received.frame, (CanFrame{.id = 0x181, .size = 1, .data = {0xAA}}));
-  EXPECT_EQ(received.time, 7s);
+  EXPECT_EQ(received.time, Time{7s});
   EXPECT_FALSE(port.receive(received));
 }
 
@@ -130,8 +130,8 @@ TEST_F(SlcanPortTest, SaysThatTheQueueIsFull) {
 
 TEST_F(SlcanPortTest, RefusesWhatIsNoClassicFrame) {
   open();
-  EXPECT_EQ(port.send({.id = 0x800}, 1s), (breakaway::hal::Status{StatusCode::invalid_argument, 1}));
-  EXPECT_EQ(port.send({.id = 1, .size = 9}, 1s), (breakaway::hal::Status{StatusCode::invalid_argument, 2}));
+  EXPECT_EQ(port.send({.id = 0x800}, Time{1s}), (breakaway::hal::Status{StatusCode::invalid_argument, 1}));
+  EXPECT_EQ(port.send({.id = 1, .size = 9}, Time{1s}), (breakaway::hal::Status{StatusCode::invalid_argument, 2}));
 }
 
 TEST_F(SlcanPortTest, ReadsTheBusStateFromTheFlags) {
@@ -211,7 +211,7 @@ TEST_F(SlcanPortTest, TriesAgainWhenTheAdapterRefusesTheBitRate) {
 TEST(SlcanPort, NeverOpensAtAnUnknownBitRate) {
   Wire wire;
   breakaway::slcan::Port<Wire> port{wire, 333'333};
-  for (Time now{0}; now < 100ms; now += 1ms) {
+  for (Time now{}; now < Time{100ms}; now += 1ms) {
     port.poll(now);
     port.flush(now);
   }

@@ -35,7 +35,7 @@ struct FakeSocket {
     return answer;
   }
   Io read(can_frame& frame, Time& received) noexcept {
-    received = 7us;
+    received = Time{7us};
     if (incoming.empty()) return no_more;
     frame = incoming.front();
     incoming.pop_front();
@@ -62,7 +62,7 @@ class SocketcanPort : public testing::Test {
  protected:
   FakeSocket socket;
   Port<FakeSocket> port{socket};
-  Time now = 100ms;
+  Time now{100ms};
 
   void SetUp() override { port.poll(now); }
   void next_period() { port.poll(now += 1ms); }
@@ -145,7 +145,7 @@ TEST_F(SocketcanPort, PassesFramesOnWithTheirTime) {
   ReceivedFrame received;
   ASSERT_TRUE(port.receive(received));
   EXPECT_EQ(received.frame, command);
-  EXPECT_EQ(received.time, 7us);
+  EXPECT_EQ(received.time, Time{7us});
   EXPECT_FALSE(port.receive(received));
 }
 

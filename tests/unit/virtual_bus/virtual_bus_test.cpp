@@ -11,6 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using breakaway::hal::BusState;
 using breakaway::hal::CanFrame;
+using breakaway::hal::Duration;
 using breakaway::hal::ReceivedFrame;
 using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
@@ -42,9 +43,9 @@ TEST(VirtualBus, DeliversToAllOthersWithTheLastBitOfTheFrame) {
     auto& b = bus.add_port();
     auto& c = bus.add_port();
     const CanFrame frame = frame_of(0x123, 0x45);
-    bus.advance_to(10us);
+    bus.advance_to(Time{10us});
     ASSERT_TRUE(a.send(frame, never).ok());
-    const Time end = 10us + wire_time(wire_bits(frame) - 3, bit_rate);
+    const Time end{10us + wire_time(wire_bits(frame) - 3, bit_rate)};
     bus.advance_to(end - 1ns);
     EXPECT_TRUE(drain(b).empty());
     bus.advance_to(end);
@@ -67,7 +68,7 @@ TEST(VirtualBus, LowestIdentifierWinsWhateverTheOrderOfSends) {
   ASSERT_TRUE(a.send(frame_of(0x300), never).ok());
   ASSERT_TRUE(b.send(frame_of(0x181), never).ok());
   ASSERT_TRUE(a.send(frame_of(0x080), never).ok());  // behind 300h in the same queue: first in, first out
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   EXPECT_EQ(ids(drain(listener)), (std::vector<unsigned>{0x181, 0x300, 0x080}));
 }
 
@@ -78,7 +79,7 @@ TEST(VirtualBus, DataFrameWinsAgainstRemoteFrameOfTheSameIdentifier) {
   auto& listener = bus.add_port();
   ASSERT_TRUE(a.send({.id = 0x201, .size = 1, .remote = true}, never).ok());
   ASSERT_TRUE(b.send(frame_of(0x201), never).ok());
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   const auto received = drain(listener);
   ASSERT_EQ(received.size(), 2U);
   EXPECT_FALSE(received[0].frame.remote);
@@ -91,13 +92,13 @@ TEST(VirtualBus, RunningFrameIsNotInterrupted) {
   auto& b = bus.add_port();
   auto& listener = bus.add_port();
   ASSERT_TRUE(a.send(frame_of(0x700), never).ok());
-  bus.advance_to(1us);
+  bus.advance_to(Time{1us});
   ASSERT_TRUE(b.send(frame_of(0x080), never).ok());
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   const auto received = drain(listener);
   ASSERT_EQ(ids(received), (std::vector<unsigned>{0x700, 0x080}));
   // The second starts when the first's intermission is over.
-  EXPECT_EQ(received[1].time, wire_time(wire_bits(frame_of(0x700)) + wire_bits(frame_of(0x080)) - 3, 1'000'000));
+  EXPECT_EQ(received[1].time, Time{wire_time(wire_bits(frame_of(0x700)) + wire_bits(frame_of(0x080)) - 3, 1'000'000)});
 }
 
 TEST(VirtualBus, EachPortIsFirstInFirstOut) {
@@ -110,7 +111,7 @@ TEST(VirtualBus, EachPortIsFirstInFirstOut) {
     sent.push_back(id);
     ASSERT_TRUE(a.send(frame_of(id), never).ok());
   }
-  bus.advance_to(10ms);
+  bus.advance_to(Time{10ms});
   EXPECT_EQ(ids(drain(b)), sent);
 }
 
@@ -122,7 +123,7 @@ TEST(VirtualBus, RefusesWhenTheQueueIsFullAndKeepsWhatIsIn) {
   ASSERT_TRUE(a.send(frame_of(2), never).ok());
   EXPECT_EQ(a.send(frame_of(3), never).code, StatusCode::queue_full);
   EXPECT_EQ(bus.counters().overflows, 1U);
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 2}));
 }
 
@@ -138,9 +139,9 @@ TEST(VirtualBus, DropsAFrameThatIsNotOnTheWireByItsDeadline) {
   auto& a = bus.add_port();
   auto& b = bus.add_port();
   ASSERT_TRUE(a.send(frame_of(1), never).ok());  // keeps the wire busy for more than 50 us
-  ASSERT_TRUE(a.send(frame_of(2), 50us).ok());
-  ASSERT_TRUE(a.send(frame_of(3), 1ms).ok());
-  bus.advance_to(2ms);
+  ASSERT_TRUE(a.send(frame_of(2), Time{50us}).ok());
+  ASSERT_TRUE(a.send(frame_of(3), Time{1ms}).ok());
+  bus.advance_to(Time{2ms});
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 3}));
   EXPECT_EQ(bus.counters().stale, 1U);
 }
@@ -163,11 +164,11 @@ TEST(VirtualBus, ListenerMayAnswerAtTheInstantOfDelivery) {
       &node);
   const CanFrame sync{.id = 0x080};
   ASSERT_TRUE(master.send(sync, never).ok());
-  bus.advance_to(1ms);
-  EXPECT_EQ(node.heard_at, wire_time(wire_bits(sync) - 3, 1'000'000));
+  bus.advance_to(Time{1ms});
+  EXPECT_EQ(node.heard_at, Time{wire_time(wire_bits(sync) - 3, 1'000'000)});
   const auto received = drain(master);
   ASSERT_EQ(received.size(), 1U);
-  EXPECT_EQ(received[0].time, wire_time(wire_bits(sync) + wire_bits(frame_of(0x181)) - 3, 1'000'000));
+  EXPECT_EQ(received[0].time, Time{wire_time(wire_bits(sync) + wire_bits(frame_of(0x181)) - 3, 1'000'000)});
 }
 
 TEST(VirtualBus, TapSeesEveryFrameWithItsTimes) {
@@ -186,10 +187,10 @@ TEST(VirtualBus, TapSeesEveryFrameWithItsTimes) {
   bus.add_port();
   ASSERT_TRUE(a.send(frame_of(5), never).ok());
   ASSERT_TRUE(a.send(frame_of(6), never).ok());
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   ASSERT_EQ(log.size(), 2U);
-  EXPECT_EQ(log[0].start, 0ns);
-  EXPECT_EQ(log[0].end, wire_time(wire_bits(frame_of(5)) - 3, 1'000'000));
+  EXPECT_EQ(log[0].start, Time{});
+  EXPECT_EQ(log[0].end, Time{wire_time(wire_bits(frame_of(5)) - 3, 1'000'000)});
   EXPECT_EQ(log[1].start, log[0].end + 3us);
 }
 
@@ -199,7 +200,7 @@ std::vector<ReceivedFrame> run_lossy(std::uint64_t seed) {
   auto& b = bus.add_port();
   for (unsigned i = 0; i < 10'000; ++i) {
     EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(i & 0x7FF)), never).ok());
-    bus.advance_to(std::chrono::milliseconds{i + 1});
+    bus.advance_to(Time{std::chrono::milliseconds{i + 1}});
   }
   return drain(b);
 }
@@ -222,15 +223,15 @@ TEST(VirtualBus, DelaysWithinBoundsAndInOrder) {
   VirtualBus bus{{.min_delay = 100us, .max_delay = 400us, .seed = 3}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  Time shortest = never;
-  Time longest{0};
+  Duration shortest = Duration::max();
+  Duration longest{};
   for (int i = 0; i < 1000; ++i) {
     const Time sent = bus.now();
     ASSERT_TRUE(a.send(frame_of(1), never).ok());
     bus.advance_to(sent + 1ms);
     const auto received = drain(b);
     ASSERT_EQ(received.size(), 1U);
-    const Time delay = received[0].time - sent - wire_time(wire_bits(frame_of(1)) - 3, 1'000'000);
+    const Duration delay = received[0].time - sent - wire_time(wire_bits(frame_of(1)) - 3, 1'000'000);
     shortest = std::min(shortest, delay);
     longest = std::max(longest, delay);
   }
@@ -249,7 +250,7 @@ TEST(VirtualBus, DelayedFramesDoNotOvertake) {
     sent.push_back(i);
     ASSERT_TRUE(a.send(frame_of(i), never).ok());
   }
-  bus.advance_to(20ms);
+  bus.advance_to(Time{20ms});
   const auto received = drain(b);
   ASSERT_EQ(ids(received), sent);
   for (std::size_t i = 1; i < received.size(); ++i) EXPECT_GE(received[i].time, received[i - 1].time);
@@ -264,12 +265,12 @@ TEST(VirtualBus, BusOffRefusesSendsAndForgetsTheQueue) {
   EXPECT_EQ(a.bus_state(), BusState::bus_off);
   EXPECT_EQ(a.send(frame_of(2), never).code, StatusCode::bus_off);
   ASSERT_TRUE(b.send(frame_of(3), never).ok());
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   EXPECT_TRUE(drain(a).empty());
   EXPECT_TRUE(drain(b).empty());
   a.set_bus_state(BusState::error_active);
   ASSERT_TRUE(a.send(frame_of(4), never).ok());
-  bus.advance_to(2ms);
+  bus.advance_to(Time{2ms});
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{4}));
 }
 
@@ -279,9 +280,9 @@ TEST(VirtualBus, PurgeForgetsWhatIsNotOnTheWire) {
   auto& b = bus.add_port();
   ASSERT_TRUE(a.send(frame_of(1), never).ok());
   ASSERT_TRUE(a.send(frame_of(2), never).ok());
-  bus.advance_to(1us);
+  bus.advance_to(Time{1us});
   a.purge_transmit_queue();
-  bus.advance_to(1ms);
+  bus.advance_to(Time{1ms});
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1}));
 }
 
@@ -289,7 +290,7 @@ TEST(VirtualBus, TellsWhenItHasSomethingToDoNext) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();
   auto& b = bus.add_port();
-  bus.advance_to(5us);
+  bus.advance_to(Time{5us});
   EXPECT_EQ(bus.next_event(), never);
   ASSERT_TRUE(a.send(frame_of(1), never).ok());
   ASSERT_TRUE(a.send(frame_of(2), never).ok());
@@ -306,7 +307,7 @@ TEST(VirtualBus, TellsWhenItHasSomethingToDoNext) {
 }
 
 TEST(VirtualBus, TheSameFramesPassHoweverTimeIsCutUp) {
-  const auto run = [](Time step) {
+  const auto run = [](Duration step) {
     VirtualBus bus{{.loss_probability = 0.2, .max_delay = 70us, .seed = 9}};
     auto& a = bus.add_port();
     auto& b = bus.add_port();
@@ -315,8 +316,8 @@ TEST(VirtualBus, TheSameFramesPassHoweverTimeIsCutUp) {
       EXPECT_TRUE(a.send(frame_of(static_cast<std::uint16_t>(0x100 + i)), never).ok());
       EXPECT_TRUE(b.send(frame_of(static_cast<std::uint16_t>(0x110 - i)), never).ok());
     }
-    for (Time time{0}; time < 10ms; time += step) bus.advance_to(time);
-    bus.advance_to(10ms);
+    for (Time time{}; time < Time{10ms}; time += step) bus.advance_to(time);
+    bus.advance_to(Time{10ms});
     return drain(c);
   };
   const auto coarse = run(10ms);

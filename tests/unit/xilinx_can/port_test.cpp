@@ -52,7 +52,7 @@ class XilinxCanPortTest : public testing::Test {
 
   ControllerModel controller;
   Port port{controller};
-  Time now = 5s;
+  Time now{5s};
 };
 
 TEST(XilinxCanRegisters, HoldBitTimingAsTheManualLaysItOut) {
@@ -215,11 +215,11 @@ TEST_F(XilinxCanPortTest, TakesALengthAboveEightForEight) {
 
 TEST_F(XilinxCanPortTest, StampsFramesWithTheTimeOfThePoll) {
   controller.receive({0x181, false, false, 0, {}});
-  port.poll(7s);
-  port.poll(8s);
+  port.poll(Time{7s});
+  port.poll(Time{8s});
   ReceivedFrame frame;
   ASSERT_TRUE(port.receive(frame));
-  EXPECT_EQ(frame.time, 7s);
+  EXPECT_EQ(frame.time, Time{7s});
 }
 
 TEST_F(XilinxCanPortTest, CountsAnOverflowOfTheFifoAndGoesOn) {

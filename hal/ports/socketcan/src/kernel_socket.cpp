@@ -20,7 +20,9 @@
 namespace breakaway::socketcan {
 namespace {
 
-hal::Time to_time(const timespec& t) noexcept { return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}; }
+hal::Time to_time(const timespec& t) noexcept {
+  return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
+}
 
 hal::Time now_on(clockid_t clock) noexcept {
   timespec t{};
@@ -156,8 +158,8 @@ hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
   std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
   const hal::Time software = to_time(stamps.ts[0]), hardware = to_time(stamps.ts[2]);
   hal::Time time = now;
-  if (software != hal::Time{0}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
-  return hardware != hal::Time{0} ? hardware_clock_.align(hardware, time) : time;
+  if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
+  return hardware != hal::Time{} ? hardware_clock_.align(hardware, time) : time;
 }
 
 std::size_t KernelSocket::unsent_bytes() const noexcept {

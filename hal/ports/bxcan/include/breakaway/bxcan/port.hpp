@@ -128,7 +128,7 @@ class Port {
 
   // Time in units of 1024 ns, cut to what an interrupt reads at once. Comparable over 36 minutes.
   static constexpr std::uint32_t stamp(hal::Time time) noexcept {
-    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(time.count()) >> 10);
+    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(time.time_since_epoch().count()) >> 10);
   }
   bool stale(std::uint32_t deadline) const noexcept {
     const std::uint32_t late = shared_now_.load(std::memory_order_relaxed) - deadline;

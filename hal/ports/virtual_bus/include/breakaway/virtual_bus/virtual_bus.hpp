@@ -83,16 +83,16 @@ class VirtualBus {
   VirtualBusCounters counters_;
   Tap tap_ = nullptr;
   void* tap_context_ = nullptr;
-  hal::Time now_{0};
+  hal::Time now_{};
   std::uint64_t random_state_;
-  hal::Time last_delivery_{0};
+  hal::Time last_delivery_{};
 
   bool on_wire_ = false;  // a frame is between its first bit and its end of frame
   hal::CanFrame frame_;
   const Port* sender_ = nullptr;
-  hal::Time frame_start_{0};
-  hal::Time frame_end_{0};
-  hal::Time idle_from_{0};
+  hal::Time frame_start_{};
+  hal::Time frame_end_{};
+  hal::Time idle_from_{};
 };
 
 // Models hal::CanPort.
