@@ -23,10 +23,11 @@ using Loop = firmware::ControlLoop<TapePort, cia402::Drive<Real>, Controller, Re
 template <class Real, class Controller>
 Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, const Controller& controller,
                                  std::size_t axes) {
-  Loop<Real, Controller> loop{port, {period_of(s), s.bus->bit_rate}};
+  Loop<Real, Controller> loop{port, network_config(s)};
+  const hal::AxisScale<Real> scale = axis_scale<Real>(s);
   for (std::size_t i = 0; i < axes; ++i) {
-    const auto config = drive_config<Real>(s, static_cast<std::uint8_t>(i + 1));
-    if (!loop.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m).ok())
+    const cia402::Drive<Real> drive{drive_config<Real>(s, static_cast<std::uint8_t>(i + 1)), network_config(s), scale};
+    if (loop.add_axis(drive, controller, limits<Real>(s), scale.encoder_resolution_m) != firmware::AddAxis::added)
       throw std::runtime_error("the loop takes no more axes");
     loop.request_enable(i);
   }

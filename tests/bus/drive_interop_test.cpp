@@ -15,13 +15,14 @@ namespace {
 
 using namespace std::chrono_literals;
 using breakaway::cia402::Drive;
+using breakaway::cia402::SetupStatus;
 using breakaway::drive_emulator::DriveEmulator;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
 using breakaway::hal::Duration;
 using breakaway::hal::ReceivedFrame;
-using breakaway::hal::StatusCode;
+using breakaway::hal::SendResult;
 using breakaway::hal::Time;
 using breakaway::virtual_bus::VirtualBus;
 using breakaway::virtual_bus::VirtualBusConfig;
@@ -53,9 +54,10 @@ class Bench {
       : bus{bus_config},
         master{bus.add_port()},
         slave{bus.add_port()},
-        emulator{config, axis,
-                 [this](const CanFrame& frame, Time) { EXPECT_TRUE(slave.send(frame, Time::max()).ok()); }},
-        drive{{.node_id = node_id, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50}} {
+        emulator{
+            config, axis,
+            [this](const CanFrame& frame, Time) { EXPECT_EQ(slave.send(frame, Time::max()), SendResult::queued); }},
+        drive{{.node_id = node_id, .force_per_torque_N_per_Nm = 50}, {.period = period}, {1e-6F, 50}} {
     slave.set_listener(
         [](void* self, const ReceivedFrame& received) noexcept {
           static_cast<Bench*>(self)->emulator.on_frame(received.frame, received.time);
@@ -113,7 +115,7 @@ class Bench {
   Time now() const { return now_; }
 
  private:
-  void send(const CanFrame& frame) { EXPECT_TRUE(master.send(frame, now_ + period).ok()); }
+  void send(const CanFrame& frame) { EXPECT_EQ(master.send(frame, now_ + period), SendResult::queued); }
 
   Time now_{};
 };
@@ -122,7 +124,7 @@ TEST(DriveInterop, IsSetUpAndEnabledOverTheBus) {
   Bench bench;
   ASSERT_TRUE(bench.reach(DriveState::disabled));
   EXPECT_LT(bench.now(), Time{500ms});
-  EXPECT_TRUE(bench.drive.setup_status().ok());
+  EXPECT_EQ(bench.drive.setup_status(), SetupStatus::ready);
   EXPECT_FLOAT_EQ(bench.drive.torque_quantum_N(), 0.05F);
   bench.drive.request_enable();
   ASSERT_TRUE(bench.reach(DriveState::enabled));
@@ -198,8 +200,8 @@ TEST(DriveInterop, DriveWithoutCyclicTorqueIsRefusedByName) {
   config.supported_modes = 0x1FF;
   Bench bench{config};
   ASSERT_TRUE(bench.reach(DriveState::unusable));
-  EXPECT_EQ(bench.drive.setup_status().code, StatusCode::not_supported);
-  EXPECT_EQ(bench.drive.setup_status().detail, 0x650200U);
+  EXPECT_EQ(bench.drive.setup_status(), SetupStatus::no_torque_mode);
+  EXPECT_EQ(bench.drive.setup_object(), (breakaway::canopen::ObjectAddress{0x6502, 0}));
 }
 
 TEST(DriveInterop, FaultIsNamedLatchedAndReset) {

@@ -123,14 +123,12 @@ class Rig {
 
     cia402::DriveConfig<Real> master;
     master.node_id = node_id;
-    master.encoder_resolution_m = p.encoder_resolution_m;
     master.force_per_torque_N_per_Nm = 50;
-    master.max_force_N = p.max_force_N;
-    master.period = config_.period;
     firmware::AxisLimits<Real> limits = config_.limits;
     if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
-    const auto added = loop_.add_axis(cia402::Drive<Real>{master}, {p, table_}, limits, p.encoder_resolution_m);
-    if (!added.ok()) std::abort();
+    const cia402::Drive<Real> drive{master, {.period = config_.period}, {p.encoder_resolution_m, p.max_force_N}};
+    const auto added = loop_.add_axis(drive, {p, table_}, limits, p.encoder_resolution_m);
+    if (added != firmware::AddAxis::added) std::abort();
   }
 
   RigConfig config_;

@@ -14,8 +14,10 @@ namespace canopen = breakaway::canopen;
 namespace cia402 = breakaway::cia402;
 namespace object = breakaway::cia402::object;
 
-constexpr cia402::DriveConfig<float> config{
-    .node_id = 5, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50};
+constexpr cia402::DriveConfig<float> config{.node_id = 5, .force_per_torque_N_per_Nm = 50};
+constexpr canopen::NetworkConfig network{.period = std::chrono::milliseconds{1}};
+constexpr breakaway::hal::AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
+static_assert(cia402::check(config, network, scale) == cia402::DriveConfigError::none);
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -88,17 +90,17 @@ void check_command(const CanFrame& frame, const cia402::Drive<float>& drive, Dri
   require(state == DriveState::enabled);
   require(std::abs(static_cast<int>(torque)) <= drive.rating().max_torque_per_mille);
   const double force_N = torque * 1e-6 * drive.rating().rated_torque_mNm * config.force_per_torque_N_per_Nm;
-  require(std::fabs(force_N) <= config.max_force_N * 1.000001);  // to the rounding of the quantum in float
+  require(std::fabs(force_N) <= scale.max_force_N * 1.000001);  // to the rounding of the quantum in float
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   FuzzedDataProvider input(bytes, count);
-  cia402::Drive<float> drive(config);
+  cia402::Drive<float> drive(config, network, scale);
   canopen::NmtState node = canopen::NmtState::pre_operational;
   drive.request_enable();
-  for (Time now{}; input.remaining_bytes() > 0; now += config.period) {
+  for (Time now{}; input.remaining_bytes() > 0; now += network.period) {
     CanFrame frame;
     while (drive.next_acyclic_frame(frame, now)) {
       if (is_start(frame)) node = canopen::NmtState::operational;

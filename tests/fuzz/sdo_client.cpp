@@ -9,9 +9,10 @@
 namespace {
 
 using breakaway::canopen::SdoClient;
+using breakaway::canopen::SdoResult;
+using breakaway::canopen::SdoStart;
 using breakaway::hal::CanFrame;
 using breakaway::hal::Duration;
-using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 
 constexpr std::uint8_t node_id = 5;
@@ -26,13 +27,13 @@ void start(SdoClient& client, FuzzedDataProvider& input) {
   const auto index = input.ConsumeIntegral<std::uint16_t>();
   const auto subindex = input.ConsumeIntegral<std::uint8_t>();
   if (input.ConsumeBool()) {
-    require(client.start_read(index, subindex).ok());
+    require(client.start_read(index, subindex) == SdoStart::started);
     return;
   }
   const auto size = input.ConsumeIntegralInRange<std::size_t>(0, 2 * SdoClient::capacity);
   const std::vector<std::uint8_t> bytes = input.ConsumeBytes<std::uint8_t>(size);
   const bool fits = !bytes.empty() && bytes.size() <= SdoClient::capacity;
-  require(client.start_write(index, subindex, bytes).ok() == fits);
+  require(client.start_write(index, subindex, bytes) == (fits ? SdoStart::started : SdoStart::bad_length));
 }
 
 // The command byte of a server that keeps to CiA 301 (7.2.4.3): without it no input would get past the first segments.
@@ -65,9 +66,11 @@ CanFrame answer(FuzzedDataProvider& input, const CanFrame& request) {
   return frame;
 }
 
-bool is_listed(StatusCode code) {
-  return code == StatusCode::ok || code == StatusCode::would_block || code == StatusCode::timeout ||
-         code == StatusCode::sdo_aborted || code == StatusCode::protocol_error;
+// A finished transfer says how it ended, and why where there is a why.
+void check_result(const SdoClient& client, SdoResult result) {
+  require((result == SdoResult::busy) == client.busy());
+  require(breakaway::canopen::to_string(result) != "unknown result");
+  if (result == SdoResult::protocol_error) require(client.unexpected_command() >> 5U != 4);  // an abort is no error
 }
 
 }  // namespace
@@ -83,10 +86,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
       require(request.id == breakaway::canopen::sdo_request_cob_id(node_id) && request.size == 8);
     client.on_frame(answer(input, request));
     now += Duration{input.ConsumeIntegralInRange<int>(0, 300)};
-    require(is_listed(client.poll(now).code));
+    check_result(client, client.poll(now));
     require(client.data().size() <= SdoClient::capacity);
   }
   client.next_frame(request, now);
-  require(client.poll(now + time_limit + time_limit).code != StatusCode::would_block);
+  require(client.poll(now + time_limit + time_limit) != SdoResult::busy);
   return 0;
 }

@@ -9,11 +9,7 @@ namespace breakaway::flashed {
 
 inline constexpr firmware::NodeConfig<float> node{
     .loop = {.period = std::chrono::milliseconds{1}, .bit_rate = 1'000'000},
-    .drive = {.node_id = 1,
-              .encoder_resolution_m = axis.parameters.encoder_resolution_m,
-              .force_per_torque_N_per_Nm = 50,
-              .max_force_N = axis.parameters.max_force_N,
-              .period = std::chrono::milliseconds{1}},
+    .drive = {.node_id = 1, .force_per_torque_N_per_Nm = 50},
     .limits = {.position_min_m = -10, .position_max_m = 10, .speed_m_s = 20},
     .axis = &axis};
 

@@ -20,29 +20,21 @@ using namespace std::chrono_literals;
 
 double microseconds(hal::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
-// Why the drive is refused, with the remedy. object: index << 8 | sub-index.
-std::string why_unusable(hal::Status status, std::uint32_t object) {
-  const std::uint32_t index = object >> 8U;
-  if (status.code == hal::StatusCode::not_supported) switch (index) {
-      case cia402::object::device_type:
-        return "is not a CiA 402 drive (1000h); check --node-id";
-      case cia402::object::supported_modes:
-        return "has no cyclic synchronous torque mode (6502h, bit 9); take a drive, or a firmware of it, that has";
-      case cia402::object::mode_display:
-        return "refuses the cyclic synchronous torque mode (6061h never showed 10); end what else commands the drive, "
-               "its commissioning software, say, and look for an interlock on the mode in its manual";
-      case cia402::object::rated_torque:
-      case cia402::object::max_torque:
-        return fmt::format("states no torque ({:04X}h is 0); set up the motor's data in the drive first", index);
-      default:
-        break;
-    }
-  if (status.code == hal::StatusCode::sdo_aborted)
-    return fmt::format("refuses the object {:04X}h:{:02X} (abort code {:08X}h); its manual says why", index,
-                       object & 0xFFU, status.detail);
-  if (status.code == hal::StatusCode::invalid_argument && status.detail == 9)
-    return "moves in steps of force larger than the force limit; raise --max-force";
-  return fmt::format("cannot be used: {} ({:X}h)", to_string(status.code), status.detail);
+std::string object_text(canopen::ObjectAddress object) {
+  return fmt::format("{:04X}h:{:02X}", object.index, object.subindex);
+}
+
+// How the set-up stands, with the remedy and, where one is concerned, the object.
+std::string setup_text(const cia402::Drive<float>& drive) {
+  const cia402::SetupStatus status = drive.setup_status();
+  const canopen::ObjectAddress object = drive.setup_object();
+  if (status == cia402::SetupStatus::object_refused)
+    return fmt::format("{} ({}, {})", to_string(status), object_text(object),
+                       canopen::to_string(drive.setup_abort_code()));
+  const bool names_object =
+      object.index != 0 && (status == cia402::SetupStatus::in_progress || status == cia402::SetupStatus::no_answer ||
+                            status == cia402::SetupStatus::protocol_error);
+  return names_object ? fmt::format("{} ({})", to_string(status), object_text(object)) : std::string{to_string(status)};
 }
 
 }  // namespace
@@ -57,9 +49,9 @@ AxisRun::AxisRun(const Configuration& configuration, const Options& options, soc
       loop_{port_, configuration.loop},
       ticker_{configuration.loop.period} {
   const law::AxisController<float> controller{c_.axis.parameters, c_.axis.k3_table};
-  const hal::Status added =
-      loop_.add_axis(cia402::Drive<float>{c_.drive}, controller, c_.limits, c_.drive.encoder_resolution_m);
-  if (!added.ok()) throw InputError{std::string{to_string(added.code)}};
+  const auto added = loop_.add_axis(cia402::Drive<float>{c_.drive, c_.loop, c_.scale()}, controller, c_.limits,
+                                    c_.scale().encoder_resolution_m);
+  if (added != firmware::AddAxis::added) throw InputError{std::string{to_string(added)}};
   loop_.set_target_counts(0, c_.visits.front().counts);
   loop_.request_enable(0);
 }
@@ -109,19 +101,15 @@ void AxisRun::set_up() {
     if (state != hal::DriveState::configuring) break;
     if (!heard_ && now_ - begin > patience) refuse_silent_drive();
     if (now_ - begin > longest) {
-      const std::uint32_t object = loop_.drive(0).setup_object();
-      throw InputError{fmt::format("drive {}: the set-up stands still at object {:04X}h:{:02X} ({}); check the wiring",
-                                   c_.drive.node_id, object >> 8U, object & 0xFFU,
-                                   to_string(loop_.drive(0).setup_status().code))};
+      throw InputError{fmt::format("drive {} on {}: the set-up stands still; check the wiring: {}", c_.drive.node_id,
+                                   options_.interface, setup_text(loop_.drive(0)))};
     }
   }
   if (options_.reset && status().feedback.state == hal::DriveState::fault) loop_.reset_fault(0);
 }
 
 void AxisRun::refuse_unusable_drive() const {
-  const auto& drive = loop_.drive(0);
-  throw InputError{fmt::format("drive {} on {} {}", c_.drive.node_id, options_.interface,
-                               why_unusable(drive.setup_status(), drive.setup_object()))};
+  throw InputError{fmt::format("drive {} on {}: {}", c_.drive.node_id, options_.interface, setup_text(loop_.drive(0)))};
 }
 
 void AxisRun::refuse_silent_drive() {
@@ -186,7 +174,7 @@ bool AxisRun::rests_on_target() const {
   const auto& s = status();
   const double error_m = static_cast<double>(s.feedback.position_offset_m);
   // Half a count for the decimal tolerance in float.
-  const double margin_m = 0.5 * static_cast<double>(c_.drive.encoder_resolution_m);
+  const double margin_m = 0.5 * static_cast<double>(c_.scale().encoder_resolution_m);
   return s.running && s.output.mode == law::Mode::hold && std::abs(error_m) <= c_.tolerance_m + margin_m;
 }
 
@@ -211,17 +199,15 @@ void AxisRun::release_drive() {
   if (!heard_) return;
   canopen::SdoClient sdo{c_.drive.node_id, c_.drive.sdo_timeout};
   constexpr std::array<std::uint8_t, 4> none{};
-  bool left = !port_
-                   .send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, c_.drive.node_id),
-                         now_ + c_.loop.period)
-                   .ok() ||
-              !sdo.start_write(cia402::object::consumer_heartbeat, 1, none).ok();
+  const hal::CanFrame command = canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, c_.drive.node_id);
+  bool left = port_.send(command, now_ + c_.loop.period) != hal::SendResult::queued ||
+              sdo.start_write(cia402::object::consumer_heartbeat, 1, none) != canopen::SdoStart::started;
   for (const hal::Time begin = now_; !left && now_ - begin < 200ms;) {
     now_ = ticker_.wait();
     socket_port_.poll(now_);
     port_.set_time(now_);
     for (hal::ReceivedFrame received; port_.receive(received);) sdo.on_frame(received.frame);
-    left = sdo.poll(now_).code != hal::StatusCode::would_block;
+    left = sdo.poll(now_) != canopen::SdoResult::busy;
     hal::CanFrame frame;
     if (!left && sdo.next_frame(frame, now_)) static_cast<void>(port_.send(frame, now_ + c_.loop.period));
   }

@@ -83,13 +83,11 @@ Configuration read_configuration(const Options& options) {
   if (options.max_force_N > 0) lower_force_limit(c.axis, options.max_force_N);
   require_verified(s.file, c.axis);
   c.drive = scenario::drive_config<float>(s);
-  c.drive.max_force_N = c.axis.parameters.max_force_N;
   if (options.node_id != 0) c.drive.node_id = static_cast<std::uint8_t>(options.node_id);
-  if (const auto status = cia402::check(c.drive); !status.ok())
-    throw InputError{
-        fmt::format("{}: [drive] or [loop] cannot be used ({} {})", s.file, to_string(status.code), status.detail)};
+  c.loop = scenario::network_config(s);
+  if (const auto error = cia402::check(c.drive, c.loop, c.scale()); error != cia402::DriveConfigError::none)
+    throw InputError{fmt::format("{}: [drive] or [loop] cannot be used: {}", s.file, to_string(error))};
   c.limits = scenario::axis_limits<float>(s);
-  c.loop = {.period = c.drive.period, .bit_rate = s.bus->bit_rate, .node_id = c.drive.master_node_id};
   c.tolerance_m = s.run && s.run->settle_tolerance_m > 0 ? s.run->settle_tolerance_m
                                                          : static_cast<double>(c.axis.parameters.position_tolerance_m);
   c.force_per_per_mille_N = static_cast<float>(1e-6 * s.drive->rated_torque_mNm * s.drive->force_per_torque_N_per_Nm);

@@ -25,6 +25,8 @@ struct Configuration {
   bool timed = false;               // visits by time, not by rest
   float force_per_per_mille_N = 0;  // of the scene's drive, for display
   double tolerance_m = 0;           // at the end of a run the axis is this near to its target, or the run failed
+
+  hal::AxisScale<float> scale() const { return {axis.parameters.encoder_resolution_m, axis.parameters.max_force_N}; }
 };
 
 // Throws InputError with the remedy: the file cannot be used, the axis is not certified by the checks of

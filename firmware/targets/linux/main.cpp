@@ -73,7 +73,7 @@ int run(const Options& o) {
   socketcan::KernelSocket socket;
   open(socket, o, configuration.drive.node_id);
   const auto telemetry = std::make_unique<Telemetry>();
-  Reporter reporter{o, *telemetry, static_cast<double>(configuration.drive.encoder_resolution_m)};
+  Reporter reporter{o, *telemetry, static_cast<double>(configuration.scale().encoder_resolution_m)};
   if (o.readonly) return listen(configuration, o, socket, *telemetry);
   AxisRun axis{configuration, o, socket, *telemetry};
   if (o.realtime)

@@ -57,10 +57,10 @@ class NotedPort {
 
   void set_time(hal::Time now) noexcept { now_ = now; }
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    const hal::Status status = port_->send(frame, deadline);
-    if (status.ok()) telemetry_->add(FrameRecord{now_, frame});
-    return status;
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    const hal::SendResult result = port_->send(frame, deadline);
+    if (result == hal::SendResult::queued) telemetry_->add(FrameRecord{now_, frame});
+    return result;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (!port_->receive(received)) return false;

@@ -32,8 +32,7 @@ class BxcanNode {
   BxcanNode() noexcept : port_{registers_}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    if (is_refused(node_)) return StartResult::configuration_refused;
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!clocks.crystal) return StartResult::no_crystal;
     const auto timing = hal::bit_timing(clocks.apb1_Hz, flashed::node.loop.bit_rate, bxcan::largest_prescaler);

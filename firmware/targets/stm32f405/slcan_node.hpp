@@ -23,8 +23,7 @@ class SlcanNode {
   SlcanNode() noexcept : port_{usart, flashed::node.loop.bit_rate}, node_{port_, flashed::node} {}
 
   StartResult start() noexcept {
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    if (is_refused(node_)) return StartResult::configuration_refused;
     // A serial line bears the 1 % of the internal oscillator.
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;

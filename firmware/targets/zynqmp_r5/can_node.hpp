@@ -34,8 +34,7 @@ class CanNode {
 
   StartResult start() noexcept {
     protect_memory();
-    setup_detail = node_.setup_status().detail;
-    if (!node_.setup_status().ok()) return StartResult::configuration_refused;
+    if (is_refused(node_)) return StartResult::configuration_refused;
     const auto& loop = flashed::node.loop;
     const auto timing = hal::bit_timing(can_Hz, loop.bit_rate, xilinx_can::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;

@@ -39,10 +39,10 @@ constexpr std::size_t segment_bytes = 7;
 
 constexpr unsigned specifier(std::uint8_t command) noexcept { return command >> 5U; }
 
-std::array<std::uint8_t, 8> with_object(std::uint8_t command, std::uint16_t index, std::uint8_t subindex) noexcept {
+std::array<std::uint8_t, 8> with_object(std::uint8_t command, ObjectAddress object) noexcept {
   std::array<std::uint8_t, 8> bytes{command};
-  store_little_endian(bytes, index, 1);
-  bytes[3] = subindex;
+  store_little_endian(bytes, object.index, 1);
+  bytes[3] = object.subindex;
   return bytes;
 }
 
@@ -50,29 +50,28 @@ std::array<std::uint8_t, 8> with_object(std::uint8_t command, std::uint16_t inde
 
 SdoClient::SdoClient(std::uint8_t node_id, hal::Duration timeout) noexcept : node_id_{node_id}, timeout_{timeout} {}
 
-hal::Status SdoClient::start_read(std::uint16_t index, std::uint8_t subindex) noexcept {
-  if (busy()) return {hal::StatusCode::would_block};
+SdoStart SdoClient::start_read(std::uint16_t index, std::uint8_t subindex) noexcept {
+  if (busy()) return SdoStart::busy;
   begin(Phase::initiate_read, index, subindex);
   size_ = 0;
   request_initiate_read();
-  return {};
+  return SdoStart::started;
 }
 
-hal::Status SdoClient::start_write(std::uint16_t index, std::uint8_t subindex,
-                                   std::span<const std::uint8_t> bytes) noexcept {
-  if (busy()) return {hal::StatusCode::would_block};
-  if (bytes.empty() || bytes.size() > capacity) return {hal::StatusCode::invalid_argument};
+SdoStart SdoClient::start_write(std::uint16_t index, std::uint8_t subindex,
+                                std::span<const std::uint8_t> bytes) noexcept {
+  if (busy()) return SdoStart::busy;
+  if (bytes.empty() || bytes.size() > capacity) return SdoStart::bad_length;
   begin(Phase::initiate_write, index, subindex);
   std::copy(bytes.begin(), bytes.end(), buffer_.begin());
   size_ = bytes.size();
   request_initiate_write();
-  return {};
+  return SdoStart::started;
 }
 
 void SdoClient::begin(Phase phase, std::uint16_t index, std::uint8_t subindex) noexcept {
   phase_ = phase;
-  index_ = index;
-  subindex_ = subindex;
+  object_ = {index, subindex};
   announced_ = 0;
   sent_ = 0;
   toggle_ = false;
@@ -85,10 +84,10 @@ void SdoClient::request(const std::array<std::uint8_t, 8>& bytes) noexcept {
   awaiting_ = false;
 }
 
-void SdoClient::request_initiate_read() noexcept { request(with_object(command::initiate_read, index_, subindex_)); }
+void SdoClient::request_initiate_read() noexcept { request(with_object(command::initiate_read, object_)); }
 
 void SdoClient::request_initiate_write() noexcept {
-  auto bytes = with_object(command::initiate_write, index_, subindex_);
+  auto bytes = with_object(command::initiate_write, object_);
   if (size_ <= expedited_bytes) {
     const auto unused = static_cast<unsigned>(expedited_bytes - size_);
     bytes[0] = static_cast<std::uint8_t>(command::initiate_write | command_bit::expedited | unused << 2U);
@@ -129,22 +128,27 @@ bool SdoClient::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
   return true;
 }
 
-hal::Status SdoClient::poll(hal::Time now) noexcept {
-  if (awaiting_ && now - sent_at_ > timeout_) abort(SdoAbort::timeout, {hal::StatusCode::timeout});
-  return busy() ? hal::Status{hal::StatusCode::would_block} : result_;
+SdoResult SdoClient::poll(hal::Time now) noexcept {
+  if (awaiting_ && now - sent_at_ > timeout_) {
+    tell_abort(SdoAbort::timeout);
+    finish(SdoResult::timeout);
+  }
+  return busy() ? SdoResult::busy : result_;
 }
 
 bool SdoClient::names_object(const hal::CanFrame& frame) const noexcept {
-  return load_little_endian<std::uint16_t>(frame.data, 1) == index_ && frame.data[3] == subindex_;
+  return load_little_endian<std::uint16_t>(frame.data, 1) == object_.index && frame.data[3] == object_.subindex;
 }
 
 void SdoClient::on_frame(const hal::CanFrame& frame) noexcept {
   if (!awaiting_ || frame.id != sdo_response_cob_id(node_id_) || frame.remote || frame.size != 8) return;
   const unsigned answer = specifier(frame.data[0]);
   if (answer == response::abort) {
-    if (names_object(frame)) finish({hal::StatusCode::sdo_aborted, load_little_endian<std::uint32_t>(frame.data, 4)});
+    if (!names_object(frame)) return;
+    abort_code_ = static_cast<SdoAbort>(load_little_endian<std::uint32_t>(frame.data, 4));
+    finish(SdoResult::aborted);
   } else if (answer > response::abort) {
-    abort(SdoAbort::command_specifier, {hal::StatusCode::protocol_error, frame.data[0]});
+    refuse_command(SdoAbort::command_specifier, frame.data[0]);
   } else if (phase_ == Phase::initiate_read && answer == response::initiate_read) {
     on_initiate_read(frame);
   } else if (phase_ == Phase::initiate_write && answer == response::initiate_write) {
@@ -163,91 +167,76 @@ void SdoClient::on_initiate_read(const hal::CanFrame& frame) noexcept {
   if ((received & command_bit::expedited) != 0) {
     size_ = size_indicated ? expedited_bytes - ((received >> 2U) & 3U) : expedited_bytes;
     std::copy_n(frame.data.begin() + 4, size_, buffer_.begin());
-    finish({});
+    finish(SdoResult::done);
     return;
   }
   announced_ = size_indicated ? load_little_endian<std::uint32_t>(frame.data, 4) : 0;
-  if (announced_ > capacity) {
-    const auto code = SdoAbort::out_of_memory;
-    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
-    return;
-  }
+  if (announced_ > capacity) return refuse_length();
   phase_ = Phase::read_segments;
   request_read_segment();
 }
 
 void SdoClient::on_initiate_write(const hal::CanFrame& frame) noexcept {
   if (!names_object(frame)) return;
-  if (size_ <= expedited_bytes) {
-    finish({});
-    return;
-  }
+  if (size_ <= expedited_bytes) return finish(SdoResult::done);
   phase_ = Phase::write_segments;
   request_write_segment();
 }
 
 void SdoClient::on_read_segment(const hal::CanFrame& frame) noexcept {
   const std::uint8_t received = frame.data[0];
-  if (((received & command_bit::toggle) != 0) != toggle_) {
-    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, received});
-    return;
-  }
+  if (((received & command_bit::toggle) != 0) != toggle_) return refuse_command(SdoAbort::toggle_bit, received);
   const std::size_t count = segment_bytes - ((received >> 1U) & 7U);
   const bool last = (received & command_bit::last_segment) != 0;
-  if (count == 0 && !last) {  // would let a server keep us here for ever
-    abort(SdoAbort::length_too_low, {hal::StatusCode::protocol_error, received});
-    return;
-  }
-  if (size_ + count > capacity) {
-    const auto code = SdoAbort::out_of_memory;
-    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
-    return;
-  }
+  // An empty segment that is not the last would let a server keep us here for ever.
+  if (count == 0 && !last) return refuse_command(SdoAbort::length_too_low, received);
+  if (size_ + count > capacity) return refuse_length();
   std::copy_n(frame.data.begin() + 1, count, buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
   size_ += count;
-  if (last && announced_ != 0 && size_ != announced_) {
-    abort(SdoAbort::length_mismatch, {hal::StatusCode::protocol_error, received});
-    return;
-  }
-  if (last) {
-    finish({});
-    return;
-  }
+  if (last && announced_ != 0 && size_ != announced_) return refuse_command(SdoAbort::length_mismatch, received);
+  if (last) return finish(SdoResult::done);
   toggle_ = !toggle_;
   request_read_segment();
 }
 
 void SdoClient::on_write_segment(const hal::CanFrame& frame) noexcept {
-  if (((frame.data[0] & command_bit::toggle) != 0) != toggle_) {
-    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, frame.data[0]});
-    return;
-  }
-  if (last_segment_) {
-    finish({});
-    return;
-  }
+  if (((frame.data[0] & command_bit::toggle) != 0) != toggle_)
+    return refuse_command(SdoAbort::toggle_bit, frame.data[0]);
+  if (last_segment_) return finish(SdoResult::done);
   toggle_ = !toggle_;
   request_write_segment();
 }
 
-void SdoClient::finish(hal::Status result) noexcept {
+void SdoClient::finish(SdoResult result) noexcept {
   phase_ = Phase::idle;
   awaiting_ = false;
   request_pending_ = false;
   result_ = result;
 }
 
-void SdoClient::abort(SdoAbort code, hal::Status result) noexcept {
-  auto bytes = with_object(command::abort, index_, subindex_);
+// The server is told with the next frame.
+void SdoClient::tell_abort(SdoAbort code) noexcept {
+  auto bytes = with_object(command::abort, object_);
   store_little_endian(bytes, static_cast<std::uint32_t>(code), 4);
   abort_ = {.id = sdo_request_cob_id(node_id_), .size = 8, .remote = false, .data = bytes};
   abort_pending_ = true;
-  finish(result);
+}
+
+void SdoClient::refuse_command(SdoAbort code, std::uint8_t command) noexcept {
+  tell_abort(code);
+  unexpected_command_ = command;
+  finish(SdoResult::protocol_error);
+}
+
+void SdoClient::refuse_length() noexcept {
+  abort_code_ = SdoAbort::out_of_memory;
+  tell_abort(abort_code_);
+  finish(SdoResult::aborted);
 }
 
 void SdoClient::cancel() noexcept {
   abort_pending_ = false;
-  finish({});
+  finish(SdoResult::done);
 }
 
 }  // namespace breakaway::canopen

@@ -31,13 +31,14 @@ double max_force_N(const Scenario& s) {
 void require_fitting_bus(const Scenario& s) {
   if (!s.loop || !s.bus) return;
   const hal::Duration period = nanoseconds(s.loop->period_s);
-  if (canopen::check_bus_budget(1, period, s.bus->bit_rate).ok()) return;
+  if (canopen::check_bus_budget(1, period, s.bus->bit_rate) == canopen::BusFit::fits) return;
   const auto budget = canopen::bus_budget(1, period, s.bus->bit_rate);
   throw InputError(fmt::format(
       "{}: 1 axis at [loop] period_s = {} does not fit a [bus] of {} bit/s: a period needs {} us on the bus and has {} "
       "us; "
       "choose a period_s of at least {:.6f}",
-      s.file, s.loop->period_s, s.bus->bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6));
+      s.file, s.loop->period_s, s.bus->bit_rate, budget.needed_us, budget.available_us,
+      hal::seconds(budget.least_period)));
 }
 
 design::AxisDesign axis_design(const Scenario& s) {

@@ -98,13 +98,13 @@ class BusScene {
         mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
         network_{*s.bus},
         drive_{network_.add_drive(*s.drive, mechanism_)},
-        loop_{network_.controller_port(), {period_, s.bus->bit_rate}},
+        loop_{network_.controller_port(), scenario::network_config(s)},
         judge_{*s.run, mechanism_.slide()} {
     if (recording.frames) network_.log_to(result_.frames);
-    const auto config = scenario::drive_config<Real>(s);
-    const hal::Status added = loop_.add_axis(cia402::Drive<Real>{config}, controller, scenario::axis_limits<Real>(s),
-                                             config.encoder_resolution_m);
-    if (!added.ok()) throw InputError(std::string{to_string(added.code)});
+    const hal::AxisScale<Real> scale = scenario::axis_scale<Real>(s);
+    const cia402::Drive<Real> drive{scenario::drive_config<Real>(s), scenario::network_config(s), scale};
+    const auto added = loop_.add_axis(drive, controller, scenario::axis_limits<Real>(s), scale.encoder_resolution_m);
+    if (added != firmware::AddAxis::added) throw InputError(std::string{to_string(added)});
     move_target(s.controller.target_m);
     loop_.request_enable(0);
   }
@@ -197,7 +197,7 @@ class BusScene {
     if (const auto code = loop_.supervisor(0).fault_code(); code != 0)
       name += fmt::format(" (error code {:04X}h)", code);
     if (fault == firmware::AxisFault::drive_unusable)
-      name += fmt::format(": {}", to_string(loop_.drive(0).setup_status().code));
+      name += fmt::format(": {}", to_string(loop_.drive(0).setup_status()));
     result_.faults.push_back({time_s, name});
   }
 

@@ -61,7 +61,7 @@ std::string SlcanWorld::take_frame(std::string_view command) {
   hal::CanFrame frame{.id = static_cast<std::uint16_t>(number(1, 3)), .size = static_cast<std::uint8_t>(number(4, 1))};
   if (frame.size > 8 || command.size() != 5 + 2U * frame.size) return refused;
   for (std::size_t i = 0; i < frame.size; ++i) frame.data[i] = static_cast<std::uint8_t>(number(5 + 2 * i, 2));
-  const bool sent = network_.controller_port().send(frame, network_.bus().now() + period_).ok();
+  const bool sent = network_.controller_port().send(frame, network_.bus().now() + period_) == hal::SendResult::queued;
   told_ += sent ? "z\r" : refused;
   return {};
 }

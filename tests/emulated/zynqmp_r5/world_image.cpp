@@ -33,7 +33,7 @@ class WorldNode {
 
   WorldNode()
       : port_{can_}, world_{periods_to_run, [this](const hal::CanFrame& frame) {
-                              if (!port_.send(frame, hal::Time::max()).ok()) ++refused_;
+                              if (port_.send(frame, hal::Time::max()) != hal::SendResult::queued) ++refused_;
                             }} {}
 
   ExitCode run() {

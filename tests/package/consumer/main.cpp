@@ -58,7 +58,8 @@ int main() {
   constexpr std::uint8_t node_id = 5;
   breakaway::canopen::SdoClient client(node_id, std::chrono::milliseconds{10});
   breakaway::hal::CanFrame request;
-  const bool sent = client.start_read(0x1000, 0).ok() && client.next_frame(request, {});
+  const bool sent =
+      client.start_read(0x1000, 0) == breakaway::canopen::SdoStart::started && client.next_frame(request, {});
 
   std::cout << "error " << axis.x << " m after " << controller.kicks() << " kicks\n";
   const bool settled = controller.mode() == breakaway::law::Mode::hold && std::abs(axis.x) < 3e-6F;

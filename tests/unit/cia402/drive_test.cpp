@@ -12,8 +12,10 @@ using namespace std::chrono_literals;
 using breakaway::canopen::emcy_cob_id;
 using breakaway::canopen::heartbeat_cob_id;
 using breakaway::canopen::is_sync;
+using breakaway::canopen::NetworkConfig;
 using breakaway::canopen::NmtCommand;
 using breakaway::canopen::NmtState;
+using breakaway::canopen::ObjectAddress;
 using breakaway::canopen::rpdo_cob_id;
 using breakaway::canopen::sdo_request_cob_id;
 using breakaway::canopen::sdo_response_cob_id;
@@ -21,25 +23,29 @@ using breakaway::canopen::SdoAbort;
 using breakaway::canopen::tpdo_cob_id;
 using breakaway::cia402::Drive;
 using breakaway::cia402::DriveConfig;
+using breakaway::cia402::DriveConfigError;
+using breakaway::cia402::SetupStatus;
 using breakaway::cia402::State;
+using breakaway::hal::AxisScale;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
 using breakaway::hal::Duration;
-using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 using breakaway::test::ScriptedDrive;
 
 constexpr std::uint8_t node_id = 4;
 
 // 1 um a count, 50 N at the rated torque: 0.05 N a per mille.
-DriveConfig<float> axis() {
-  return {.node_id = node_id, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50.0F, .max_force_N = 60.0F};
-}
+constexpr DriveConfig<float> config{.node_id = node_id, .force_per_torque_N_per_Nm = 50.0F};
+constexpr NetworkConfig network{.period = 1ms};
+constexpr AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 60.0F};
+static_assert(check(config, network, scale) == DriveConfigError::none);
 
 class DriveTest : public testing::Test {
  protected:
-  explicit DriveTest(const DriveConfig<float>& config = axis()) : drive{config} {}
+  explicit DriveTest(const DriveConfig<float>& drive_config = config, const AxisScale<float>& axis_scale = scale)
+      : drive{drive_config, network, axis_scale} {}
 
   Drive<float> drive;
   ScriptedDrive node{node_id};
@@ -89,7 +95,8 @@ class DriveTest : public testing::Test {
     node.boot();
     deliver();
     run_until_state(DriveState::disabled);
-    ASSERT_TRUE(drive.setup_status().ok());
+    ASSERT_EQ(drive.setup_status(), SetupStatus::ready);
+    EXPECT_EQ(drive.setup_object(), ObjectAddress{});
   }
   void enable() {
     set_up();
@@ -147,7 +154,7 @@ TEST_F(DriveTest, NodeThatComesLateIsSetUpWhenItComes) {
   node.silent = true;
   run_for(10s);
   EXPECT_EQ(feedback.state, DriveState::configuring);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::would_block);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::in_progress);
   node.silent = false;
   set_up();
 }
@@ -158,7 +165,8 @@ TEST_F(DriveTest, NodeThatVanishesDuringSetUpIsReportedAndAwaited) {
   run_for(10ms);
   node.silent = true;
   run_for(300ms);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::timeout);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::no_answer);
+  EXPECT_NE(drive.setup_object().index, 0) << "the object that was not answered";
   EXPECT_EQ(feedback.state, DriveState::configuring);
   node.silent = false;
   set_up();
@@ -168,6 +176,7 @@ struct Refusal {
   const char* label;
   std::uint16_t index;
   std::uint32_t value;
+  SetupStatus status;
 };
 class DriveRefusal : public DriveTest, public testing::WithParamInterface<Refusal> {};
 
@@ -176,17 +185,20 @@ TEST_P(DriveRefusal, UnfitDriveStaysUnusableAndNamesTheObject) {
   node.boot();
   deliver();
   run_until([&] { return feedback.state == DriveState::unusable; }, 15s);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::not_supported);
-  EXPECT_EQ(drive.setup_status().detail, static_cast<std::uint32_t>(GetParam().index) << 8);
+  EXPECT_EQ(drive.setup_status(), GetParam().status);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{GetParam().index, 0}));
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::none);
   drive.request_enable();
   run_for(1s);
   EXPECT_EQ(feedback.state, DriveState::unusable);
   EXPECT_FALSE(node.state == State::operation_enabled);
 }
 INSTANTIATE_TEST_SUITE_P(Objects, DriveRefusal,
-                         testing::Values(Refusal{"OtherProfile", 0x1000, 401}, Refusal{"NoCyclicTorque", 0x6502, 0x1FF},
-                                         Refusal{"NoRatedTorque", 0x6076, 0}, Refusal{"NoTorqueAllowed", 0x6072, 0},
-                                         Refusal{"OtherModeShown", 0x6061, 4}),
+                         testing::Values(Refusal{"OtherProfile", 0x1000, 401, SetupStatus::not_a_cia402_drive},
+                                         Refusal{"NoCyclicTorque", 0x6502, 0x1FF, SetupStatus::no_torque_mode},
+                                         Refusal{"NoRatedTorque", 0x6076, 0, SetupStatus::no_rated_torque},
+                                         Refusal{"NoTorqueAllowed", 0x6072, 0, SetupStatus::no_max_torque},
+                                         Refusal{"OtherModeShown", 0x6061, 4, SetupStatus::mode_refused}),
                          [](const auto& row) { return row.param.label; });
 
 TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
@@ -194,9 +206,9 @@ TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
   node.boot();
   deliver();
   run_until_state(DriveState::unusable);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::sdo_aborted);
-  EXPECT_EQ(drive.setup_status().detail, 0x06040041U);
-  EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(0x1A00, 2));
+  EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::not_mappable);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x1A00, 2}));
 }
 
 TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
@@ -208,9 +220,35 @@ TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
     deliver();
     step();
     run_until_state(DriveState::unusable);
-    EXPECT_EQ(drive.setup_status().detail, 0x06020000U);
-    EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(index, 0));
+    EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+    EXPECT_EQ(drive.setup_abort_code(), SdoAbort::no_such_object);
+    EXPECT_EQ(drive.setup_object(), (ObjectAddress{index, 0}));
   }
+}
+
+TEST_F(DriveTest, AnswerThatTheStandardForbidsIsReportedWithItsObject) {
+  node.boot();
+  deliver();
+  step();  // asks for 1000h
+  run_until([&] { return drive.setup_object().index == 0x6502; });
+  node.silent = true;
+  step();
+  drive.on_frame(
+      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x02, 0x65, 0x00}}, .time = now});
+  step();
+  EXPECT_EQ(feedback.state, DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::protocol_error);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6502, 0}));
+}
+
+TEST_F(DriveTest, OneThatRebootsAfterARefusalIsSetUpAnew) {
+  node.refused[ScriptedDrive::key(0x1A00, 2)] = SdoAbort::not_mappable;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.refused.clear();
+  set_up();
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::none);
 }
 
 TEST_F(DriveTest, LacksWhatIsOptional) {
@@ -399,6 +437,12 @@ TEST_F(DriveTest, OffsetFromTheDatumIsExactAcrossTheEndOfTheRange) {
   }
 }
 
+TEST_F(DriveTest, TellsWhatItSharesWithTheController) {
+  EXPECT_EQ(drive.encoder_resolution_m(), scale.encoder_resolution_m);
+  EXPECT_EQ(drive.max_force_N(), scale.max_force_N) << "until the drive's own limit is known";
+  EXPECT_EQ(drive.node_id(), node_id);
+}
+
 TEST_F(DriveTest, CountsOfAPositionSaturate) {
   EXPECT_EQ(drive.counts_at(0.001F), 1000);
   EXPECT_EQ(drive.counts_at(-0.0000014F), -1);
@@ -436,9 +480,9 @@ TEST_F(DriveTest, DriveThatStayedEnergisedOutsideOfOperationalIsSwitchedOff) {
 class InvertedDriveTest : public DriveTest {
  protected:
   static DriveConfig<float> inverted() {
-    DriveConfig<float> config = axis();
-    config.invert_direction = true;
-    return config;
+    DriveConfig<float> changed = config;
+    changed.invert_direction = true;
+    return changed;
   }
   InvertedDriveTest() : DriveTest{inverted()} {}
 };
@@ -459,42 +503,53 @@ TEST_F(InvertedDriveTest, ForceAndPositionChangeSignTogether) {
   EXPECT_EQ(node.target, -200);
 }
 
-TEST(DriveConfigTest, BadConfigurationIsUnusableFromTheStart) {
-  const auto expect = [](std::uint32_t detail, auto change) {
-    DriveConfig<float> config = axis();
-    change(config);
-    Drive<float> drive{config};
+TEST(BadDriveConfig, IsUnusableFromTheStart) {
+  struct Given {
+    DriveConfig<float> config;
+    NetworkConfig network;
+    AxisScale<float> scale;
+  };
+  const auto expect = [](DriveConfigError error, auto change) {
+    Given given{config, network, scale};
+    change(given);
+    Drive<float> drive{given.config, given.network, given.scale};
+    // A boot-up message, which has a refused node set up anew, changes nothing here.
+    drive.on_frame(
+        {.frame = breakaway::canopen::heartbeat_frame(NmtState::boot_up, given.config.node_id), .time = Time{1s}});
     drive.update(Time{1s});
-    EXPECT_EQ(drive.setup_status().code, StatusCode::invalid_argument);
-    EXPECT_EQ(drive.setup_status().detail, detail);
+    EXPECT_EQ(drive.setup_status(), SetupStatus::config_invalid);
+    EXPECT_EQ(drive.config_error(), error);
     EXPECT_EQ(drive.feedback().state, DriveState::unusable);
     CanFrame frame;
     EXPECT_FALSE(drive.next_acyclic_frame(frame, Time{1s}));
     EXPECT_FALSE(drive.next_command_frame(frame));
   };
-  expect(1, [](auto& c) { c.node_id = 0; });
-  expect(6, [](auto& c) { c.period = 0ms; });
-  expect(7, [](auto& c) { c.encoder_resolution_m = 0; });
-  expect(8, [](auto& c) { c.force_per_torque_N_per_Nm = std::numeric_limits<float>::quiet_NaN(); });
-  expect(9, [](auto& c) { c.max_force_N = -1; });
+  expect(DriveConfigError::node_id, [](Given& g) { g.config.node_id = 0; });
+  expect(DriveConfigError::master_node_id, [](Given& g) { g.network.node_id = g.config.node_id; });
+  expect(DriveConfigError::period, [](Given& g) { g.network.period = 0ms; });
+  expect(DriveConfigError::encoder_resolution, [](Given& g) { g.scale.encoder_resolution_m = 0; });
+  expect(DriveConfigError::force_per_torque,
+         [](Given& g) { g.config.force_per_torque_N_per_Nm = std::numeric_limits<float>::quiet_NaN(); });
+  expect(DriveConfigError::max_force, [](Given& g) { g.scale.max_force_N = -1; });
 }
 
 class WeakAxisTest : public DriveTest {
  protected:
-  static DriveConfig<float> weak() {
-    DriveConfig<float> config = axis();
-    config.max_force_N = 0.04F;  // less than one per mille of the rated torque
-    return config;
-  }
-  WeakAxisTest() : DriveTest{weak()} {}
+  // The limit is less than one per mille of the rated torque.
+  WeakAxisTest() : DriveTest{config, {.encoder_resolution_m = 1e-6F, .max_force_N = 0.04F}} {}
 };
 
 TEST_F(WeakAxisTest, LimitBelowOneQuantumIsUnusable) {
   node.boot();
   deliver();
   run_until_state(DriveState::unusable);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::invalid_argument);
-  EXPECT_EQ(drive.setup_status().detail, 9U);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::force_step_too_coarse);
+  EXPECT_EQ(drive.config_error(), DriveConfigError::none);
+  node.boot();
+  deliver();
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::unusable) << "for good";
+  EXPECT_EQ(drive.setup_status(), SetupStatus::force_step_too_coarse);
 }
 
 }  // namespace

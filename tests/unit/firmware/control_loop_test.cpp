@@ -22,10 +22,10 @@ struct FakePort {
   bool full = false;
   int purges = 0;
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
-    if (full) return {hal::StatusCode::queue_full};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
+    if (full) return hal::SendResult::queue_full;
     sent.push_back(frame);
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (to_receive.empty()) return false;
@@ -50,6 +50,9 @@ struct DriveProbe {
   bool wants_acyclic = false;
 };
 
+enum class FakeStatus : std::uint8_t { ready };
+constexpr std::string_view to_string(FakeStatus) noexcept { return "the drive is ready"; }
+
 struct FakeDrive {
   DriveProbe* probe;
   std::uint8_t id;
@@ -61,7 +64,7 @@ struct FakeDrive {
   void request_stop() noexcept { ++probe->stops; }
   void reset_fault() noexcept { ++probe->resets; }
   float max_force_N() const noexcept { return 50; }
-  hal::Status setup_status() const noexcept { return {}; }
+  FakeStatus setup_status() const noexcept { return FakeStatus::ready; }
   void on_frame(const hal::ReceivedFrame&) noexcept { ++probe->frames; }
   void on_sync(hal::Time time) noexcept { probe->syncs.push_back(time); }
   void update(hal::Time) noexcept {}
@@ -106,7 +109,7 @@ class ControlLoopTest : public ::testing::Test {
     AxisLimits<float> limits;
     limits.feedback_timeout = 2500us;
     limits.speed_m_s = 1;
-    ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, limits, 1e-6F).ok());
+    ASSERT_EQ(loop.add_axis({&probe, 1}, {}, limits, 1e-6F), AddAxis::added);
   }
   void step() {
     now += 1ms;
@@ -265,7 +268,7 @@ TEST_F(ControlLoopTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
   std::vector<DriveProbe> others(3);
   for (std::size_t i = 0; i < others.size(); ++i) {
     others[i].wants_acyclic = true;
-    ASSERT_TRUE(loop.add_axis({&others[i], static_cast<std::uint8_t>(i + 2)}, {}, {}, 1e-6F).ok());
+    ASSERT_EQ(loop.add_axis({&others[i], static_cast<std::uint8_t>(i + 2)}, {}, {}, 1e-6F), AddAxis::added);
   }
   std::vector<int> seen(5);
   for (int i = 0; i < 30; ++i) {
@@ -277,22 +280,20 @@ TEST_F(ControlLoopTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
 }
 
 TEST_F(ControlLoopTest, TakesNoMoreAxesThanItHasRoomFor) {
-  for (int i = 1; i < 8; ++i) ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
-  EXPECT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).code, hal::StatusCode::invalid_argument);
+  for (int i = 1; i < 8; ++i) ASSERT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
+  EXPECT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::no_room);
 }
 
 TEST_F(ControlLoopTest, RefusesAxesThatDoNotFitTheBus) {
-  EXPECT_TRUE(loop.check_configuration().ok());
-  for (int i = 1; i < 8; ++i) ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
-  const hal::Status status = loop.check_configuration();
-  EXPECT_EQ(status.code, hal::StatusCode::bus_overload);
-  EXPECT_GT(status.detail, 1895U) << "the microseconds that 8 axes need at least at 1 Mbit/s";
+  EXPECT_EQ(loop.check_configuration(), canopen::BusFit::fits);
+  for (int i = 1; i < 8; ++i) ASSERT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
+  EXPECT_EQ(loop.check_configuration(), canopen::BusFit::overloaded);
 }
 
 TEST_F(ControlLoopTest, SendsItsOwnHeartbeatInPlaceOfAnAcyclicFrame) {
   Loop beating{port, {.period = 1ms, .node_id = 100, .heartbeat_period = 10ms}};
   probe.wants_acyclic = true;
-  ASSERT_TRUE(beating.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
+  ASSERT_EQ(beating.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
   int heartbeats = 0;
   for (int i = 1; i <= 100; ++i) {
     port.sent.clear();

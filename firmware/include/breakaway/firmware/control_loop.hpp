@@ -12,12 +12,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
+#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/firmware/timing_statistics.hpp"
@@ -57,12 +59,20 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
 
 // clang-format on
 
-struct LoopConfig {
-  hal::Duration period{};
-  std::uint32_t bit_rate = 1'000'000;
-  std::uint8_t node_id = 127;  // our own, as the drives' heartbeat consumers know it
-  hal::Duration heartbeat_period = std::chrono::milliseconds{50};
-};
+// The loop is the network's master.
+using LoopConfig = canopen::NetworkConfig;
+
+enum class AddAxis : std::uint8_t { added, no_room };
+
+constexpr std::string_view to_string(AddAxis result) noexcept {
+  switch (result) {
+    case AddAxis::added:
+      return "the axis was added";
+    case AddAxis::no_room:
+      return "the loop has no room for another axis: raise MaxAxes";
+  }
+  return "unknown result";
+}
 
 // What one axis did in the last step: for logs and displays.
 template <class Scalar>
@@ -84,17 +94,17 @@ class ControlLoop {
         heartbeat_{config.node_id, config.heartbeat_period} {}
 
   // Before the first step. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop
-  // the axis. invalid_argument: no room for another axis.
-  hal::Status add_axis(const Drive& drive, const Controller& controller, AxisLimits<Scalar> limits,
-                       Scalar encoder_resolution_m) noexcept {
-    if (count_ == MaxAxes) return {hal::StatusCode::invalid_argument, static_cast<std::uint32_t>(MaxAxes)};
+  // the axis.
+  [[nodiscard]] AddAxis add_axis(const Drive& drive, const Controller& controller, AxisLimits<Scalar> limits,
+                                 Scalar encoder_resolution_m) noexcept {
+    if (count_ == MaxAxes) return AddAxis::no_room;
     if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
     axes_[count_++].emplace(drive, controller, limits, encoder_resolution_m);
-    return {};
+    return AddAxis::added;
   }
 
-  // Whether this many axes at this rate fit the bus; the figures are in canopen::bus_budget().
-  hal::Status check_configuration() const noexcept {
+  // Tells whether this many axes at this rate fit the bus; canopen::bus_budget() has the figures.
+  [[nodiscard]] canopen::BusFit check_configuration() const noexcept {
     return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.period, config_.bit_rate);
   }
 
@@ -264,7 +274,7 @@ class ControlLoop {
   }
 
   void transmit(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (!port_->send(frame, deadline).ok()) ++refused_frames_;
+    if (port_->send(frame, deadline) != hal::SendResult::queued) ++refused_frames_;
   }
 
   Port* port_;

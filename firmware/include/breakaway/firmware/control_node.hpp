@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <string_view>
 
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
@@ -21,6 +23,34 @@ struct NodeConfig {
   const law::FlashedAxis<Scalar>* axis = nullptr;
 };
 
+// Why a node does not run.
+enum class NodeError : std::uint8_t {
+  none,
+  no_axis,
+  axis_refused,   // axis_error() says why
+  drive_refused,  // drive_error() says why
+  period_differs,
+  bus_refused,  // bus_fit() says why
+};
+
+constexpr std::string_view to_string(NodeError error) noexcept {
+  switch (error) {
+    case NodeError::none:
+      return "the node can run";
+    case NodeError::no_axis:
+      return "axis is null: give the node its flashed axis";
+    case NodeError::axis_refused:
+      return "the flashed axis is refused: law::verify() says why";
+    case NodeError::drive_refused:
+      return "the drive's configuration cannot be used: cia402::check() names the field";
+    case NodeError::period_differs:
+      return "loop.period is not the period that the axis was designed for: change one of them";
+    case NodeError::bus_refused:
+      return "the axis does not fit the bus at this period: canopen::check_bus_budget() says why";
+  }
+  return "unknown node error";
+}
+
 template <hal::CanPort Port, class Scalar = float>
 class ControlNode {
  public:
@@ -29,22 +59,25 @@ class ControlNode {
 
   ControlNode(Port& port, const NodeConfig<Scalar>& config) noexcept
       : config_{config}, port_{port, config.loop.node_id}, loop_{port_, config.loop} {
-    setup_ = check();
-    if (!setup_.ok()) return;
-    const Controller controller{config.axis->parameters, config.axis->k3_table};
-    setup_ = loop_.add_axis(cia402::Drive<Scalar>{config.drive}, controller, config.limits,
-                            config.drive.encoder_resolution_m);
-    if (setup_.ok()) setup_ = loop_.check_configuration();
+    error_ = check();
+    if (error_ != NodeError::none) return;
+    const law::AxisParameters<Scalar>& p = config.axis->parameters;
+    const AddAxis added = loop_.add_axis(cia402::Drive<Scalar>{config.drive, config.loop, scale()},
+                                         Controller{p, config.axis->k3_table}, config.limits, p.encoder_resolution_m);
+    bus_fit_ = loop_.check_configuration();
+    if (added != AddAxis::added || bus_fit_ != canopen::BusFit::fits) error_ = NodeError::bus_refused;
   }
 
-  // ok, or what keeps this configuration from running: then step() does nothing. invalid_argument with detail 100 and
-  // the law::FlashedAxisError added: the axis is damaged or was not certified like this; 200: drive or loop contradict
-  // it; 1 to 9: as cia402::check. bus_overload: as ControlLoop::check_configuration.
-  hal::Status setup_status() const noexcept { return setup_; }
+  // `none`, or what keeps this configuration from running: then step() does nothing.
+  NodeError error() const noexcept { return error_; }
+  // What the error is, where another room found it.
+  law::FlashedAxisError axis_error() const noexcept { return axis_error_; }
+  cia402::DriveConfigError drive_error() const noexcept { return drive_error_; }
+  canopen::BusFit bus_fit() const noexcept { return bus_fit_; }
 
   // Once a period.
   void step(hal::Time now) noexcept {
-    if (!setup_.ok()) return;
+    if (error_ != NodeError::none) return;
     if (const auto command = port_.take_command(0)) remote_.apply(loop_, *command);
     loop_.step(now);
     if (++periods_ % status_interval == 0)
@@ -56,18 +89,19 @@ class ControlNode {
   using Tap = CommandedPort<Port, 1>;
   using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, Controller, Scalar, 1>;
 
-  hal::Status check() const noexcept {
-    if (config_.axis == nullptr) return {hal::StatusCode::invalid_argument, 200};
-    const auto error = law::verify(*config_.axis);
-    if (error != law::FlashedAxisError::none)
-      return {hal::StatusCode::invalid_argument, 100 + static_cast<std::uint32_t>(error)};
-    if (const hal::Status drive = cia402::check(config_.drive); !drive.ok()) return drive;
-    const law::AxisParameters<Scalar>& p = config_.axis->parameters;
+  hal::AxisScale<Scalar> scale() const noexcept {
+    return {config_.axis->parameters.encoder_resolution_m, config_.axis->parameters.max_force_N};
+  }
+
+  NodeError check() noexcept {
+    if (config_.axis == nullptr) return NodeError::no_axis;
+    axis_error_ = law::verify(*config_.axis);
+    if (axis_error_ != law::FlashedAxisError::none) return NodeError::axis_refused;
+    drive_error_ = cia402::check(config_.drive, config_.loop, scale());
+    if (drive_error_ != cia402::DriveConfigError::none) return NodeError::drive_refused;
     const auto period_ns = static_cast<Scalar>(config_.loop.period.count());
-    const bool agree = same(config_.drive.encoder_resolution_m, p.encoder_resolution_m) &&
-                       same(config_.drive.max_force_N, p.max_force_N) && same(p.period_s * Scalar(1e9), period_ns) &&
-                       config_.loop.period == config_.drive.period;
-    return agree ? hal::Status{} : hal::Status{hal::StatusCode::invalid_argument, 200};
+    return same(config_.axis->parameters.period_s * Scalar(1e9), period_ns) ? NodeError::none
+                                                                            : NodeError::period_differs;
   }
 
   // To the rounding of float.
@@ -77,7 +111,10 @@ class ControlNode {
   Tap port_;
   Loop loop_;
   RemoteAxis remote_;
-  hal::Status setup_;
+  NodeError error_ = NodeError::none;
+  law::FlashedAxisError axis_error_ = law::FlashedAxisError::none;
+  cia402::DriveConfigError drive_error_ = cia402::DriveConfigError::none;
+  canopen::BusFit bus_fit_ = canopen::BusFit::fits;
   std::uint32_t periods_ = 0;
 };
 

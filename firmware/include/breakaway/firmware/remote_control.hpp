@@ -46,7 +46,9 @@ class CommandedPort {
  public:
   CommandedPort(Port& port, std::uint8_t node_id) noexcept : port_{&port}, node_id_{node_id} {}
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept { return port_->send(frame, deadline); }
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    return port_->send(frame, deadline);
+  }
   bool receive(hal::ReceivedFrame& received) noexcept {
     while (port_->receive(received)) {
       const auto command = decode_command(received.frame, node_id_);

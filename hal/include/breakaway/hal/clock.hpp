@@ -7,13 +7,15 @@
 
 namespace breakaway::hal {
 
-// clang-format off: it would tear the requirement apart.
+// The formatter would tear the requirement apart.
+// clang-format off
+
 template <class C>
 concept Clock = requires(const C& clock) {
   // Returns the time since the clock's epoch. It never decreases and never blocks, and may be called in an interrupt.
-  { clock.now() }
-  noexcept->std::same_as<Time>;
+  { clock.now() } noexcept -> std::same_as<Time>;
 };
+
 // clang-format on
 
 }  // namespace breakaway::hal

@@ -114,13 +114,12 @@ hal::Duration VirtualBus::random_delay() noexcept {
 VirtualBus::Port::Port(VirtualBus& bus, const VirtualBusConfig& config)
     : bus_{bus}, transmit_{config.transmit_capacity}, receive_{config.receive_capacity} {}
 
-hal::Status VirtualBus::Port::send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-  if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-  if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-  if (state_ == hal::BusState::bus_off) return {hal::StatusCode::bus_off};
-  if (transmit_.push({.frame = frame, .deadline = deadline})) return {};
+hal::SendResult VirtualBus::Port::send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+  if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+  if (state_ == hal::BusState::bus_off) return hal::SendResult::bus_off;
+  if (transmit_.push({.frame = frame, .deadline = deadline})) return hal::SendResult::queued;
   ++bus_.counters_.overflows;
-  return {hal::StatusCode::queue_full};
+  return hal::SendResult::queue_full;
 }
 
 bool VirtualBus::Port::receive(hal::ReceivedFrame& received) noexcept {

@@ -1,4 +1,4 @@
-// Network management (CiA 301, 7.2.8): the master's commands and the state that a node reports.
+// Network management (CiA 301, 7.2.8): the master's commands and the states that nodes report.
 #pragma once
 
 #include <array>
@@ -10,9 +10,10 @@
 
 namespace breakaway::canopen {
 
-// As a heartbeat carries it.
+// The values are those of a heartbeat's byte.
 enum class NmtState : std::uint8_t { boot_up = 0x00, stopped = 0x04, operational = 0x05, pre_operational = 0x7F };
 
+// The values are those of an NMT frame's first byte.
 enum class NmtCommand : std::uint8_t {
   start = 0x01,
   stop = 0x02,

@@ -12,9 +12,10 @@
 
 namespace breakaway::canopen {
 
-// Bit 30 of a TPDO's COB-ID entry: no remote requests. A node that does not support them refuses an entry without it.
+// Bit 30 of a TPDO's COB-ID entry says that the PDO may not be asked for by a remote frame. A node that cannot answer
+// such frames refuses an entry without it.
 inline constexpr std::uint32_t no_remote_request = 0x4000'0000U;
-// Transmission type 1: acts at every SYNC.
+// The transmission type of a PDO that acts at every SYNC.
 inline constexpr std::uint8_t every_sync = 1;
 
 struct MappedObject {
@@ -22,7 +23,7 @@ struct MappedObject {
   std::uint8_t subindex = 0;
   std::uint8_t bits = 0;  // 1..64
 
-  // As 16xxh and 1Axxh hold it.
+  // The form in which 16xxh and 1Axxh hold it.
   constexpr std::uint32_t entry() const noexcept {
     return static_cast<std::uint32_t>(index) << 16 | static_cast<std::uint32_t>(subindex) << 8 | bits;
   }
@@ -40,7 +41,7 @@ struct PdoMapping {
   std::uint16_t mapping_index = 0;    // 1600h.. or 1A00h..
   std::uint32_t cob_id = 0;           // with its flags, valid
   std::uint8_t transmission_type = every_sync;
-  std::uint8_t count = 0;  // 0..max_objects
+  std::uint8_t count = 0;  // of objects that are mapped, 0..max_objects
   std::array<MappedObject, max_objects> objects{};
 
   constexpr std::span<const MappedObject> mapped() const noexcept {
@@ -54,7 +55,7 @@ struct PdoMapping {
   }
 };
 
-// An expedited SDO write.
+// What an expedited SDO transfer writes.
 struct ObjectWrite {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
@@ -65,7 +66,7 @@ struct ObjectWrite {
 // The writes that remap a PDO, in the order that CiA 301 (7.5.2.36) demands: invalidate, empty, map, fill, validate.
 constexpr std::size_t remap_step_count(const PdoMapping& pdo) noexcept { return pdo.mapped().size() + 5; }
 
-// step: 0..remap_step_count(pdo) - 1.
+// Returns one of those writes; step: 0..remap_step_count(pdo) - 1.
 constexpr ObjectWrite remap_step(const PdoMapping& pdo, std::size_t step) noexcept {
   const std::size_t count = pdo.mapped().size();
   if (step == 0) return {pdo.parameter_index, 1, 4, pdo.cob_id | cob_id_invalid};
@@ -77,8 +78,8 @@ constexpr ObjectWrite remap_step(const PdoMapping& pdo, std::size_t step) noexce
   return {pdo.parameter_index, 1, 4, pdo.cob_id};
 }
 
-// The lowest `bits` of each value, one behind the other. Missing values count as zero. Signed values are passed as
-// their two's complement. A mapping of more than 64 bits does not fit a PDO: what is beyond is not packed.
+// Packs the lowest `bits` of each value, one behind the other. Missing values count as zero. Signed values are passed
+// as their two's complement. A mapping of more than 64 bits does not fit a PDO: what is beyond is not packed.
 constexpr hal::CanFrame pack_pdo(const PdoMapping& pdo, std::span<const std::uint64_t> values) noexcept {
   std::uint64_t payload = 0;
   unsigned offset = 0;
@@ -88,16 +89,18 @@ constexpr hal::CanFrame pack_pdo(const PdoMapping& pdo, std::span<const std::uin
     payload |= (values[i] & mask) << offset;
     offset += bits;
   }
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(pdo.cob_id & 0x7FFU), .size = 0, .remote = false, .data = {}};
+  hal::CanFrame frame{
+      .id = static_cast<std::uint16_t>(pdo.cob_id & hal::CanFrame::max_id), .size = 0, .remote = false, .data = {}};
   frame.size = static_cast<std::uint8_t>(pdo.size_bytes() <= 8 ? pdo.size_bytes() : 8);
   store_little_endian(frame.data, payload);
   return frame;
 }
 
-// The inverse: values.size() of the mapped objects, unsigned. False, and nothing written, when the frame is not this
+// Unpacks values.size() of the mapped objects, unsigned. Returns false, and writes nothing, when the frame is not this
 // PDO or is shorter than its mapping.
 constexpr bool unpack_pdo(const PdoMapping& pdo, const hal::CanFrame& frame, std::span<std::uint64_t> values) noexcept {
-  if (frame.id != (pdo.cob_id & 0x7FFU) || frame.remote || frame.payload().size() < pdo.size_bytes()) return false;
+  if (frame.id != (pdo.cob_id & hal::CanFrame::max_id) || frame.remote || frame.payload().size() < pdo.size_bytes())
+    return false;
   const auto payload = load_little_endian<std::uint64_t>(frame.payload());
   unsigned offset = 0;
   for (std::size_t i = 0; i < pdo.mapped().size() && i < values.size() && offset < 64; ++i) {

@@ -13,17 +13,23 @@ namespace breakaway::scenario {
 
 inline hal::Duration nanoseconds(double seconds) { return hal::Duration{std::llround(seconds * 1e9)}; }
 
-// Require s.loop and s.drive.
+// Require s.loop, s.drive and s.bus.
 
 template <class Real>
 cia402::DriveConfig<Real> drive_config(const Scenario& s) {
   cia402::DriveConfig<Real> c;
   c.node_id = s.drive->node_id;
-  c.encoder_resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
   c.force_per_torque_N_per_Nm = static_cast<Real>(s.drive->force_per_torque_N_per_Nm);
-  c.max_force_N = static_cast<Real>(s.controller.max_force_N);
-  c.period = nanoseconds(s.loop->period_s);
   return c;
+}
+
+inline canopen::NetworkConfig network_config(const Scenario& s) {
+  return {.period = nanoseconds(s.loop->period_s), .bit_rate = s.bus->bit_rate};
+}
+
+template <class Real>
+hal::AxisScale<Real> axis_scale(const Scenario& s) {
+  return {static_cast<Real>(s.drive->encoder_resolution_m), static_cast<Real>(s.controller.max_force_N)};
 }
 
 template <class Real>

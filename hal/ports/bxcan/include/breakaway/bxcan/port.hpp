@@ -65,15 +65,13 @@ class Port {
 
   // CanPort
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-    if (off_bus()) return {hal::StatusCode::bus_off};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (off_bus()) return hal::SendResult::bus_off;
     if (!transmit_.push({frame, stamp(std::min(deadline, now_ + farthest_deadline))}))
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     controller_->pend_transmit_interrupt();
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept { return receive_.pop(received); }
   void purge_transmit_queue() noexcept {

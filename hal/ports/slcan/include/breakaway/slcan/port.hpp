@@ -80,14 +80,12 @@ class Port {
 
   // CanPort
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-    if (state_ != State::open) return {hal::StatusCode::bus_off};
-    if (transmit_.push({frame, deadline})) return {};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (state_ != State::open) return hal::SendResult::bus_off;
+    if (transmit_.push({frame, deadline})) return hal::SendResult::queued;
     ++counters_.overflows;
-    return {hal::StatusCode::queue_full};
+    return hal::SendResult::queue_full;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (receive_.empty()) return false;

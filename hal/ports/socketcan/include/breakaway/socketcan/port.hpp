@@ -65,17 +65,15 @@ class Port {
 
   // CanPort
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > CAN_SFF_MASK) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > CAN_MAX_DLEN) return {hal::StatusCode::invalid_argument, 2};
-    if (link_ != Link::up) return {hal::StatusCode::bus_off};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (link_ != Link::up) return hal::SendResult::bus_off;
     if (!queue_.push({frame, deadline})) {
       ++counters_.overflows;
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     }
     pump();
-    return {};
+    return hal::SendResult::queued;
   }
 
   bool receive(hal::ReceivedFrame& received) noexcept {

@@ -15,7 +15,6 @@
 
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/hal/can_port.hpp"
-#include "breakaway/hal/status.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/virtual_bus/ring.hpp"
 
@@ -102,7 +101,7 @@ class VirtualBus::Port {
 
   // queue_full: transmit_capacity frames wait already. bus_off: see set_bus_state. invalid_argument: not a classic
   // frame with an 11-bit identifier; detail 1: the identifier is above 7FFh, 2: the size is above 8.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept;
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept;
   bool receive(hal::ReceivedFrame& received) noexcept;
   void purge_transmit_queue() noexcept { transmit_.clear(); }
   hal::BusState bus_state() const noexcept { return state_; }

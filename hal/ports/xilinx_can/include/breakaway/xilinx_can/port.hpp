@@ -76,20 +76,18 @@ class Port {
 
   // CanPort
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
     const std::uint32_t events = read(reg::isr);
-    if (recovering_ || (events & bit::isr_bsoff) != 0) return {hal::StatusCode::bus_off};
+    if (recovering_ || (events & bit::isr_bsoff) != 0) return hal::SendResult::bus_off;
     note_transmitted(events);
     // The bit in ISR stays until the FIFO was empty, so a full FIFO is emptied before more is put into it.
     if (((events & bit::isr_txfll) != 0 && pending_ > 0) || (read(reg::sr) & bit::sr_txfll) != 0)
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     load(frame);
     deadline_ = pending_ == 0 ? deadline : std::min(deadline_, deadline);
     ++pending_;
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept { return received_.pop(received); }
   void purge_transmit_queue() noexcept {
