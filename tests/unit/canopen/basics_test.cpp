@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -28,6 +29,28 @@ TEST(CobId, FollowsThePredefinedConnectionSet) {
   EXPECT_EQ(sdo_request_cob_id(5), 0x605);
   EXPECT_EQ(heartbeat_cob_id(127), 0x77F);
   EXPECT_EQ(sync_frame(), (CanFrame{.id = 0x080}));
+}
+
+TEST(CobId, FallsApartIntoFunctionCodeAndNode) {
+  for (unsigned id = min_node_id; id <= max_node_id; ++id) {
+    const auto node_id = static_cast<std::uint8_t>(id);
+    ASSERT_TRUE(is_node_id(node_id));
+    for (const auto& [cob_id, function] : {std::pair<std::uint16_t, unsigned>{emcy_cob_id(node_id), 0x080},
+                                           {tpdo_cob_id(1, node_id), 0x180},
+                                           {rpdo_cob_id(1, node_id), 0x200},
+                                           {tpdo_cob_id(4, node_id), 0x480},
+                                           {rpdo_cob_id(4, node_id), 0x500},
+                                           {sdo_response_cob_id(node_id), 0x580},
+                                           {sdo_request_cob_id(node_id), 0x600},
+                                           {heartbeat_cob_id(node_id), 0x700}}) {
+      ASSERT_EQ(function_code_of(cob_id), function) << id;
+      ASSERT_EQ(node_id_of(cob_id), id) << function;
+    }
+  }
+  EXPECT_EQ(node_id_of(nmt_cob_id), 0);
+  EXPECT_EQ(node_id_of(sync_cob_id), 0);
+  EXPECT_FALSE(is_node_id(0) || is_node_id(128) || is_node_id(255));
+  EXPECT_EQ(function_code_mask | node_id_mask, CanFrame::max_id);
 }
 
 TEST(Bytes, LeastSignificantFirst) {

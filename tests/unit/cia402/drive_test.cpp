@@ -229,16 +229,14 @@ TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
 TEST_F(DriveTest, AnswerThatTheStandardForbidsIsReportedWithItsObject) {
   node.boot();
   deliver();
-  step();  // asks for 1000h
-  run_until([&] { return drive.setup_object().index == 0x6502; });
   node.silent = true;
-  step();
+  step();  // asks for 1000h
   drive.on_frame(
-      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x02, 0x65, 0x00}}, .time = now});
+      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x00, 0x10, 0x00}}, .time = now});
   step();
   EXPECT_EQ(feedback.state, DriveState::unusable);
   EXPECT_EQ(drive.setup_status(), SetupStatus::protocol_error);
-  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6502, 0}));
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x1000, 0}));
 }
 
 TEST_F(DriveTest, OneThatRebootsAfterARefusalIsSetUpAnew) {

@@ -10,6 +10,8 @@
 #include <new>
 #include <vector>
 
+#include "../explained_enum.hpp"
+
 namespace breakaway::firmware {
 namespace {
 
@@ -282,6 +284,10 @@ TEST_F(ControlLoopTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
 TEST_F(ControlLoopTest, TakesNoMoreAxesThanItHasRoomFor) {
   for (int i = 1; i < 8; ++i) ASSERT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
   EXPECT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::no_room);
+}
+
+TEST(AddAxis, SaysWhatIsWrongAndWhatToDo) {
+  test::expect_sentences<AddAxis>({{AddAxis::added, {"added"}}, {AddAxis::no_room, {"no room", "raise MaxAxes"}}});
 }
 
 TEST_F(ControlLoopTest, RefusesAxesThatDoNotFitTheBus) {

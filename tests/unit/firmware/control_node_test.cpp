@@ -5,6 +5,8 @@
 #include <deque>
 #include <vector>
 
+#include "../explained_enum.hpp"
+
 namespace breakaway::firmware {
 namespace {
 
@@ -88,6 +90,15 @@ TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
   axis.apply(loop, {});
   axis.apply(loop, {});
   EXPECT_EQ(loop.stops, 2);
+}
+
+TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
+  test::expect_sentences<NodeError>({{NodeError::none, {"can run"}},
+                                     {NodeError::no_axis, {"axis is null", "give the node"}},
+                                     {NodeError::axis_refused, {"axis is refused", "law::verify()"}},
+                                     {NodeError::drive_refused, {"drive's configuration", "cia402::check()"}},
+                                     {NodeError::period_differs, {"loop.period", "change one of them"}},
+                                     {NodeError::bus_refused, {"does not fit the bus", "check_bus_budget()"}}});
 }
 
 class ControlNodeTest : public testing::Test {

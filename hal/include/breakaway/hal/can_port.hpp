@@ -11,9 +11,9 @@
 //   port.poll(now);  // the port's own: takes frames in, drops stale ones, leads the controller back from bus-off
 //   loop.step(now);  // calls receive() until it says false, then send() for every frame of the period
 //
-// What holds for all four calls: they never block, allocate, throw or wait for a lock, and their work is bounded. They
-// are made in the thread of the loop only, and the port does not call back. A port with interrupts shares its queues
-// with them by itself, for which there is hal::SharedRing.
+// All four calls have in common that they never block, allocate, throw or wait for a lock, and that their work is
+// bounded. They are made in the thread of the loop only, and the port does not call back. A port with interrupts shares
+// its queues with them by itself, for which there is hal::SharedRing.
 //
 // A minimal port, for a controller that holds one frame in each direction:
 //

@@ -12,11 +12,11 @@
 // drive itself leads it out again. Once a period the loop calls feedback(), then command() if the axis may be given
 // force. A drive on a bus has more to do in a period, with the frames that come and go: firmware::BusDrive says what.
 //
-// What holds for all calls: they never block, allocate, throw or wait for a lock, and their work is bounded. They are
-// made in the thread of the loop only, and the drive does not call back. Requests are wishes: the call returns at once,
-// and the drive's state machine carries them out in the periods that follow.
+// All calls have in common that they never block, allocate, throw or wait for a lock, and that their work is bounded.
+// They are made in the thread of the loop only, and the drive does not call back. Requests are wishes: the call returns
+// at once, and the drive's state machine carries them out in the periods that follow.
 //
-// A minimal drive, for an amplifier that gives force at once and an encoder that is read at once:
+// A minimal drive, for an encoder that is read at once and an amplifier that gives force at once, for a period a call:
 //
 //   enum class AmplifierStatus : std::uint8_t { ready };
 //   constexpr std::string_view to_string(AmplifierStatus) noexcept { return "the amplifier is ready"; }
@@ -27,8 +27,10 @@
 //     AmplifierDrive(Amplifier& amplifier, AxisScale<float> scale) noexcept : amplifier_{&amplifier}, scale_{scale} {}
 //     DriveFeedback<float> feedback() noexcept {
 //       const std::int32_t counts = amplifier_->counts();
+//       // Unsigned subtraction wraps as the counter does.
+//       const auto offset = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - datum_);
 //       return {.state = amplifier_->on() ? DriveState::enabled : DriveState::disabled,
-//               .position_offset_m = static_cast<float>(counts - datum_) * scale_.encoder_resolution_m,
+//               .position_offset_m = static_cast<float>(offset) * scale_.encoder_resolution_m,
 //               .position_m = static_cast<float>(counts) * scale_.encoder_resolution_m,
 //               .force_N = amplifier_->force_N(),
 //               .sample_time = amplifier_->time(),
@@ -37,9 +39,9 @@
 //     }
 //     void command(float force_N) noexcept {
 //       const float asked_N = std::isnan(force_N) ? 0.0F : force_N;
-//       amplifier_->set_force_N(std::clamp(asked_N, -scale_.max_force_N, scale_.max_force_N));
+//       amplifier_->give_force_N(std::clamp(asked_N, -scale_.max_force_N, scale_.max_force_N));
 //     }
-//     void set_datum_counts(std::int32_t counts) noexcept { datum_ = counts; }
+//     void set_datum_counts(std::int32_t counts) noexcept { datum_ = static_cast<std::uint32_t>(counts); }
 //     void request_enable() noexcept { amplifier_->switch_on(); }
 //     void request_stop() noexcept { amplifier_->switch_off(); }
 //     void reset_fault() noexcept {}
@@ -49,7 +51,7 @@
 //    private:
 //     Amplifier* amplifier_;
 //     AxisScale<float> scale_;
-//     std::int32_t datum_ = 0;
+//     std::uint32_t datum_ = 0;
 //   };
 //
 // cia402::Drive is the real one.
@@ -64,7 +66,7 @@
 
 namespace breakaway::hal {
 
-// What an axis' controller and its drive have to agree on. Both must be finite and above 0.
+// An axis' controller and its drive have to agree on its scale. Both figures must be finite and above 0.
 template <class Scalar>
 struct AxisScale {
   Scalar encoder_resolution_m{};  // metres of travel a count
