@@ -2,16 +2,18 @@
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/cia402/objects.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
 namespace breakaway::drive_emulator {
 
 namespace {
 
-constexpr Address error_register_entry{0x1001, 0};
-constexpr std::uint16_t error_history = 0x1003;
-constexpr Address emcy_cob_id_entry{0x1014, 0};
+using own_object::error_history;
+constexpr Address error_register_entry{cia402::object::error_register, 0};
+constexpr Address emcy_cob_id_entry{cia402::object::emcy_cob_id, 0};
 
-// The bit of 1001h for an error code, beside bit 0 (any error).
+// Returns the bit of 1001h for an error code. Bit 0, for any error, comes besides.
 unsigned register_bit(std::uint16_t code) {
   switch (code >> 12) {
     case 0x2:

@@ -18,7 +18,7 @@ void Motor::command(double force_N, double time_s) {
 }
 
 double Motor::largest_force_N(double time_s) const {
-  // Each segment is monotonic, so its largest magnitude is at one of its ends.
+  // Each segment is monotonic, so its magnitude is largest at one of its ends.
   const double start_N = force_at_N(segment_.start_s);
   return std::max({largest_so_far_N_, std::abs(start_N), std::abs(force_at_N(time_s))});
 }

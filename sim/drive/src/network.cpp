@@ -5,6 +5,7 @@
 
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
 namespace breakaway::drive_emulator {
 
@@ -13,8 +14,6 @@ using canopen::NmtState;
 namespace object = cia402::object;
 
 namespace {
-
-constexpr std::uint16_t error_behaviour = 0x1029;
 
 hal::Duration milliseconds(std::int64_t count) { return std::chrono::milliseconds{count}; }
 
@@ -26,8 +25,8 @@ hal::CanFrame frame_of(std::uint16_t id, const ObjectDictionary::Bytes& data) {
 
 }  // namespace
 
-void DriveEmulator::on_frame(const hal::CanFrame& frame, hal::Time at) {
-  advance_to(at);
+void DriveEmulator::on_frame(const hal::CanFrame& frame, hal::Time time) {
+  advance_to(time);
   if (silent_ || frame.remote || nmt_ == NmtState::boot_up) return;
   dispatch(frame);
   settle();
@@ -45,8 +44,9 @@ void DriveEmulator::dispatch(const hal::CanFrame& frame) {
 }
 
 void DriveEmulator::on_written(Address address) {
-  if (address.index == 0x1003)
-    for (std::uint8_t sub = 1; dictionary_.find({0x1003, sub}) != nullptr; ++sub) dictionary_.set({0x1003, sub}, 0);
+  if (address.index == own_object::error_history)
+    for (std::uint8_t sub = 1; dictionary_.find({own_object::error_history, sub}) != nullptr; ++sub)
+      dictionary_.set({own_object::error_history, sub}, 0);
   if (address.index == object::producer_heartbeat) restart_heartbeat();
   if (address.index == object::consumer_heartbeat) {
     timers_.cancel(master_heartbeat);
@@ -152,8 +152,8 @@ void DriveEmulator::on_master_heartbeat() {
 
 void DriveEmulator::lose_master() {
   drive_.trip(emcy::heartbeat, true);
-  if (!operational() || get(error_behaviour, 1) == 1) return;
-  enter(get(error_behaviour, 1) == 0 ? NmtState::pre_operational : NmtState::stopped);
+  if (!operational() || get(own_object::error_behaviour, 1) == 1) return;
+  enter(get(own_object::error_behaviour, 1) == 0 ? NmtState::pre_operational : NmtState::stopped);
 }
 
 // ---- SDO ----

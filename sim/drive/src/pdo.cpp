@@ -16,7 +16,7 @@ Address mapped_address(std::uint32_t entry) {
 }
 unsigned mapped_bits(std::uint32_t entry) { return entry & 0xFFU; }
 
-// Identifiers that CiA 301 (table "restricted CAN-IDs") keeps from PDOs.
+// Returns true for the identifiers that CiA 301 (table "restricted CAN-IDs") keeps from PDOs.
 bool restricted(std::uint32_t id) {
   return id <= 0x07F || (id >= 0x101 && id <= 0x180) || (id >= 0x581 && id <= 0x5FF) || (id >= 0x601 && id <= 0x67F) ||
          (id >= 0x6E0 && id <= 0x6FF) || id >= 0x701;

@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned toggle_bit = 0x10;
 constexpr std::size_t segment_bytes = 7;
 constexpr std::size_t expedited_bytes = 4;
-constexpr std::size_t max_download_bytes = 1024;  // longer than any entry: what bounds a client that never ends
+constexpr std::size_t max_download_bytes = 1024;  // longer than any entry; it bounds a client that never ends
 
 enum Specifier : unsigned {  // bits 5..7 of a client's first byte
   download_segment_request = 0,

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint16_t fault_reset_bit = 0x80;
 
-// 605Ah: 0 removes the torque at once, 1 to 4 stop and leave by themselves, 5 to 8 stop and stay.
+// The value 0 of 605Ah removes the torque at once, 1 to 4 stop and leave by themselves, 5 to 8 stop and stay.
 bool leaves_quick_stop(std::int64_t option) { return option < 5; }
 
 }  // namespace
