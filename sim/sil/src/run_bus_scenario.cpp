@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/drive.hpp"
@@ -196,9 +197,14 @@ class BusScene {
     std::string name{to_string(fault)};
     if (const auto code = loop_.supervisor(0).fault_code(); code != 0)
       name += fmt::format(" (error code {:04X}h)", code);
-    if (fault == firmware::AxisFault::drive_unusable)
-      name += fmt::format(": {}", to_string(loop_.drive(0).setup_status()));
+    if (fault == firmware::AxisFault::drive_unusable) name += fmt::format(": {}", why_unusable());
     result_.faults.push_back({time_s, name});
+  }
+
+  std::string_view why_unusable() const {
+    const cia402::Drive<Real>& drive = loop_.drive(0);
+    const bool invalid = drive.setup_status() == cia402::SetupStatus::config_invalid;
+    return invalid ? to_string(drive.config_error()) : to_string(drive.setup_status());
   }
 
   void note_sample(double time_s, law::Mode mode) {
