@@ -11,8 +11,8 @@ namespace breakaway::hal {
 
 using Duration = std::chrono::nanoseconds;
 
-// What std::chrono::time_point wants to be told about a clock. It has no now(): logic gets the time as an argument and
-// never asks for it (clock.hpp).
+// TimeLine tells std::chrono::time_point what it wants to know of a clock. It has no now(): logic gets the time as an
+// argument and never asks for it (clock.hpp).
 struct TimeLine {
   using duration = Duration;
   using rep = Duration::rep;

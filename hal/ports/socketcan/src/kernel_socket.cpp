@@ -95,7 +95,7 @@ OpenResult KernelSocket::configure() noexcept {
     return fail(OpenResult::failed);
   constexpr can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
   constexpr int yes = 1;
-  // Old kernels and some drivers lack time stamps and drop counters: then reception is stamped when it is read.
+  // Old kernels and some drivers lack time stamps and drop counters; there a frame is stamped when it is read.
   constexpr int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                          SOF_TIMESTAMPING_RAW_HARDWARE;
   set(socket_, SOL_SOCKET, SO_TIMESTAMPING, stamps);

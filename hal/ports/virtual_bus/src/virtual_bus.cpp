@@ -7,7 +7,8 @@
 namespace breakaway::virtual_bus {
 namespace {
 
-// Of two frames with one identifier the data frame wins: its remote transmission request bit is dominant.
+// The lower value wins. Of two frames with one identifier that is the data frame's: its remote transmission request bit
+// is dominant.
 unsigned arbitration_field(const hal::CanFrame& frame) noexcept { return frame.id * 2U + (frame.remote ? 1U : 0U); }
 
 }  // namespace

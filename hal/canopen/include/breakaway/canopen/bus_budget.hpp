@@ -1,7 +1,7 @@
 // The bus budget: do so many axes at this period fit the bus?
 //
-// What must pass in one period is SYNC and, for each axis, an RPDO of 4 bytes (6040h, 6071h) and a TPDO of 8 (6041h,
-// 6064h, 6077h). Every frame is counted at its worst-case length, with all stuff bits that its payload could need.
+// One period must let pass SYNC and, for each axis, an RPDO of 4 bytes (6040h, 6071h) and a TPDO of 8 (6041h, 6064h,
+// 6077h). Every frame is counted at its worst-case length, with all stuff bits that its payload could need.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 
 namespace breakaway::canopen {
 
-// What else a period must have room for. SDO and heartbeats lose arbitration against SYNC and PDOs, so they can hold
-// them up by no more than the one frame that is on the wire already; one frame kept free, whichever it is, bounds that
-// delay and lets them pass.
+// The traffic that a period must have room for besides. SDO and heartbeats lose arbitration against SYNC and PDOs, so
+// they can hold them up by no more than the one frame that is on the wire already; one frame kept free, whichever it
+// is, bounds that delay and lets them pass.
 struct AcyclicTraffic {
   unsigned frames = 1;      // of 8 bytes
   unsigned heartbeats = 0;  // that must all pass in one period besides

@@ -55,7 +55,7 @@ struct PdoMapping {
   }
 };
 
-// What an expedited SDO transfer writes.
+// An object and the value that an expedited SDO transfer writes to it.
 struct ObjectWrite {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;

@@ -54,7 +54,7 @@ class Drive {
  public:
   using Config = DriveConfig<Scalar>;
 
-  // With what check() does not accept, the drive is unusable for good and sends nothing.
+  // A drive with what check() does not accept is unusable for good and sends nothing.
   Drive(const Config& config, const canopen::NetworkConfig& network, const hal::AxisScale<Scalar>& scale) noexcept
       : config_{config},
         period_{network.period},
@@ -126,7 +126,7 @@ class Drive {
   void request_enable() noexcept { machine_.request_enable(); }
   void request_stop() noexcept { machine_.request_stop(); }
   void reset_fault() noexcept { machine_.reset_fault(); }
-  // Until the drive's own limit is known, this is the axis'; then it is the lower of the two, in whole quanta.
+  // The axis' limit until the drive's own is known; then the lower of the two, in whole quanta.
   Scalar max_force_N() const noexcept {
     return torque_scale_.limit_per_mille() > 0 ? torque_scale_.max_force_N() : scale_.max_force_N;
   }
@@ -135,7 +135,7 @@ class Drive {
   std::uint8_t node_id() const noexcept { return config_.node_id; }
   Scalar encoder_resolution_m() const noexcept { return scale_.encoder_resolution_m; }
 
-  // For the supervisor and for display
+  // The rest is for the supervisor and for display.
 
   // The field that makes setup_status() config_invalid; `none` otherwise.
   DriveConfigError config_error() const noexcept { return config_error_; }

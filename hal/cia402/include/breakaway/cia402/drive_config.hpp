@@ -1,5 +1,6 @@
-// DriveConfig: what is one drive's own. What it shares with the other nodes on the bus is canopen::NetworkConfig, what
-// it shares with the axis' controller is hal::AxisScale; check() tells whether the three can be used together.
+// DriveConfig holds what is one drive's own. What a drive shares with the other nodes on its bus is in
+// canopen::NetworkConfig, and what it shares with its axis' controller is in hal::AxisScale. check() tells whether the
+// three can be used together.
 #pragma once
 
 #include <chrono>
@@ -20,10 +21,11 @@ struct DriveConfig {
   std::uint8_t node_id = 1;            // 1..127, and not the master's
   Scalar force_per_torque_N_per_Nm{};  // force at the axis for one Nm at the motor (1 / lever), above 0
 
-  hal::Duration heartbeat_period = std::chrono::milliseconds{100};   // of the drive, 1..65535 ms
-  hal::Duration heartbeat_timeout = std::chrono::milliseconds{250};  // of both sides: longer than either one's period,
-                                                                     // and up to 65535 ms
-  hal::Duration sdo_timeout = std::chrono::milliseconds{50};         // for a single answer, above 0
+  hal::Duration heartbeat_period = std::chrono::milliseconds{100};  // of the drive's own, 1..65535 ms
+  // Drive and master each take the other for lost after so long without a heartbeat. It is longer than the period of
+  // either, and at most 65535 ms.
+  hal::Duration heartbeat_timeout = std::chrono::milliseconds{250};
+  hal::Duration sdo_timeout = std::chrono::milliseconds{50};  // for a single answer, above 0
 
   bool invert_direction = false;  // the drive's positive direction is the axis' negative one
 };
@@ -102,13 +104,13 @@ constexpr bool fits_16_bit_milliseconds(hal::Duration duration) noexcept {
   return duration >= std::chrono::milliseconds{1} && duration <= std::chrono::milliseconds{0xFFFF};
 }
 
-// A NaN is not.
+// Returns false for a NaN, too.
 template <class Scalar>
 constexpr bool positive_and_finite(Scalar value) noexcept {
   return value > 0 && value <= std::numeric_limits<Scalar>::max();
 }
 
-// What the CANopen side of the drive needs; the rest is for the conversion of units.
+// Checks what the CANopen side of the drive needs; the rest is for the conversion of units.
 template <class Scalar>
 constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
                                       const canopen::NetworkConfig& network) noexcept {

@@ -42,7 +42,7 @@ enum class SetupPhase : std::uint8_t {
   refused,         // until the node reboots; status() says why
 };
 
-// What the drive told of itself.
+// The drive's own figures, as it told them.
 struct DriveRating {
   std::uint32_t rated_current_mA = 0;  // 0: not told
   std::uint32_t rated_torque_mNm = 0;
@@ -53,7 +53,7 @@ class DriveNode {
  public:
   // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
   static constexpr hal::Duration boot_time = std::chrono::seconds{2};
-  // So often a transfer is tried before the node counts as gone.
+  // A transfer is tried so often before the node counts as gone.
   static constexpr unsigned sdo_attempts = 3;
   // 6061h is asked for at this interval, and 6060h written again at the longer one, until the time is over. Drives were
   // seen to take seconds.
@@ -61,7 +61,7 @@ class DriveNode {
   static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
   static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};
 
-  // With what check() does not accept, it is refused for good and sends nothing.
+  // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
   DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
       : node_id_{drive.node_id},

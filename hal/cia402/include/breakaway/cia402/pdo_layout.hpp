@@ -9,7 +9,7 @@
 
 namespace breakaway::cia402 {
 
-// RPDO1: controlword, target torque.
+// RPDO1 carries controlword and target torque.
 constexpr canopen::PdoMapping command_pdo(std::uint8_t node_id) noexcept {
   return {.parameter_index = object::rpdo1_parameter,
           .mapping_index = object::rpdo1_mapping,
@@ -19,7 +19,7 @@ constexpr canopen::PdoMapping command_pdo(std::uint8_t node_id) noexcept {
           .objects = {{{object::controlword, 0, 16}, {object::target_torque, 0, 16}}}};
 }
 
-// TPDO1: statusword, position, torque.
+// TPDO1 carries statusword, position and torque.
 constexpr canopen::PdoMapping feedback_pdo(std::uint8_t node_id) noexcept {
   return {.parameter_index = object::tpdo1_parameter,
           .mapping_index = object::tpdo1_mapping,

@@ -24,7 +24,7 @@ struct SetupStep {
 
 class SetupPlan {
  public:
-  // For what check() accepts.
+  // The arguments must be what check() accepts.
   template <class Scalar>
   SetupPlan(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
       : SetupPlan{drive.node_id, drive.heartbeat_period, drive.heartbeat_timeout, network} {}

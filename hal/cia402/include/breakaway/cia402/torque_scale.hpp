@@ -1,4 +1,7 @@
-// Between force at the axis and the drive's torque in per mille of its rated torque.
+// TorqueScale: turns force at the axis into the drive's torque, in per mille of its rated torque, and back.
+//
+// A force never exceeds the axis' limit or the drive's, for any input bits: the limit is cut down to whole per mille,
+// and a force inside it is rounded to the nearest.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +14,11 @@ namespace breakaway::cia402 {
 template <class Scalar>
 class TorqueScale {
  public:
-  // Until the drive's rating is known every force is zero.
+  // Without a rating every force is zero.
   TorqueScale() noexcept = default;
 
-  // rated_torque_mNm: 6076h, above 0. max_torque_per_mille: 6072h. force_per_torque_N_per_Nm, max_force_N: above 0,
-  // finite.
+  // rated_torque_mNm is what 6076h shows, above 0; max_torque_per_mille is what 6072h shows. force_per_torque_N_per_Nm
+  // and max_force_N must be finite and above 0.
   TorqueScale(std::uint32_t rated_torque_mNm, std::uint16_t max_torque_per_mille, Scalar force_per_torque_N_per_Nm,
               Scalar max_force_N) noexcept
       : quantum_N_{force_per_torque_N_per_Nm * static_cast<Scalar>(rated_torque_mNm) / Scalar{1'000'000}} {
@@ -27,8 +30,8 @@ class TorqueScale {
     max_force_N_ = std::min(max_force_N, force_N(limit_));
   }
 
-  // Nearest per mille inside the limit; at the limit beyond it, so that |force| never exceeds max_force_N. NaN and
-  // infinities: 0.
+  // Returns the nearest per mille inside the limit, and the limit for what is beyond it, so that |force| never exceeds
+  // max_force_N. NaN and infinities give 0.
   std::int16_t per_mille(Scalar force_N) const noexcept {
     if (limit_ == 0 || !std::isfinite(force_N)) return 0;
     const auto limit = static_cast<Scalar>(limit_);
@@ -37,8 +40,10 @@ class TorqueScale {
   }
   Scalar force_N(std::int16_t per_mille) const noexcept { return static_cast<Scalar>(per_mille) * quantum_N_; }
 
-  Scalar quantum_N() const noexcept { return quantum_N_; }      // force of one per mille
-  Scalar max_force_N() const noexcept { return max_force_N_; }  // the largest that can be commanded
+  // The force of one per mille.
+  Scalar quantum_N() const noexcept { return quantum_N_; }
+  // The largest force that can be commanded.
+  Scalar max_force_N() const noexcept { return max_force_N_; }
   std::int16_t limit_per_mille() const noexcept { return limit_; }
 
  private:
