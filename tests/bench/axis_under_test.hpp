@@ -21,10 +21,10 @@ inline scenario::Scenario axis_scenario(std::size_t axes = 1) {
   scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
   s.plant.velocity_m_s = 0;
   auto period = std::chrono::milliseconds{1};
-  while (!canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate).ok()) {
+  while (canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate) != canopen::BusFit::fits) {
     if (++period > std::chrono::seconds{1}) throw std::runtime_error("the axes do not fit the bus of can_axis.toml");
   }
-  s.loop->period_s = std::chrono::duration<double>(period).count();
+  s.loop->period_s = hal::seconds(period);
   return s;
 }
 
@@ -63,11 +63,17 @@ template <class Real>
 cia402::DriveConfig<Real> drive_config(const scenario::Scenario& s, std::uint8_t node_id) {
   cia402::DriveConfig<Real> c;
   c.node_id = node_id;
-  c.encoder_resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
   c.force_per_torque_N_per_Nm = static_cast<Real>(s.drive->force_per_torque_N_per_Nm);
-  c.max_force_N = static_cast<Real>(s.controller.max_force_N);
-  c.period = period_of(s);
   return c;
+}
+
+inline canopen::NetworkConfig network_config(const scenario::Scenario& s) {
+  return {.period = period_of(s), .bit_rate = s.bus->bit_rate};
+}
+
+template <class Real>
+hal::AxisScale<Real> axis_scale(const scenario::Scenario& s) {
+  return {static_cast<Real>(s.drive->encoder_resolution_m), static_cast<Real>(s.controller.max_force_N)};
 }
 
 template <class Real>

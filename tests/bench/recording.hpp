@@ -23,10 +23,11 @@ using Loop = firmware::ControlLoop<TapePort, cia402::Drive<Real>, Controller, Re
 template <class Real, class Controller>
 Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, const Controller& controller,
                                  std::size_t axes) {
-  Loop<Real, Controller> loop{port, {period_of(s), s.bus->bit_rate}};
+  Loop<Real, Controller> loop{port, network_config(s)};
+  const hal::AxisScale<Real> scale = axis_scale<Real>(s);
   for (std::size_t i = 0; i < axes; ++i) {
-    const auto config = drive_config<Real>(s, static_cast<std::uint8_t>(i + 1));
-    if (!loop.add_axis(cia402::Drive<Real>{config}, controller, limits<Real>(s), config.encoder_resolution_m).ok())
+    const cia402::Drive<Real> drive{drive_config<Real>(s, static_cast<std::uint8_t>(i + 1)), network_config(s), scale};
+    if (loop.add_axis(drive, controller, limits<Real>(s), scale.encoder_resolution_m) != firmware::AddAxis::added)
       throw std::runtime_error("the loop takes no more axes");
     loop.request_enable(i);
   }
@@ -56,7 +57,7 @@ struct Recording {
   std::size_t first_running = 0;
   std::vector<law::Measurement<Real>> measurements;  // of the first axis, from first_running on
 
-  hal::Time time(std::size_t step) const { return period * static_cast<std::int64_t>(step); }
+  hal::Time time(std::size_t step) const { return hal::Time{period * static_cast<std::int64_t>(step)}; }
 };
 
 // The plant as a drive's mechanism; notes the forces on it while a list for them is set.
@@ -83,7 +84,7 @@ class EmulatedAxis {
       : axis_{s}, drive_{config(s, node_id), axis_, [this](const hal::CanFrame& frame, hal::Time at) {
                            outbox_.push_back({frame, at});
                          }} {
-    drive_.power_on(hal::Time{0});
+    drive_.power_on(hal::Time{});
   }
 
   // Brings the axis to `now`, hands it the frames that were sent at the time of the step before, and takes its answers.

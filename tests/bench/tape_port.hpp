@@ -20,10 +20,10 @@ class TapePort {
   }
   std::span<const hal::CanFrame> sent() const noexcept { return std::span{outbox_}.first(sent_); }
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
-    if (sent_ == outbox_.size()) return {hal::StatusCode::queue_full};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
+    if (sent_ == outbox_.size()) return hal::SendResult::queue_full;
     outbox_[sent_++] = frame;
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (inbox_.empty()) return false;

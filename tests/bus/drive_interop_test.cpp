@@ -15,18 +15,20 @@ namespace {
 
 using namespace std::chrono_literals;
 using breakaway::cia402::Drive;
+using breakaway::cia402::SetupStatus;
 using breakaway::drive_emulator::DriveEmulator;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
+using breakaway::hal::Duration;
 using breakaway::hal::ReceivedFrame;
-using breakaway::hal::StatusCode;
+using breakaway::hal::SendResult;
 using breakaway::hal::Time;
 using breakaway::virtual_bus::VirtualBus;
 using breakaway::virtual_bus::VirtualBusConfig;
 
-constexpr std::uint8_t kNode = 5;
-constexpr Time kPeriod = 1ms;
+constexpr std::uint8_t node_id = 5;
+constexpr Duration period = 1ms;
 
 // Holds the axis where the test puts it.
 class HeldAxis final : public breakaway::drive_emulator::Mechanism {
@@ -39,7 +41,7 @@ class HeldAxis final : public breakaway::drive_emulator::Mechanism {
 // 0.05 N a per mille, 50 N at most, 1 um a count.
 breakaway::drive_emulator::EmulatorConfig emulated_drive() {
   breakaway::drive_emulator::EmulatorConfig config;
-  config.node_id = kNode;
+  config.node_id = node_id;
   config.force_per_torque_N_per_Nm = 50;
   config.max_torque_per_mille = 1000;
   return config;
@@ -52,15 +54,16 @@ class Bench {
       : bus{bus_config},
         master{bus.add_port()},
         slave{bus.add_port()},
-        emulator{config, axis,
-                 [this](const CanFrame& frame, Time) { EXPECT_TRUE(slave.send(frame, Time::max()).ok()); }},
-        drive{{.node_id = kNode, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50}} {
+        emulator{
+            config, axis,
+            [this](const CanFrame& frame, Time) { EXPECT_EQ(slave.send(frame, Time::max()), SendResult::queued); }},
+        drive{{.node_id = node_id, .force_per_torque_N_per_Nm = 50}, {.period = period}, {1e-6F, 50}} {
     slave.set_listener(
         [](void* self, const ReceivedFrame& received) noexcept {
           static_cast<Bench*>(self)->emulator.on_frame(received.frame, received.time);
         },
         this);
-    emulator.power_on(Time{0});
+    emulator.power_on(Time{});
   }
 
   HeldAxis axis;
@@ -74,7 +77,7 @@ class Bench {
   bool master_silent = false;
 
   void step(float force_N = 0) {
-    now_ += kPeriod;
+    now_ += period;
     while (bus.now() < now_) {
       const Time next = std::min({now_, bus.next_event(), emulator.next_event().value_or(now_)});
       bus.advance_to(std::max(next, bus.now()));
@@ -93,11 +96,11 @@ class Bench {
         drive.next_acyclic_frame(frame, now_))
       send(frame);
   }
-  void run_for(Time duration, float force_N = 0) {
+  void run_for(Duration duration, float force_N = 0) {
     for (const Time end = now_ + duration; now_ < end;) step(force_N);
   }
   // False when the state is not reached in time.
-  bool reach(DriveState state, Time limit = 10s) {
+  bool reach(DriveState state, Duration limit = 10s) {
     for (const Time end = now_ + limit; feedback.state != state;) {
       if (now_ >= end) return false;
       step();
@@ -112,16 +115,16 @@ class Bench {
   Time now() const { return now_; }
 
  private:
-  void send(const CanFrame& frame) { EXPECT_TRUE(master.send(frame, now_ + kPeriod).ok()); }
+  void send(const CanFrame& frame) { EXPECT_EQ(master.send(frame, now_ + period), SendResult::queued); }
 
-  Time now_{0};
+  Time now_{};
 };
 
 TEST(DriveInterop, IsSetUpAndEnabledOverTheBus) {
   Bench bench;
   ASSERT_TRUE(bench.reach(DriveState::disabled));
-  EXPECT_LT(bench.now(), 500ms);
-  EXPECT_TRUE(bench.drive.setup_status().ok());
+  EXPECT_LT(bench.now(), Time{500ms});
+  EXPECT_EQ(bench.drive.setup_status(), SetupStatus::ready);
   EXPECT_FLOAT_EQ(bench.drive.torque_quantum_N(), 0.05F);
   bench.drive.request_enable();
   ASSERT_TRUE(bench.reach(DriveState::enabled));
@@ -151,7 +154,7 @@ TEST(DriveInterop, PositionArrivesToTheCount) {
     bench.run_for(3ms);
     EXPECT_TRUE(bench.feedback.fresh);
     EXPECT_NEAR(static_cast<double>(bench.feedback.position_offset_m), position - 2.0, 0.51e-6);
-    EXPECT_EQ(bench.feedback.sample_time, bench.now() - kPeriod);
+    EXPECT_EQ(bench.feedback.sample_time, bench.now() - period);
   }
 }
 
@@ -197,8 +200,8 @@ TEST(DriveInterop, DriveWithoutCyclicTorqueIsRefusedByName) {
   config.supported_modes = 0x1FF;
   Bench bench{config};
   ASSERT_TRUE(bench.reach(DriveState::unusable));
-  EXPECT_EQ(bench.drive.setup_status().code, StatusCode::not_supported);
-  EXPECT_EQ(bench.drive.setup_status().detail, 0x650200U);
+  EXPECT_EQ(bench.drive.setup_status(), SetupStatus::no_torque_mode);
+  EXPECT_EQ(bench.drive.setup_object(), (breakaway::canopen::ObjectAddress{0x6502, 0}));
 }
 
 TEST(DriveInterop, FaultIsNamedLatchedAndReset) {
@@ -219,7 +222,7 @@ TEST(DriveInterop, StopTakesTheForceAwayWithinTwoPeriods) {
   ASSERT_TRUE(bench.enable());
   bench.run_for(10ms, 20.0F);
   bench.drive.request_stop();
-  bench.run_for(3 * kPeriod, 20.0F);
+  bench.run_for(3 * period, 20.0F);
   EXPECT_EQ(bench.emulator.force().constant_N, 0.0);
   ASSERT_TRUE(bench.reach(DriveState::disabled));
   ASSERT_TRUE(bench.enable());
@@ -227,10 +230,10 @@ TEST(DriveInterop, StopTakesTheForceAwayWithinTwoPeriods) {
 
 TEST(DriveInterop, SilentDropStaysOffUntilEnabledAgain) {
   auto config = emulated_drive();
-  config.quirks.silent_drop_at = 1s;
+  config.quirks.silent_drop_at = Time{1s};
   Bench bench{config};
   ASSERT_TRUE(bench.enable());
-  ASSERT_LT(bench.now(), 1s);
+  ASSERT_LT(bench.now(), Time{1s});
   ASSERT_TRUE(bench.reach(DriveState::disabled, 2s));
   bench.run_for(500ms, 20.0F);
   EXPECT_EQ(bench.feedback.state, DriveState::disabled);

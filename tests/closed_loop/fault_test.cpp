@@ -119,8 +119,8 @@ TEST(Fault, DriveWithoutCyclicTorqueIsRefusedByName) {
   Rig rig{{.supported_modes = 1}};  // profile position only
   EXPECT_FALSE(rig.start());
   EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
-  EXPECT_EQ(rig.loop().drive(0).setup_status().code, hal::StatusCode::not_supported);
-  EXPECT_EQ(rig.loop().drive(0).setup_status().detail, 0x650200U) << "object 6502h";
+  EXPECT_EQ(rig.loop().drive(0).setup_status(), cia402::SetupStatus::no_torque_mode);
+  EXPECT_EQ(rig.loop().drive(0).setup_object(), (canopen::ObjectAddress{0x6502, 0}));
 }
 
 TEST(Fault, OfOneAxisLeavesTheOthersRunning) {

@@ -31,7 +31,7 @@ struct RigConfig {
   double start_m = -0.1;
   model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
-  std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque;
 };
 
 class Rig {
@@ -71,7 +71,7 @@ class Rig {
   void loop_step() { loop_.step(now_); }
   void release_brakes() {
     for (std::size_t i = 0; i < loop_.axes(); ++i) {
-      if (loop_.status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(seconds(now_));
+      if (loop_.status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
     }
   }
   void step() {
@@ -86,7 +86,7 @@ class Rig {
   bool start() {
     for (std::size_t i = 0; i < loop_.axes(); ++i) loop_.request_enable(i);
     const auto released = [](const auto& mechanism) { return mechanism->released(); };
-    while (now_ < 10s && !std::all_of(mechanisms_.begin(), mechanisms_.end(), released)) step();
+    while (now_ < hal::Time{10s} && !std::all_of(mechanisms_.begin(), mechanisms_.end(), released)) step();
     return std::all_of(mechanisms_.begin(), mechanisms_.end(), released);
   }
   // Largest |force| that the drive makes from now on within the duration.
@@ -104,13 +104,11 @@ class Rig {
   sil::SimulatedNetwork& network() { return network_; }
   const motion::Slide& slide(std::size_t axis) const { return mechanisms_[axis]->slide(); }
   double position_m(std::size_t axis) const { return mechanisms_[axis]->position_m(); }
-  double force_N(std::size_t axis) const { return drives_[axis]->force().at_N(seconds(now_), 0, 0); }
+  double force_N(std::size_t axis) const { return drives_[axis]->force().at_N(hal::seconds(now_), 0, 0); }
   hal::Time now() const { return now_; }
   const firmware::AxisStatus<Real>& status(std::size_t axis) const { return loop_.status(axis); }
 
  private:
-  static double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
   void add_axis(std::uint8_t node_id, const law::AxisParameters<Real>& p) {
     mechanisms_.push_back(
         std::make_unique<sil::BrakedSlide>(motion::Slide{p.mass_kg, config_.friction, {0, config_.start_m, 0}}));
@@ -125,14 +123,12 @@ class Rig {
 
     cia402::DriveConfig<Real> master;
     master.node_id = node_id;
-    master.encoder_resolution_m = p.encoder_resolution_m;
     master.force_per_torque_N_per_Nm = 50;
-    master.max_force_N = p.max_force_N;
-    master.period = config_.period;
     firmware::AxisLimits<Real> limits = config_.limits;
     if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
-    const auto added = loop_.add_axis(cia402::Drive<Real>{master}, {p, table_}, limits, p.encoder_resolution_m);
-    if (!added.ok()) std::abort();
+    const cia402::Drive<Real> drive{master, {.period = config_.period}, {p.encoder_resolution_m, p.max_force_N}};
+    const auto added = loop_.add_axis(drive, {p, table_}, limits, p.encoder_resolution_m);
+    if (added != firmware::AddAxis::added) std::abort();
   }
 
   RigConfig config_;
@@ -141,7 +137,7 @@ class Rig {
   sil::SimulatedNetwork network_;
   std::vector<drive_emulator::DriveEmulator*> drives_;
   Loop loop_;
-  hal::Time now_{0};
+  hal::Time now_{};
 };
 
 }  // namespace breakaway::closed_loop

@@ -43,7 +43,7 @@ class AxisWorld {
         drive_{drive_config(), mechanism_, [this](const hal::CanFrame& frame, hal::Time) { transmit(frame); }} {
     frames_.reserve(std::size_t{4} * periods + 1000);
     positions_m_.reserve(periods);
-    drive_.power_on(hal::Time{0});
+    drive_.power_on(hal::Time{});
   }
   AxisWorld(const AxisWorld&) = delete;
   AxisWorld& operator=(const AxisWorld&) = delete;
@@ -65,7 +65,7 @@ class AxisWorld {
     drive_.advance_mechanism_to(now());
     positions_m_.push_back(mechanism_.position_m());
     if (!mechanism_.released() && drive_.state() == cia402::State::operation_enabled)
-      mechanism_.release(seconds(now()));
+      mechanism_.release(hal::seconds(now()));
     command();
   }
 
@@ -79,13 +79,11 @@ class AxisWorld {
  private:
   static constexpr std::uint32_t first_command = 10;  // period
   static constexpr double lap_s = bench::tour_s + 0.6;
-  static double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
-  hal::Time now() const { return flashed::node.loop.period * static_cast<std::int64_t>(periods_); }
+  hal::Time now() const { return hal::Time{flashed::node.loop.period * static_cast<std::int64_t>(periods_)}; }
 
   void command() {
     if (periods_ < first_command) return;
-    if (mechanism_.released()) tour_time_s_ += seconds(flashed::node.loop.period);
+    if (mechanism_.released()) tour_time_s_ += hal::seconds(flashed::node.loop.period);
     const double in_lap_s = tour_time_s_ < lap_s ? tour_time_s_ : tour_time_s_ - lap_s;
     const std::int32_t target = bench::target_counts(in_lap_s, drive_config().encoder_resolution_m);
     if (std::exchange(commanded_, true) && target == target_counts_) return;

@@ -14,8 +14,10 @@ namespace canopen = breakaway::canopen;
 namespace cia402 = breakaway::cia402;
 namespace object = breakaway::cia402::object;
 
-constexpr cia402::DriveConfig<float> kConfig{
-    .node_id = 5, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50, .max_force_N = 50};
+constexpr cia402::DriveConfig<float> config{.node_id = 5, .force_per_torque_N_per_Nm = 50};
+constexpr canopen::NetworkConfig network{.period = std::chrono::milliseconds{1}};
+constexpr breakaway::hal::AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
+static_assert(cia402::check(config, network, scale) == cia402::DriveConfigError::none);
 
 void require(bool condition) {
   if (!condition) std::abort();
@@ -31,12 +33,12 @@ CanFrame frame_of(std::uint16_t id, std::uint8_t size, std::uint64_t payload) {
 std::uint32_t proper_value(FuzzedDataProvider& input, std::uint16_t index) {
   switch (index) {
     case object::device_type:
-      return cia402::kDeviceProfile;
+      return cia402::device_profile;
     case object::supported_modes:
-      return cia402::kSupportsCyclicTorque;
+      return cia402::supports_cyclic_torque;
     case object::mode_display:
       return static_cast<std::uint32_t>(cia402::Mode::cyclic_torque);
-    case object::rated_torque_mNm:
+    case object::rated_torque:
       return input.ConsumeBool() ? 500 : input.ConsumeIntegral<std::uint32_t>();
     default:
       return input.ConsumeIntegral<std::uint32_t>();
@@ -47,14 +49,14 @@ CanFrame proper_answer(FuzzedDataProvider& input, const CanFrame& request) {
   const auto index = canopen::load_little_endian<std::uint16_t>(request.data, 1);
   const bool read = request.data[0] == 0x40;
   CanFrame answer = request;
-  answer.id = canopen::sdo_response_cob_id(kConfig.node_id);
+  answer.id = canopen::sdo_response_cob_id(config.node_id);
   answer.data[0] = read ? 0x43 : 0x60;
   canopen::store_little_endian(answer.data, read ? proper_value(input, index) : 0, 4);
   return answer;
 }
 
 CanFrame any_frame(FuzzedDataProvider& input) {
-  constexpr auto id = kConfig.node_id;
+  constexpr auto id = config.node_id;
   const auto payload = input.ConsumeIntegral<std::uint64_t>();
   switch (input.ConsumeIntegralInRange(0, 4)) {
     case 0:
@@ -79,7 +81,7 @@ std::uint64_t statusword(FuzzedDataProvider& input) {
 }
 
 bool is_start(const CanFrame& frame) {
-  return frame.id == canopen::kNmtCobId && frame.data[0] == static_cast<std::uint8_t>(canopen::NmtCommand::start);
+  return frame.id == canopen::nmt_cob_id && frame.data[0] == static_cast<std::uint8_t>(canopen::NmtCommand::start);
 }
 
 void check_command(const CanFrame& frame, const cia402::Drive<float>& drive, DriveState state) {
@@ -87,28 +89,28 @@ void check_command(const CanFrame& frame, const cia402::Drive<float>& drive, Dri
   if (torque == 0) return;
   require(state == DriveState::enabled);
   require(std::abs(static_cast<int>(torque)) <= drive.rating().max_torque_per_mille);
-  const double force_N = torque * 1e-6 * drive.rating().rated_torque_mNm * kConfig.force_per_torque_N_per_Nm;
-  require(std::fabs(force_N) <= kConfig.max_force_N * 1.000001);  // to the rounding of the quantum in float
+  const double force_N = torque * 1e-6 * drive.rating().rated_torque_mNm * config.force_per_torque_N_per_Nm;
+  require(std::fabs(force_N) <= scale.max_force_N * 1.000001);  // to the rounding of the quantum in float
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
   FuzzedDataProvider input(bytes, count);
-  cia402::Drive<float> drive(kConfig);
+  cia402::Drive<float> drive(config, network, scale);
   canopen::NmtState node = canopen::NmtState::pre_operational;
   drive.request_enable();
-  for (Time now{}; input.remaining_bytes() > 0; now += kConfig.period) {
+  for (Time now{}; input.remaining_bytes() > 0; now += network.period) {
     CanFrame frame;
     while (drive.next_acyclic_frame(frame, now)) {
       if (is_start(frame)) node = canopen::NmtState::operational;
-      if (frame.id != canopen::sdo_request_cob_id(kConfig.node_id)) continue;
+      if (frame.id != canopen::sdo_request_cob_id(config.node_id)) continue;
       drive.on_frame({proper_answer(input, frame), now});
       drive.update(now);  // asks for the next object: a set-up of one object a round would use up the input
     }
-    drive.on_frame({frame_of(canopen::heartbeat_cob_id(kConfig.node_id), 1, static_cast<std::uint8_t>(node)), now});
+    drive.on_frame({frame_of(canopen::heartbeat_cob_id(config.node_id), 1, static_cast<std::uint8_t>(node)), now});
     const std::uint64_t sample = statusword(input) | input.ConsumeIntegral<std::uint64_t>() << 16U;
-    drive.on_frame({frame_of(canopen::tpdo_cob_id(1, kConfig.node_id), 8, sample), now});
+    drive.on_frame({frame_of(canopen::tpdo_cob_id(1, config.node_id), 8, sample), now});
     if (input.ConsumeProbability<float>() > 0.9F) drive.on_frame({any_frame(input), now});
 
     drive.update(now);

@@ -7,7 +7,7 @@
 namespace {
 
 using breakaway::canopen::PdoMapping;
-using Values = std::array<std::uint64_t, PdoMapping::kMaxObjects>;
+using Values = std::array<std::uint64_t, PdoMapping::max_objects>;
 
 void require(bool condition) {
   if (!condition) std::abort();

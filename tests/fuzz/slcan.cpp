@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
   FuzzedDataProvider input(bytes, count);
   Wire wire;
   breakaway::slcan::Port<Wire> port{wire, 1'000'000};
-  Time now{0};
+  Time now{};
   const auto period = [&] {
     now += milliseconds{1};
     port.poll(now);

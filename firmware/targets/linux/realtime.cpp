@@ -26,7 +26,7 @@ void touch_stack() noexcept {
 hal::Time monotonic_now() noexcept {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
-  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec};
+  return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
 
 std::string become_realtime(int priority) {
@@ -46,7 +46,8 @@ std::string become_realtime(int priority) {
 }
 
 hal::Time Ticker::wait() noexcept {
-  const timespec until{.tv_sec = next_ / std::chrono::seconds{1}, .tv_nsec = (next_ % std::chrono::seconds{1}).count()};
+  const hal::Duration next = next_.time_since_epoch();
+  const timespec until{.tv_sec = next / std::chrono::seconds{1}, .tv_nsec = (next % std::chrono::seconds{1}).count()};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
   const hal::Time now = monotonic_now();

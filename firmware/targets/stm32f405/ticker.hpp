@@ -32,12 +32,12 @@ class Ticker {
       if (new_ticks == 0) asm volatile("wfi");
       seen_ += new_ticks;  // 64 bits, which an interrupt must not read in between
       asm volatile("cpsie i" ::: "memory");
-      if (new_ticks > 0) return period_ * seen_;
+      if (new_ticks > 0) return hal::Time{period_ * seen_};
     }
   }
 
   // When the next tick will be.
-  hal::Time next() const noexcept { return period_ * (seen_ + 1); }
+  hal::Time next() const noexcept { return hal::Time{period_ * (seen_ + 1)}; }
 
   // To a few cycles; also in an interrupt handler, all of which have one priority.
   hal::Time now() const noexcept {
@@ -52,8 +52,8 @@ class Ticker {
     }
     const std::uint32_t cycles = bare_metal::reg32(systick_load) - left;
     const auto newer = static_cast<std::int32_t>(ticks - static_cast<std::uint32_t>(seen_));
-    return period_ * (seen_ + newer) +
-           hal::Duration{(static_cast<std::int64_t>(cycles) * period_.count()) / (bare_metal::reg32(systick_load) + 1)};
+    return hal::Time{period_ * (seen_ + newer) + hal::Duration{(static_cast<std::int64_t>(cycles) * period_.count()) /
+                                                               (bare_metal::reg32(systick_load) + 1)}};
   }
 
   // For emulation: time stands still while the rest of the world catches up.

@@ -56,11 +56,13 @@ class Ticker {
       tick_ += cycles_;
       ++ticks_;
     } while (since_tick() >= cycles_);
-    return period_ * ticks_;
+    return hal::Time{period_ * ticks_};
   }
 
   // To a few cycles. At least once in 2^31 cycles there must be a wait().
-  hal::Time now() const noexcept { return period_ * ticks_ + hal::Duration{period_.count() * since_tick() / cycles_}; }
+  hal::Time now() const noexcept {
+    return hal::Time{period_ * ticks_ + hal::Duration{period_.count() * since_tick() / cycles_}};
+  }
 
   // Whether the step that the last tick began is over before the next one is due.
   bool in_time() const noexcept { return since_tick() < cycles_; }

@@ -8,31 +8,41 @@
 namespace breakaway::canopen {
 namespace {
 
-// Command bytes: client and server specifiers in bits 5..7 (CiA 301, 7.2.4.3).
-constexpr std::uint8_t kInitiateWrite = 0x21;  // size in bytes 4..7
-constexpr std::uint8_t kInitiateRead = 0x40;
-constexpr std::uint8_t kSegmentRead = 0x60;
-constexpr std::uint8_t kAbort = 0x80;
-constexpr std::uint8_t kToggle = 0x10;
-constexpr std::uint8_t kLastSegment = 0x01;
-constexpr std::uint8_t kExpedited = 0x02;
-constexpr std::uint8_t kSizeIndicated = 0x01;
+// Command bytes of the client: its specifier is in bits 5..7 (CiA 301, 7.2.4.3).
+namespace command {
+constexpr std::uint8_t write_segment = 0x00;
+constexpr std::uint8_t initiate_write = 0x21;  // with the size indicated
+constexpr std::uint8_t initiate_read = 0x40;
+constexpr std::uint8_t read_segment = 0x60;
+constexpr std::uint8_t abort = 0x80;
+}  // namespace command
 
-constexpr unsigned kSegmentReadResponse = 0;
-constexpr unsigned kSegmentWriteResponse = 1;
-constexpr unsigned kInitiateReadResponse = 2;
-constexpr unsigned kInitiateWriteResponse = 3;
-constexpr unsigned kAbortResponse = 4;
+// Bits below the specifier, in commands of both sides.
+namespace command_bit {
+constexpr std::uint8_t toggle = 0x10;
+constexpr std::uint8_t last_segment = 0x01;
+constexpr std::uint8_t expedited = 0x02;
+constexpr std::uint8_t size_indicated = 0x01;
+}  // namespace command_bit
 
-constexpr std::size_t kExpeditedBytes = 4;
-constexpr std::size_t kSegmentBytes = 7;
+// Specifiers of the server.
+namespace response {
+constexpr unsigned read_segment = 0;
+constexpr unsigned write_segment = 1;
+constexpr unsigned initiate_read = 2;
+constexpr unsigned initiate_write = 3;
+constexpr unsigned abort = 4;
+}  // namespace response
+
+constexpr std::size_t expedited_bytes = 4;
+constexpr std::size_t segment_bytes = 7;
 
 constexpr unsigned specifier(std::uint8_t command) noexcept { return command >> 5U; }
 
-std::array<std::uint8_t, 8> with_object(std::uint8_t command, std::uint16_t index, std::uint8_t subindex) noexcept {
+std::array<std::uint8_t, 8> with_object(std::uint8_t command, ObjectAddress object) noexcept {
   std::array<std::uint8_t, 8> bytes{command};
-  store_little_endian(bytes, index, 1);
-  bytes[3] = subindex;
+  store_little_endian(bytes, object.index, 1);
+  bytes[3] = object.subindex;
   return bytes;
 }
 
@@ -40,29 +50,28 @@ std::array<std::uint8_t, 8> with_object(std::uint8_t command, std::uint16_t inde
 
 SdoClient::SdoClient(std::uint8_t node_id, hal::Duration timeout) noexcept : node_id_{node_id}, timeout_{timeout} {}
 
-hal::Status SdoClient::start_read(std::uint16_t index, std::uint8_t subindex) noexcept {
-  if (busy()) return {hal::StatusCode::would_block};
+SdoStart SdoClient::start_read(std::uint16_t index, std::uint8_t subindex) noexcept {
+  if (busy()) return SdoStart::busy;
   begin(Phase::initiate_read, index, subindex);
   size_ = 0;
   request_initiate_read();
-  return {};
+  return SdoStart::started;
 }
 
-hal::Status SdoClient::start_write(std::uint16_t index, std::uint8_t subindex,
-                                   std::span<const std::uint8_t> bytes) noexcept {
-  if (busy()) return {hal::StatusCode::would_block};
-  if (bytes.empty() || bytes.size() > kCapacity) return {hal::StatusCode::invalid_argument};
+SdoStart SdoClient::start_write(std::uint16_t index, std::uint8_t subindex,
+                                std::span<const std::uint8_t> bytes) noexcept {
+  if (busy()) return SdoStart::busy;
+  if (bytes.empty() || bytes.size() > capacity) return SdoStart::bad_length;
   begin(Phase::initiate_write, index, subindex);
   std::copy(bytes.begin(), bytes.end(), buffer_.begin());
   size_ = bytes.size();
   request_initiate_write();
-  return {};
+  return SdoStart::started;
 }
 
 void SdoClient::begin(Phase phase, std::uint16_t index, std::uint8_t subindex) noexcept {
   phase_ = phase;
-  index_ = index;
-  subindex_ = subindex;
+  object_ = {index, subindex};
   announced_ = 0;
   sent_ = 0;
   toggle_ = false;
@@ -75,13 +84,13 @@ void SdoClient::request(const std::array<std::uint8_t, 8>& bytes) noexcept {
   awaiting_ = false;
 }
 
-void SdoClient::request_initiate_read() noexcept { request(with_object(kInitiateRead, index_, subindex_)); }
+void SdoClient::request_initiate_read() noexcept { request(with_object(command::initiate_read, object_)); }
 
 void SdoClient::request_initiate_write() noexcept {
-  auto bytes = with_object(kInitiateWrite, index_, subindex_);
-  if (size_ <= kExpeditedBytes) {
-    const auto unused = static_cast<unsigned>(kExpeditedBytes - size_);
-    bytes[0] = static_cast<std::uint8_t>(kInitiateWrite | kExpedited | unused << 2U);
+  auto bytes = with_object(command::initiate_write, object_);
+  if (size_ <= expedited_bytes) {
+    const auto unused = static_cast<unsigned>(expedited_bytes - size_);
+    bytes[0] = static_cast<std::uint8_t>(command::initiate_write | command_bit::expedited | unused << 2U);
     std::copy_n(buffer_.begin(), size_, bytes.begin() + 4);
   } else {
     store_little_endian(bytes, static_cast<std::uint32_t>(size_), 4);
@@ -90,15 +99,16 @@ void SdoClient::request_initiate_write() noexcept {
 }
 
 void SdoClient::request_read_segment() noexcept {
-  request({static_cast<std::uint8_t>(kSegmentRead | (toggle_ ? kToggle : 0U))});
+  request({static_cast<std::uint8_t>(command::read_segment | (toggle_ ? command_bit::toggle : 0U))});
 }
 
 void SdoClient::request_write_segment() noexcept {
-  const std::size_t count = std::min(size_ - sent_, kSegmentBytes);
+  const std::size_t count = std::min(size_ - sent_, segment_bytes);
   last_segment_ = sent_ + count == size_;
-  const auto unused = static_cast<unsigned>(kSegmentBytes - count);
-  std::array<std::uint8_t, 8> bytes{
-      static_cast<std::uint8_t>((toggle_ ? kToggle : 0U) | unused << 1U | (last_segment_ ? kLastSegment : 0U))};
+  const auto unused = static_cast<unsigned>(segment_bytes - count);
+  std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(command::write_segment |
+                                                              (toggle_ ? command_bit::toggle : 0U) | unused << 1U |
+                                                              (last_segment_ ? command_bit::last_segment : 0U))};
   std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(sent_), count, bytes.begin() + 1);
   sent_ += count;
   request(bytes);
@@ -118,125 +128,115 @@ bool SdoClient::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
   return true;
 }
 
-hal::Status SdoClient::poll(hal::Time now) noexcept {
-  if (awaiting_ && now - sent_at_ > timeout_) abort(SdoAbort::timeout, {hal::StatusCode::timeout});
-  return busy() ? hal::Status{hal::StatusCode::would_block} : result_;
+SdoResult SdoClient::poll(hal::Time now) noexcept {
+  if (awaiting_ && now - sent_at_ > timeout_) {
+    tell_abort(SdoAbort::timeout);
+    finish(SdoResult::timeout);
+  }
+  return busy() ? SdoResult::busy : result_;
 }
 
 bool SdoClient::names_object(const hal::CanFrame& frame) const noexcept {
-  return load_little_endian<std::uint16_t>(frame.data, 1) == index_ && frame.data[3] == subindex_;
+  return load_little_endian<std::uint16_t>(frame.data, 1) == object_.index && frame.data[3] == object_.subindex;
 }
 
 void SdoClient::on_frame(const hal::CanFrame& frame) noexcept {
   if (!awaiting_ || frame.id != sdo_response_cob_id(node_id_) || frame.remote || frame.size != 8) return;
-  const unsigned response = specifier(frame.data[0]);
-  if (response == kAbortResponse) {
-    if (names_object(frame)) finish({hal::StatusCode::sdo_aborted, load_little_endian<std::uint32_t>(frame.data, 4)});
-  } else if (response > kAbortResponse) {
-    abort(SdoAbort::command_specifier, {hal::StatusCode::protocol_error, frame.data[0]});
-  } else if (phase_ == Phase::initiate_read && response == kInitiateReadResponse) {
+  const unsigned answer = specifier(frame.data[0]);
+  if (answer == response::abort) {
+    if (!names_object(frame)) return;
+    abort_code_ = static_cast<SdoAbort>(load_little_endian<std::uint32_t>(frame.data, 4));
+    finish(SdoResult::aborted);
+  } else if (answer > response::abort) {
+    refuse_command(SdoAbort::command_specifier, frame.data[0]);
+  } else if (phase_ == Phase::initiate_read && answer == response::initiate_read) {
     on_initiate_read(frame);
-  } else if (phase_ == Phase::initiate_write && response == kInitiateWriteResponse) {
+  } else if (phase_ == Phase::initiate_write && answer == response::initiate_write) {
     on_initiate_write(frame);
-  } else if (phase_ == Phase::read_segments && response == kSegmentReadResponse) {
+  } else if (phase_ == Phase::read_segments && answer == response::read_segment) {
     on_read_segment(frame);
-  } else if (phase_ == Phase::write_segments && response == kSegmentWriteResponse) {
+  } else if (phase_ == Phase::write_segments && answer == response::write_segment) {
     on_write_segment(frame);
   }
 }
 
 void SdoClient::on_initiate_read(const hal::CanFrame& frame) noexcept {
   if (!names_object(frame)) return;
-  const std::uint8_t command = frame.data[0];
-  const bool size_indicated = (command & kSizeIndicated) != 0;
-  if ((command & kExpedited) != 0) {
-    size_ = size_indicated ? kExpeditedBytes - ((command >> 2U) & 3U) : kExpeditedBytes;
+  const std::uint8_t received = frame.data[0];
+  const bool size_indicated = (received & command_bit::size_indicated) != 0;
+  if ((received & command_bit::expedited) != 0) {
+    size_ = size_indicated ? expedited_bytes - ((received >> 2U) & 3U) : expedited_bytes;
     std::copy_n(frame.data.begin() + 4, size_, buffer_.begin());
-    finish({});
+    finish(SdoResult::done);
     return;
   }
   announced_ = size_indicated ? load_little_endian<std::uint32_t>(frame.data, 4) : 0;
-  if (announced_ > kCapacity) {
-    const auto code = SdoAbort::out_of_memory;
-    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
-    return;
-  }
+  if (announced_ > capacity) return refuse_length();
   phase_ = Phase::read_segments;
   request_read_segment();
 }
 
 void SdoClient::on_initiate_write(const hal::CanFrame& frame) noexcept {
   if (!names_object(frame)) return;
-  if (size_ <= kExpeditedBytes) {
-    finish({});
-    return;
-  }
+  if (size_ <= expedited_bytes) return finish(SdoResult::done);
   phase_ = Phase::write_segments;
   request_write_segment();
 }
 
 void SdoClient::on_read_segment(const hal::CanFrame& frame) noexcept {
-  const std::uint8_t command = frame.data[0];
-  if (((command & kToggle) != 0) != toggle_) {
-    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, command});
-    return;
-  }
-  const std::size_t count = kSegmentBytes - ((command >> 1U) & 7U);
-  const bool last = (command & kLastSegment) != 0;
-  if (count == 0 && !last) {  // would let a server keep us here for ever
-    abort(SdoAbort::length_too_low, {hal::StatusCode::protocol_error, command});
-    return;
-  }
-  if (size_ + count > kCapacity) {
-    const auto code = SdoAbort::out_of_memory;
-    abort(code, {hal::StatusCode::sdo_aborted, static_cast<std::uint32_t>(code)});
-    return;
-  }
+  const std::uint8_t received = frame.data[0];
+  if (((received & command_bit::toggle) != 0) != toggle_) return refuse_command(SdoAbort::toggle_bit, received);
+  const std::size_t count = segment_bytes - ((received >> 1U) & 7U);
+  const bool last = (received & command_bit::last_segment) != 0;
+  // An empty segment that is not the last would let a server keep us here for ever.
+  if (count == 0 && !last) return refuse_command(SdoAbort::length_too_low, received);
+  if (size_ + count > capacity) return refuse_length();
   std::copy_n(frame.data.begin() + 1, count, buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
   size_ += count;
-  if (last && announced_ != 0 && size_ != announced_) {
-    abort(SdoAbort::length_mismatch, {hal::StatusCode::protocol_error, command});
-    return;
-  }
-  if (last) {
-    finish({});
-    return;
-  }
+  if (last && announced_ != 0 && size_ != announced_) return refuse_command(SdoAbort::length_mismatch, received);
+  if (last) return finish(SdoResult::done);
   toggle_ = !toggle_;
   request_read_segment();
 }
 
 void SdoClient::on_write_segment(const hal::CanFrame& frame) noexcept {
-  if (((frame.data[0] & kToggle) != 0) != toggle_) {
-    abort(SdoAbort::toggle_bit, {hal::StatusCode::protocol_error, frame.data[0]});
-    return;
-  }
-  if (last_segment_) {
-    finish({});
-    return;
-  }
+  if (((frame.data[0] & command_bit::toggle) != 0) != toggle_)
+    return refuse_command(SdoAbort::toggle_bit, frame.data[0]);
+  if (last_segment_) return finish(SdoResult::done);
   toggle_ = !toggle_;
   request_write_segment();
 }
 
-void SdoClient::finish(hal::Status result) noexcept {
+void SdoClient::finish(SdoResult result) noexcept {
   phase_ = Phase::idle;
   awaiting_ = false;
   request_pending_ = false;
   result_ = result;
 }
 
-void SdoClient::abort(SdoAbort code, hal::Status result) noexcept {
-  auto bytes = with_object(kAbort, index_, subindex_);
+// The server is told with the next frame.
+void SdoClient::tell_abort(SdoAbort code) noexcept {
+  auto bytes = with_object(command::abort, object_);
   store_little_endian(bytes, static_cast<std::uint32_t>(code), 4);
   abort_ = {.id = sdo_request_cob_id(node_id_), .size = 8, .remote = false, .data = bytes};
   abort_pending_ = true;
-  finish(result);
+}
+
+void SdoClient::refuse_command(SdoAbort code, std::uint8_t command) noexcept {
+  tell_abort(code);
+  unexpected_command_ = command;
+  finish(SdoResult::protocol_error);
+}
+
+void SdoClient::refuse_length() noexcept {
+  abort_code_ = SdoAbort::out_of_memory;
+  tell_abort(abort_code_);
+  finish(SdoResult::aborted);
 }
 
 void SdoClient::cancel() noexcept {
   abort_pending_ = false;
-  finish({});
+  finish(SdoResult::done);
 }
 
 }  // namespace breakaway::canopen

@@ -12,38 +12,21 @@ namespace {
 using canopen::NmtCommand;
 using canopen::NmtState;
 using canopen::SdoAbort;
-using hal::StatusCode;
+using canopen::SdoResult;
 
-constexpr std::uint32_t object_id(std::uint16_t index, std::uint8_t subindex) noexcept {
-  return static_cast<std::uint32_t>(index) << 8 | subindex;
-}
-
-constexpr SetupStep kReadMode{.kind = SetupStep::Kind::read, .index = object::mode_display};
-constexpr SetupStep kReadErrorCode{.kind = SetupStep::Kind::read, .index = object::error_code};
-constexpr SetupStep kWriteMode{.kind = SetupStep::Kind::write,
+constexpr SetupStep read_mode{.kind = SetupStep::Kind::read, .index = object::mode_display};
+constexpr SetupStep read_error_code{.kind = SetupStep::Kind::read, .index = object::error_code};
+constexpr SetupStep write_mode{.kind = SetupStep::Kind::write,
                                .index = object::mode,
                                .size = 1,
                                .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
 
 // The drive lacks the object, or has it fixed.
-bool is_missing(hal::Status result) noexcept {
-  if (result.code != StatusCode::sdo_aborted) return false;
-  const auto code = static_cast<SdoAbort>(result.detail);
+bool is_missing(SdoAbort code) noexcept {
   return code == SdoAbort::no_such_object || code == SdoAbort::no_such_subindex || code == SdoAbort::read_only;
 }
 
 }  // namespace
-
-DriveNode::DriveNode(const NodeConfig& config) noexcept
-    : config_{config},
-      plan_{config},
-      sdo_{config.node_id, config.sdo_timeout},
-      heartbeat_{config.node_id, config.heartbeat_timeout},
-      emcy_{config.node_id} {
-  const hal::Status status = check(config);
-  config_valid_ = status.ok();
-  if (!config_valid_) refuse(status);
-}
 
 void DriveNode::on_frame(const hal::ReceivedFrame& received) noexcept {
   heartbeat_.on_frame(received.frame, received.time);
@@ -54,7 +37,7 @@ void DriveNode::on_frame(const hal::ReceivedFrame& received) noexcept {
 bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
   if (!config_valid_) return false;
   if (nmt_command_) {
-    frame = canopen::nmt_frame(*nmt_command_, config_.node_id);
+    frame = canopen::nmt_frame(*nmt_command_, node_id_);
     nmt_command_.reset();
     return true;
   }
@@ -91,7 +74,7 @@ void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
   last_command_.reset();
 }
 
-void DriveNode::refuse(hal::Status status) noexcept {
+void DriveNode::refuse(SetupStatus status) noexcept {
   phase_ = SetupPhase::refused;
   status_ = status;
 }
@@ -100,7 +83,7 @@ void DriveNode::refuse(hal::Status status) noexcept {
 void DriveNode::wait_for_node(hal::Time now) noexcept {
   if (heartbeat_.state() == NmtState::pre_operational) return begin_configuration(now);
   const bool heard = heartbeat_.state().has_value();
-  const hal::Duration patience = last_command_ && !heard ? kBootTime : config_.heartbeat_timeout;
+  const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
   const bool at_once = heard && !last_command_;
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
   nmt_command_ = heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication;
@@ -109,7 +92,7 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
 
 void DriveNode::begin_configuration(hal::Time now) noexcept {
   enter(SetupPhase::configuring, now);
-  status_ = {StatusCode::would_block};
+  status_ = SetupStatus::in_progress;
   sdo_.cancel();
   heartbeat_.stop();
   nmt_command_.reset();
@@ -124,29 +107,29 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
 void DriveNode::configure(hal::Time now) noexcept {
   const SetupStep& step = plan_.steps()[step_];
   if (!transfer_running_) return start_transfer(step);
-  const hal::Status result = sdo_.poll(now);
-  if (result.code == StatusCode::would_block) return;
+  const SdoResult result = sdo_.poll(now);
+  if (result == SdoResult::busy) return;
   transfer_running_ = false;
-  if (result.ok() || (step.optional && is_missing(result)))
-    on_step_done(step, now);
+  const bool answered = result == SdoResult::done;
+  if (answered || (step.optional && result == SdoResult::aborted && is_missing(sdo_.abort_code())))
+    on_step_done(step, answered, now);
   else
-    on_step_failed(step, result, now);
+    on_step_failed(result, now);
   if (phase_ == SetupPhase::configuring) start_transfer(plan_.steps()[step_]);
 }
 
 void DriveNode::start_transfer(const SetupStep& step) noexcept {
-  setup_object_ = object_id(step.index, step.subindex);
-  if (status_.code == StatusCode::would_block) status_.detail = setup_object_;
+  setup_object_ = {step.index, step.subindex};
   std::array<std::uint8_t, 4> bytes{};
   canopen::store_little_endian(bytes, step.value);
-  const hal::Status started = step.kind == SetupStep::Kind::read
-                                  ? sdo_.start_read(step.index, step.subindex)
-                                  : sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size));
-  transfer_running_ = started.ok();
+  const canopen::SdoStart started =
+      step.kind == SetupStep::Kind::read
+          ? sdo_.start_read(step.index, step.subindex)
+          : sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size));
+  transfer_running_ = started == canopen::SdoStart::started;
 }
 
-void DriveNode::on_step_done(const SetupStep& step, hal::Time now) noexcept {
-  const bool answered = sdo_.poll(now).ok();
+void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept {
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
   if (phase_ == SetupPhase::refused) return;
   if (step.index == object::producer_heartbeat) heartbeat_.start(now);
@@ -154,35 +137,35 @@ void DriveNode::on_step_done(const SetupStep& step, hal::Time now) noexcept {
   if (++step_ == plan_.steps().size()) begin_start(now);
 }
 
-void DriveNode::on_step_failed(const SetupStep& step, hal::Status result, hal::Time now) noexcept {
-  if (result.code != StatusCode::timeout) return refuse(result);
-  if (++attempts_ < kSdoAttempts) return;
+void DriveNode::on_step_failed(SdoResult result, hal::Time now) noexcept {
+  if (result == SdoResult::aborted) return refuse(SetupStatus::object_refused);
+  if (result != SdoResult::timeout) return refuse(SetupStatus::protocol_error);
+  if (++attempts_ < sdo_attempts) return;
   enter(SetupPhase::waiting, now);
   heartbeat_.stop();
   heartbeat_.forget_state();
-  status_ = {StatusCode::timeout, object_id(step.index, step.subindex)};
+  status_ = SetupStatus::no_answer;
 }
 
 void DriveNode::on_value_read(std::uint16_t index) noexcept {
   const auto value = canopen::load_little_endian<std::uint32_t>(sdo_.data());
-  const hal::Status unsupported{StatusCode::not_supported, object_id(index, 0)};
   switch (index) {
     case object::device_type:
-      if ((value & 0xFFFFU) != kDeviceProfile) refuse(unsupported);
+      if ((value & 0xFFFFU) != device_profile) refuse(SetupStatus::not_a_cia402_drive);
       break;
     case object::supported_modes:
-      if ((value & kSupportsCyclicTorque) == 0) refuse(unsupported);
+      if ((value & supports_cyclic_torque) == 0) refuse(SetupStatus::no_torque_mode);
       break;
-    case object::rated_current_mA:
+    case object::rated_current:
       rating_.rated_current_mA = value;
       break;
-    case object::rated_torque_mNm:
+    case object::rated_torque:
       rating_.rated_torque_mNm = value;
-      if (value == 0) refuse(unsupported);  // no unit to command torque in
+      if (value == 0) refuse(SetupStatus::no_rated_torque);
       break;
     case object::max_torque:
       rating_.max_torque_per_mille = static_cast<std::uint16_t>(value);
-      if (rating_.max_torque_per_mille == 0) refuse(unsupported);
+      if (rating_.max_torque_per_mille == 0) refuse(SetupStatus::no_max_torque);
       break;
     default:
       break;
@@ -191,8 +174,8 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
 
 void DriveNode::begin_start(hal::Time now) noexcept {
   enter(SetupPhase::starting, now);
-  status_ = {StatusCode::would_block, 0};
-  setup_object_ = 0;
+  status_ = SetupStatus::in_progress;
+  setup_object_ = {};
   heartbeat_.forget_state();  // only a state heard after the command counts
 }
 
@@ -203,7 +186,7 @@ void DriveNode::start_node(hal::Time now) noexcept {
     last_mode_poll_.reset();
     return;
   }
-  if (last_command_ && now - *last_command_ < config_.heartbeat_timeout) return;
+  if (last_command_ && now - *last_command_ < heartbeat_timeout_) return;
   nmt_command_ = NmtCommand::start;
   last_command_ = now;
 }
@@ -219,39 +202,41 @@ bool DriveNode::stopped_operating(hal::Time now) noexcept {
 void DriveNode::verify_mode(hal::Time now) noexcept {
   if (stopped_operating(now)) return;
   if (transfer_running_) {
-    const hal::Status result = sdo_.poll(now);
-    if (result.code == StatusCode::would_block) return;
+    const SdoResult result = sdo_.poll(now);
+    if (result == SdoResult::busy) return;
     transfer_running_ = false;
     return on_mode_transfer(result, now);
   }
-  if (last_mode_poll_ && now - *last_mode_poll_ < kModePollTime) return;
+  if (last_mode_poll_ && now - *last_mode_poll_ < mode_poll_time) return;
   last_mode_poll_ = now;
-  mode_write_ = now - last_mode_request_ >= kModeRequestTime;
+  mode_write_ = now - last_mode_request_ >= mode_request_time;
   if (mode_write_) last_mode_request_ = now;
-  start_transfer(mode_write_ ? kWriteMode : kReadMode);
+  start_transfer(mode_write_ ? write_mode : read_mode);
 }
 
-void DriveNode::on_mode_transfer(hal::Status result, hal::Time now) noexcept {
-  if (!mode_write_ && result.ok() &&
+void DriveNode::on_mode_transfer(SdoResult result, hal::Time now) noexcept {
+  if (!mode_write_ && result == SdoResult::done &&
       canopen::load_little_endian<std::int8_t>(sdo_.data()) == static_cast<std::int8_t>(Mode::cyclic_torque)) {
     enter(SetupPhase::ready, now);
-    status_ = {};
-    setup_object_ = 0;
-  } else if (now - *since_ > kModeTimeout) {
-    refuse({StatusCode::not_supported, object_id(object::mode_display, 0)});
+    status_ = SetupStatus::ready;
+    setup_object_ = {};
+  } else if (now - *since_ > mode_timeout) {
+    setup_object_ = {object::mode_display, 0};
+    refuse(SetupStatus::mode_refused);
   }
 }
 
 void DriveNode::watch(hal::Time now) noexcept {
   if (stopped_operating(now)) return;
   if (transfer_running_) {
-    const hal::Status result = sdo_.poll(now);
-    if (result.code == StatusCode::would_block) return;
+    const SdoResult result = sdo_.poll(now);
+    if (result == SdoResult::busy) return;
     transfer_running_ = false;
-    if (result.ok()) error_code_ = canopen::load_little_endian<std::uint16_t>(sdo_.data());
+    if (result == SdoResult::done) error_code_ = canopen::load_little_endian<std::uint16_t>(sdo_.data());
   } else if (error_code_wanted_) {
     error_code_wanted_ = false;
-    start_transfer(kReadErrorCode);
+    start_transfer(read_error_code);
+    setup_object_ = {};  // this object is none of the set-up's
   }
 }
 

@@ -1,6 +1,5 @@
 #include "breakaway/cia402/setup_plan.hpp"
 
-#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/pdo.hpp"
 #include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
@@ -8,51 +7,46 @@
 namespace breakaway::cia402 {
 namespace {
 
-constexpr bool kOptional = true;
-constexpr bool kRequired = false;
+constexpr bool may_be_missing = true;
+constexpr bool must_exist = false;
 
 std::uint32_t whole_milliseconds(hal::Duration duration) noexcept {
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
 }
 
-bool fits_16_bit_milliseconds(hal::Duration duration) noexcept {
-  return duration >= std::chrono::milliseconds{1} && duration <= std::chrono::milliseconds{0xFFFF};
-}
-
-bool is_node_id(std::uint8_t id) noexcept { return id >= canopen::kMinNodeId && id <= canopen::kMaxNodeId; }
-
 }  // namespace
 
-SetupPlan::SetupPlan(const NodeConfig& config) noexcept {
-  read(object::device_type, 0, kRequired);
-  read(object::supported_modes, 0, kRequired);
-  read(object::rated_current_mA, 0, kOptional);
-  read(object::rated_torque_mNm, 0, kRequired);
-  read(object::max_torque, 0, kOptional);
+SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
+                     const canopen::NetworkConfig& network) noexcept {
+  read(object::device_type, 0, must_exist);
+  read(object::supported_modes, 0, must_exist);
+  read(object::rated_current, 0, may_be_missing);
+  read(object::rated_torque, 0, must_exist);
+  read(object::max_torque, 0, may_be_missing);
 
-  const std::uint32_t master = static_cast<std::uint32_t>(config.master_node_id) << 16;
-  write(object::consumer_heartbeat, 1, 4, master | whole_milliseconds(config.heartbeat_timeout), kOptional);
-  write(object::producer_heartbeat, 0, 2, whole_milliseconds(config.heartbeat_period), kRequired);
+  const std::uint32_t master = static_cast<std::uint32_t>(network.node_id) << 16;
+  write(object::consumer_heartbeat, 1, 4, master | whole_milliseconds(heartbeat_timeout), may_be_missing);
+  write(object::producer_heartbeat, 0, 2, whole_milliseconds(heartbeat_period), must_exist);
 
-  const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(config.period).count();
-  write(object::sync_period_us, 0, 4, static_cast<std::uint32_t>(period_us), kOptional);
-  const auto interpolation = interpolation_period(config.period).value_or(InterpolationPeriod{});
-  write(object::interpolation_period, 1, 1, interpolation.units, kOptional);
-  write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), kOptional);
+  const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(network.period).count();
+  write(object::sync_period, 0, 4, static_cast<std::uint32_t>(period_us), may_be_missing);
+  const auto interpolation = interpolation_period(network.period).value_or(InterpolationPeriod{});
+  write(object::interpolation_period, 1, 1, interpolation.units, may_be_missing);
+  write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), may_be_missing);
 
-  for (const canopen::PdoMapping& pdo : {command_pdo(config.node_id), feedback_pdo(config.node_id)}) {
+  for (const canopen::PdoMapping& pdo : {command_pdo(node_id), feedback_pdo(node_id)}) {
     for (std::size_t i = 0; i < canopen::remap_step_count(pdo); ++i) {
       const canopen::ObjectWrite step = canopen::remap_step(pdo, i);
-      write(step.index, step.subindex, step.size, step.value, kRequired);
+      write(step.index, step.subindex, step.size, step.value, must_exist);
     }
   }
   // A drive that hears no command any more, because the cable is cut, say, must not hold its last torque until the
   // heartbeat is missed. Two commands lost in a row are not yet a cut cable.
-  write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * config.period + std::chrono::microseconds{999}),
-        kOptional);
+  write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * network.period + std::chrono::microseconds{999}),
+        may_be_missing);
   // Losing the master is a malfunction: what the drive then does is not left to its vendor's default.
-  write(object::abort_connection_option, 0, 2, 1, kOptional);
-  write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), kRequired);
+  write(object::abort_connection_option, 0, 2, 1, may_be_missing);
+  write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), must_exist);
 }
 
 void SetupPlan::read(std::uint16_t index, std::uint8_t subindex, bool optional) noexcept {
@@ -71,30 +65,6 @@ void SetupPlan::write(std::uint16_t index, std::uint8_t subindex, std::uint8_t s
 
 void SetupPlan::add(const SetupStep& step) noexcept {
   if (count_ < steps_.size()) steps_[count_++] = step;
-}
-
-std::optional<InterpolationPeriod> interpolation_period(hal::Duration period) noexcept {
-  hal::Duration unit = std::chrono::milliseconds{1};
-  for (std::int8_t exponent = -3; exponent >= -6; --exponent, unit /= 10)
-    if (period > hal::Duration::zero() && period % unit == hal::Duration::zero() && period / unit <= 255)
-      return InterpolationPeriod{static_cast<std::uint8_t>(period / unit), exponent};
-  unit = std::chrono::milliseconds{10};
-  for (std::int8_t exponent = -2; exponent <= 0; ++exponent, unit *= 10)
-    if (period > hal::Duration::zero() && period % unit == hal::Duration::zero() && period / unit <= 255)
-      return InterpolationPeriod{static_cast<std::uint8_t>(period / unit), exponent};
-  return std::nullopt;
-}
-
-hal::Status check(const NodeConfig& config) noexcept {
-  constexpr auto invalid = hal::StatusCode::invalid_argument;
-  if (!is_node_id(config.node_id)) return {invalid, 1};
-  if (!is_node_id(config.master_node_id) || config.master_node_id == config.node_id) return {invalid, 2};
-  if (!fits_16_bit_milliseconds(config.heartbeat_period)) return {invalid, 3};
-  if (!fits_16_bit_milliseconds(config.heartbeat_timeout) || config.heartbeat_timeout <= config.heartbeat_period)
-    return {invalid, 4};
-  if (config.sdo_timeout <= hal::Duration::zero()) return {invalid, 5};
-  if (!interpolation_period(config.period)) return {invalid, 6};
-  return {};
 }
 
 }  // namespace breakaway::cia402

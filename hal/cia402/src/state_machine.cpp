@@ -42,7 +42,7 @@ std::uint16_t StateMachine::next_controlword(hal::Time now) noexcept {
       return enable_ ? control::enable_operation : control::quick_stop;
     case State::quick_stop_active: {
       if (!quick_stop_since_) quick_stop_since_ = now;
-      const bool leave = enable_ || now - *quick_stop_since_ > kQuickStopTime;
+      const bool leave = enable_ || now - *quick_stop_since_ > quick_stop_time;
       return leave ? control::disable_voltage : control::quick_stop;
     }
     case State::fault:
@@ -56,7 +56,7 @@ std::uint16_t StateMachine::next_controlword(hal::Time now) noexcept {
 std::uint16_t StateMachine::reset_controlword(hal::Time now) noexcept {
   if (reset_ == Reset::none) return control::disable_voltage;
   if (!reset_since_) reset_since_ = now;
-  if (now - *reset_since_ >= kResetLevelTime) {
+  if (now - *reset_since_ >= reset_level_time) {
     reset_ = reset_ == Reset::low ? Reset::high : Reset::none;
     reset_since_ = now;
   }

@@ -30,12 +30,10 @@ struct DriveCommand {
   bool realtime = false;
 };
 
-double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
 hal::Time monotonic_now() {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
-  return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec};
+  return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
 
 // A drive in real time: frames in at their time stamps, events at theirs.
@@ -45,12 +43,12 @@ class LiveDrive {
       : socket_{socket},
         mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
         drive_{config, mechanism_, [this](const hal::CanFrame& frame, hal::Time) { transmit(frame); }} {
-    drive_.power_on(hal::Time{0});
+    drive_.power_on(hal::Time{});
   }
 
   // Until `stop` is set by a signal that interrupts ppoll under `mask`, or `duration` is over.
   void run(const volatile std::sig_atomic_t& stop, const sigset_t& mask, hal::Duration duration) {
-    while (stop == 0 && passed() < duration) {
+    while (stop == 0 && passed() < hal::Time{duration}) {
       receive();
       drive_.advance_to(passed());
       release_brake();
@@ -66,7 +64,9 @@ class LiveDrive {
 
  private:
   // Never decreases, as the drive wants it.
-  hal::Time passed() { return last_ = std::max(last_, monotonic_now() - start_); }
+  hal::Time passed() { return last_ = std::max(last_, since_start(monotonic_now())); }
+  // The drive's time starts with this process.
+  hal::Time since_start(hal::Time time) const { return hal::Time{time - start_}; }
 
   void receive() {
     can_frame in;
@@ -77,7 +77,7 @@ class LiveDrive {
       if (result != socketcan::Io::done) return;
       const auto frame = socketcan::from_kernel(in);
       if (!frame) continue;
-      last_ = std::max(last_, stamp - start_);
+      last_ = std::max(last_, since_start(stamp));
       drive_.on_frame(*frame, last_);
     }
   }
@@ -85,11 +85,12 @@ class LiveDrive {
   // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
   void release_brake() {
     if (!mechanism_.released() && drive_.state() == cia402::State::operation_enabled)
-      mechanism_.release(seconds(last_));
+      mechanism_.release(hal::seconds(last_));
   }
 
   void wait(const sigset_t& mask, hal::Duration duration) {
-    const hal::Time until = std::min(duration, drive_.next_event().value_or(duration));
+    const hal::Time end{duration};
+    const hal::Time until = std::min(end, drive_.next_event().value_or(end));
     const hal::Duration left = std::clamp<hal::Duration>(until - passed(), hal::Duration{0}, std::chrono::seconds{1});
     const timespec patience{.tv_sec = left / std::chrono::seconds{1},
                             .tv_nsec = (left % std::chrono::seconds{1}).count()};
@@ -105,7 +106,7 @@ class LiveDrive {
   socketcan::KernelSocket& socket_;
   sil::BrakedSlide mechanism_;
   hal::Time start_ = monotonic_now();
-  hal::Time last_{0};
+  hal::Time last_{};
   std::uint64_t lost_ = 0;
   drive_emulator::DriveEmulator drive_;
 };

@@ -33,18 +33,18 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
       random_(config.seed) {
   add_communication_objects(dictionary_, config_);
   add_drive_objects(dictionary_, config_);
-  // What CiA 402 maps at power-on, with the torque command and the position in the third PDOs.
+  // The PDOs carry what CiA 402 maps at power-on, with the torque command and the position in the third ones.
   using Mapped = std::initializer_list<Address>;
-  const Mapped received[kPdos] = {{{object::controlword, 0}},
-                                  {{object::controlword, 0}, {object::mode, 0}},
-                                  {{object::controlword, 0}, {object::target_torque, 0}},
+  const Mapped received[pdo_count] = {{{object::controlword, 0}},
+                                      {{object::controlword, 0}, {object::mode, 0}},
+                                      {{object::controlword, 0}, {object::target_torque, 0}},
+                                      {}};
+  const Mapped sent[pdo_count] = {{{object::statusword, 0}},
+                                  {{object::statusword, 0}, {object::mode_display, 0}},
+                                  {{object::statusword, 0}, {object::position_actual, 0}},
                                   {}};
-  const Mapped sent[kPdos] = {{{object::statusword, 0}},
-                              {{object::statusword, 0}, {object::mode_display, 0}},
-                              {{object::statusword, 0}, {object::position_actual, 0}},
-                              {}};
-  for (unsigned number = 1; number <= kPdos; ++number) {
-    const std::uint32_t absent = number > config_.valid_pdos ? canopen::kCobIdInvalid : 0;
+  for (unsigned number = 1; number <= pdo_count; ++number) {
+    const std::uint32_t absent = number > config_.valid_pdos ? canopen::cob_id_invalid : 0;
     rpdos_.emplace_back(dictionary_, PdoDirection::receive, number,
                         absent | canopen::rpdo_cob_id(number, config_.node_id), received[number - 1]);
     tpdos_.emplace_back(dictionary_, PdoDirection::transmit, number,
@@ -53,14 +53,14 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
   dictionary_.on_written([this](Address address) { on_written(address); });
 }
 
-void DriveEmulator::power_on(hal::Time at) {
-  advance_to(at);
+void DriveEmulator::power_on(hal::Time time) {
+  advance_to(time);
   powered_ = true;
   reset(NmtCommand::reset_node);
 }
 
-void DriveEmulator::power_off(hal::Time at) {
-  advance_to(at);
+void DriveEmulator::power_off(hal::Time time) {
+  advance_to(time);
   powered_ = false;
   nmt_ = NmtState::boot_up;
   timers_.cancel_all();
@@ -68,8 +68,8 @@ void DriveEmulator::power_off(hal::Time at) {
   drive_.restart(now_);
 }
 
-void DriveEmulator::advance_to(hal::Time at) {
-  for (auto due = next_event(); due && *due <= at; due = next_event()) {
+void DriveEmulator::advance_to(hal::Time time) {
+  for (auto due = next_event(); due && *due <= time; due = next_event()) {
     now_ = std::max(now_, *due);
     if (const auto timer = timers_.first(); timer && *timers_.due(*timer) <= now_) {
       timers_.cancel(*timer);
@@ -79,7 +79,7 @@ void DriveEmulator::advance_to(hal::Time at) {
     }
     settle();
   }
-  now_ = std::max(now_, at);
+  now_ = std::max(now_, time);
 }
 
 std::optional<hal::Time> DriveEmulator::next_event() const {
@@ -91,17 +91,15 @@ std::optional<hal::Time> DriveEmulator::next_event() const {
   return next;
 }
 
-void DriveEmulator::advance_mechanism_to(hal::Time at) {
-  advance_to(at);
-  drive_.advance_mechanism_to(at);
+void DriveEmulator::advance_mechanism_to(hal::Time time) {
+  advance_to(time);
+  drive_.advance_mechanism_to(time);
 }
 
-double DriveEmulator::largest_force_N(hal::Time until) const {
-  return drive_.motor().largest_force_N(std::chrono::duration<double>(until).count());
-}
+double DriveEmulator::largest_force_N(hal::Time end) const { return drive_.motor().largest_force_N(hal::seconds(end)); }
 
-void DriveEmulator::trip_fault(std::uint16_t code, hal::Time at) {
-  advance_to(at);
+void DriveEmulator::trip_fault(std::uint16_t code, hal::Time time) {
+  advance_to(time);
   if (nmt_ == NmtState::boot_up) return;
   drive_.trip(code, false);
   settle();

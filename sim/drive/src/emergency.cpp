@@ -2,16 +2,18 @@
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/cia402/objects.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
 namespace breakaway::drive_emulator {
 
 namespace {
 
-constexpr Address kErrorRegister{0x1001, 0};
-constexpr std::uint16_t kHistory = 0x1003;
-constexpr Address kCobId{0x1014, 0};
+using own_object::error_history;
+constexpr Address error_register_entry{cia402::object::error_register, 0};
+constexpr Address emcy_cob_id_entry{cia402::object::emcy_cob_id, 0};
 
-// The bit of 1001h for an error code, beside bit 0 (any error).
+// Returns the bit of 1001h for an error code. Bit 0, for any error, comes besides.
 unsigned register_bit(std::uint16_t code) {
   switch (code >> 12) {
     case 0x2:
@@ -40,10 +42,10 @@ void EmergencyProducer::clear(std::uint16_t code) {
 void EmergencyProducer::send(std::uint16_t code) {
   unsigned error_register = 0;
   for (const std::uint16_t active : active_) error_register |= 1U | register_bit(active);
-  dictionary_.set(kErrorRegister, error_register);
+  dictionary_.set(error_register_entry, error_register);
   if (code != emcy::no_error) remember(code);
-  const auto cob_id = static_cast<std::uint32_t>(dictionary_.get(kCobId));
-  if ((cob_id & canopen::kCobIdInvalid) != 0) return;
+  const auto cob_id = static_cast<std::uint32_t>(dictionary_.get(emcy_cob_id_entry));
+  if ((cob_id & canopen::cob_id_invalid) != 0) return;
   hal::CanFrame frame{.id = static_cast<std::uint16_t>(cob_id & 0x7FFU), .size = 8};
   canopen::store_little_endian(frame.data, code);
   frame.data[2] = static_cast<std::uint8_t>(error_register);
@@ -52,12 +54,12 @@ void EmergencyProducer::send(std::uint16_t code) {
 
 void EmergencyProducer::remember(std::uint16_t code) {
   std::uint8_t depth = 1;
-  while (dictionary_.find({kHistory, static_cast<std::uint8_t>(depth + 1)}) != nullptr) ++depth;
+  while (dictionary_.find({error_history, static_cast<std::uint8_t>(depth + 1)}) != nullptr) ++depth;
   for (std::uint8_t sub = depth; sub > 1; --sub)
-    dictionary_.set({kHistory, sub}, dictionary_.get({kHistory, static_cast<std::uint8_t>(sub - 1)}));
-  dictionary_.set({kHistory, 1}, code);
-  const std::int64_t count = dictionary_.get({kHistory, 0});
-  dictionary_.set({kHistory, 0}, std::min<std::int64_t>(count + 1, depth));
+    dictionary_.set({error_history, sub}, dictionary_.get({error_history, static_cast<std::uint8_t>(sub - 1)}));
+  dictionary_.set({error_history, 1}, code);
+  const std::int64_t count = dictionary_.get({error_history, 0});
+  dictionary_.set({error_history, 0}, std::min<std::int64_t>(count + 1, depth));
 }
 
 }  // namespace breakaway::drive_emulator

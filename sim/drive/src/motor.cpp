@@ -18,14 +18,14 @@ void Motor::command(double force_N, double time_s) {
 }
 
 double Motor::largest_force_N(double time_s) const {
-  // Each segment is monotonic, so its largest magnitude is at one of its ends.
+  // Each segment is monotonic, so its magnitude is largest at one of its ends.
   const double start_N = force_at_N(segment_.start_s);
   return std::max({largest_so_far_N_, std::abs(start_N), std::abs(force_at_N(time_s))});
 }
 
 std::int32_t encoder_counts(double position_m, double resolution_m) {
-  constexpr double kRange = 4294967296.0;
-  const double wrapped = std::fmod(std::round(position_m / resolution_m), kRange);
+  constexpr double counter_range = 4294967296.0;
+  const double wrapped = std::fmod(std::round(position_m / resolution_m), counter_range);
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(wrapped)));
 }
 

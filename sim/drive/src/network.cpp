@@ -5,6 +5,7 @@
 
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/drive_emulator/objects.hpp"
 
 namespace breakaway::drive_emulator {
 
@@ -13,8 +14,6 @@ using canopen::NmtState;
 namespace object = cia402::object;
 
 namespace {
-
-constexpr std::uint16_t kErrorBehaviour = 0x1029;
 
 hal::Duration milliseconds(std::int64_t count) { return std::chrono::milliseconds{count}; }
 
@@ -26,8 +25,8 @@ hal::CanFrame frame_of(std::uint16_t id, const ObjectDictionary::Bytes& data) {
 
 }  // namespace
 
-void DriveEmulator::on_frame(const hal::CanFrame& frame, hal::Time at) {
-  advance_to(at);
+void DriveEmulator::on_frame(const hal::CanFrame& frame, hal::Time time) {
+  advance_to(time);
   if (silent_ || frame.remote || nmt_ == NmtState::boot_up) return;
   dispatch(frame);
   settle();
@@ -35,24 +34,25 @@ void DriveEmulator::on_frame(const hal::CanFrame& frame, hal::Time at) {
 }
 
 void DriveEmulator::dispatch(const hal::CanFrame& frame) {
-  if (frame.id == canopen::kNmtCobId) return on_nmt(frame);
+  if (frame.id == canopen::nmt_cob_id) return on_nmt(frame);
   if (frame.id == master_heartbeat_id()) return on_master_heartbeat();
   if (nmt_ == NmtState::stopped) return;
   if (frame.id == (get(object::sync_cob_id) & 0x7FF)) return on_sync(frame);
   if (frame.id == canopen::sdo_request_cob_id(config_.node_id)) return on_sdo(frame);
-  for (std::size_t number = 0; operational() && number < kPdos; ++number)
+  for (std::size_t number = 0; operational() && number < pdo_count; ++number)
     if (rpdos_[number].valid() && rpdos_[number].can_id() == frame.id) on_rpdo(number, frame);
 }
 
 void DriveEmulator::on_written(Address address) {
-  if (address.index == 0x1003)
-    for (std::uint8_t sub = 1; dictionary_.find({0x1003, sub}) != nullptr; ++sub) dictionary_.set({0x1003, sub}, 0);
+  if (address.index == own_object::error_history)
+    for (std::uint8_t sub = 1; dictionary_.find({own_object::error_history, sub}) != nullptr; ++sub)
+      dictionary_.set({own_object::error_history, sub}, 0);
   if (address.index == object::producer_heartbeat) restart_heartbeat();
   if (address.index == object::consumer_heartbeat) {
     timers_.cancel(master_heartbeat);
     drive_.cause_gone(emcy::heartbeat);
   }
-  for (std::size_t number = 0; number < kPdos; ++number) {
+  for (std::size_t number = 0; number < pdo_count; ++number) {
     if (address.index == rpdos_[number].parameter_index()) {
       latched_[number].reset();
       timers_.cancel(rpdo_deadline + number);
@@ -69,7 +69,7 @@ void DriveEmulator::on_written(Address address) {
 // ---- NMT ----
 
 void DriveEmulator::on_nmt(const hal::CanFrame& frame) {
-  if (frame.size != 2 || (frame.data[1] != canopen::kAllNodes && frame.data[1] != config_.node_id)) return;
+  if (frame.size != 2 || (frame.data[1] != canopen::all_nodes && frame.data[1] != config_.node_id)) return;
   switch (static_cast<NmtCommand>(frame.data[0])) {
     case NmtCommand::start:
       return enter(NmtState::operational);
@@ -90,7 +90,7 @@ void DriveEmulator::enter(NmtState state) {
   latched_ = {};
   tpdo_states_ = {};
   timers_.cancel(sync_alarm);
-  for (std::size_t number = 0; number < kPdos; ++number) {
+  for (std::size_t number = 0; number < pdo_count; ++number) {
     timers_.cancel(rpdo_deadline + number);
     timers_.cancel(tpdo_event + number);
     schedule_event(number);
@@ -152,8 +152,8 @@ void DriveEmulator::on_master_heartbeat() {
 
 void DriveEmulator::lose_master() {
   drive_.trip(emcy::heartbeat, true);
-  if (!operational() || get(kErrorBehaviour, 1) == 1) return;
-  enter(get(kErrorBehaviour, 1) == 0 ? NmtState::pre_operational : NmtState::stopped);
+  if (!operational() || get(own_object::error_behaviour, 1) == 1) return;
+  enter(get(own_object::error_behaviour, 1) == 0 ? NmtState::pre_operational : NmtState::stopped);
 }
 
 // ---- SDO ----
@@ -176,21 +176,21 @@ void DriveEmulator::on_sync(const hal::CanFrame& frame) {
   drive_.sample(now_, true);
   if (!operational()) return;
   restart_sync_alarm();
-  for (std::size_t number = 0; number < kPdos; ++number)
+  for (std::size_t number = 0; number < pdo_count; ++number)
     if (const auto command = std::exchange(latched_[number], std::nullopt)) rpdos_[number].unpack(command->payload());
   settle();
   send_synchronous_tpdos();
 }
 
 void DriveEmulator::restart_sync_alarm() {
-  const std::int64_t period_us = get(object::sync_period_us);
+  const std::int64_t period_us = get(object::sync_period);
   if (config_.quirks.sync_alarm_periods == 0 || period_us == 0) return;
   const std::int64_t periods = 1 + std::int64_t{config_.quirks.sync_alarm_periods};
   timers_.set(sync_alarm, now_ + std::chrono::microseconds{periods * period_us});
 }
 
 bool DriveEmulator::inside_sync_window() const {
-  const std::int64_t window_us = get(object::sync_window_us);
+  const std::int64_t window_us = get(object::sync_window);
   return window_us == 0 || !last_sync_ || now_ - *last_sync_ <= std::chrono::microseconds{window_us};
 }
 
@@ -209,7 +209,7 @@ void DriveEmulator::on_rpdo(std::size_t number, const hal::CanFrame& frame) {
 }
 
 void DriveEmulator::send_synchronous_tpdos() {
-  for (std::size_t number = 0; number < kPdos; ++number) {
+  for (std::size_t number = 0; number < pdo_count; ++number) {
     TpdoState& state = tpdo_states_[number];
     if (!tpdos_[number].valid() || !tpdos_[number].synchronous()) continue;
     const unsigned type = tpdos_[number].transmission_type();
@@ -219,7 +219,7 @@ void DriveEmulator::send_synchronous_tpdos() {
 
 // The profile makes changes of statusword and mode the events of event-driven TPDOs.
 void DriveEmulator::note_event(std::uint16_t index) {
-  for (std::size_t number = 0; number < kPdos; ++number)
+  for (std::size_t number = 0; number < pdo_count; ++number)
     if (tpdos_[number].maps(index)) schedule_event(number);
 }
 

@@ -10,16 +10,16 @@ namespace object = cia402::object;
 namespace {
 
 constexpr auto rw = Access::read_write;
-constexpr std::uint32_t kServoDriveProfile = 0x00020192;  // CiA 402 (192h), servo drive (bit 17)
-constexpr std::uint8_t kHistoryDepth = 8;
+constexpr std::uint32_t servo_drive_profile = 0x00020192;  // CiA 402 (192h), servo drive (bit 17)
+constexpr std::uint8_t history_depth = 8;
 
 void set_communication_rules(ObjectDictionary& dictionary) {
-  dictionary.set_rule(0x1003, [](Address, std::int64_t value) -> std::optional<SdoAbort> {
+  dictionary.set_rule(own_object::error_history, [](Address, std::int64_t value) -> std::optional<SdoAbort> {
     if (value != 0) return SdoAbort::invalid_value;  // 0 empties the history; nothing else makes sense
     return std::nullopt;
   });
   const auto eleven_bits = [](Address, std::int64_t value) -> std::optional<SdoAbort> {
-    const auto cob_id = static_cast<std::uint32_t>(value) & ~canopen::kCobIdInvalid;
+    const auto cob_id = static_cast<std::uint32_t>(value) & ~canopen::cob_id_invalid;
     if (cob_id == 0 || cob_id > 0x7FF) return SdoAbort::invalid_value;  // also refuses bit 30, being SYNC producer
     return std::nullopt;
   };
@@ -27,7 +27,8 @@ void set_communication_rules(ObjectDictionary& dictionary) {
   dictionary.set_rule(object::emcy_cob_id, eleven_bits);
 }
 
-// Ranges of 605Ah to 605Eh. In torque mode every stop is the same: the torque demand goes to zero at once.
+// These are the ranges of 605Ah to 605Eh. In torque mode every stop is the same: the torque demand goes to zero at
+// once.
 void add_option_codes(ObjectDictionary& dictionary) {
   dictionary.add({object::quick_stop_option, 0}, {.type = Type::i16, .access = rw, .value = 2, .low = 0, .high = 8});
   dictionary.add({object::shutdown_option, 0}, {.type = Type::i16, .access = rw, .value = 0, .low = 0, .high = 1});
@@ -42,8 +43,8 @@ void add_torque_objects(ObjectDictionary& dictionary, const EmulatorConfig& conf
   dictionary.add({object::max_torque, 0},
                  {.type = Type::u16, .access = rw, .value = config.max_torque_per_mille, .mapping = Mapping::both});
   dictionary.add({object::torque_demand, 0}, {.type = Type::i16, .mapping = Mapping::transmit});
-  dictionary.add({object::rated_current_mA, 0}, {.type = Type::u32, .value = config.rated_current_mA});
-  dictionary.add({object::rated_torque_mNm, 0}, {.type = Type::u32, .value = config.rated_torque_mNm});
+  dictionary.add({object::rated_current, 0}, {.type = Type::u32, .value = config.rated_current_mA});
+  dictionary.add({object::rated_torque, 0}, {.type = Type::u32, .value = config.rated_torque_mNm});
   dictionary.add({object::torque_actual, 0}, {.type = Type::i16, .mapping = Mapping::transmit});
   dictionary.add({object::torque_offset, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
 }
@@ -69,14 +70,15 @@ void add_mode_objects(ObjectDictionary& dictionary, const EmulatorConfig& config
 
 void add_communication_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   const std::uint8_t node = config.node_id;
-  dictionary.add({object::device_type, 0}, {.type = Type::u32, .value = kServoDriveProfile});
+  dictionary.add({object::device_type, 0}, {.type = Type::u32, .value = servo_drive_profile});
   dictionary.add({object::error_register, 0}, {.type = Type::u8, .mapping = Mapping::transmit});
-  dictionary.add({0x1003, 0}, {.type = Type::u8, .access = rw});
-  for (std::uint8_t sub = 1; sub <= kHistoryDepth; ++sub) dictionary.add({0x1003, sub}, {.type = Type::u32});
-  dictionary.add({object::sync_cob_id, 0}, {.type = Type::u32, .access = rw, .value = canopen::kSyncCobId});
-  dictionary.add({object::sync_period_us, 0}, {.type = Type::u32, .access = rw});
-  dictionary.add({object::sync_window_us, 0}, {.type = Type::u32, .access = rw});
-  dictionary.add({0x1008, 0}, {.type = Type::text, .text = config.device_name});
+  dictionary.add({own_object::error_history, 0}, {.type = Type::u8, .access = rw});
+  for (std::uint8_t sub = 1; sub <= history_depth; ++sub)
+    dictionary.add({own_object::error_history, sub}, {.type = Type::u32});
+  dictionary.add({object::sync_cob_id, 0}, {.type = Type::u32, .access = rw, .value = canopen::sync_cob_id});
+  dictionary.add({object::sync_period, 0}, {.type = Type::u32, .access = rw});
+  dictionary.add({object::sync_window, 0}, {.type = Type::u32, .access = rw});
+  dictionary.add({own_object::device_name, 0}, {.type = Type::text, .text = config.device_name});
   dictionary.add({object::emcy_cob_id, 0}, {.type = Type::u32, .access = rw, .value = canopen::emcy_cob_id(node)});
   dictionary.add({object::consumer_heartbeat, 0}, {.type = Type::u8, .value = 1});
   dictionary.add({object::consumer_heartbeat, 1}, {.type = Type::u32, .access = rw, .high = 0x7F'FFFF});
@@ -84,11 +86,14 @@ void add_communication_objects(ObjectDictionary& dictionary, const EmulatorConfi
                  {.type = Type::u16, .access = rw, .value = config.producer_heartbeat_ms});
   dictionary.add({object::identity, 0}, {.type = Type::u8, .value = 4});
   for (std::uint8_t sub = 1; sub <= 4; ++sub) dictionary.add({object::identity, sub}, {.type = Type::u32});
-  dictionary.add({0x1029, 0}, {.type = Type::u8, .value = 1});
-  dictionary.add({0x1029, 1}, {.type = Type::u8, .access = rw, .value = config.error_behaviour, .low = 0, .high = 2});
-  dictionary.add({0x1200, 0}, {.type = Type::u8, .value = 2});
-  dictionary.add({0x1200, 1}, {.type = Type::u32, .value = canopen::sdo_request_cob_id(node)});
-  dictionary.add({0x1200, 2}, {.type = Type::u32, .value = canopen::sdo_response_cob_id(node)});
+  dictionary.add({own_object::error_behaviour, 0}, {.type = Type::u8, .value = 1});
+  dictionary.add({own_object::error_behaviour, 1},
+                 {.type = Type::u8, .access = rw, .value = config.error_behaviour, .low = 0, .high = 2});
+  dictionary.add({own_object::sdo_server_parameter, 0}, {.type = Type::u8, .value = 2});
+  dictionary.add({own_object::sdo_server_parameter, 1},
+                 {.type = Type::u32, .value = canopen::sdo_request_cob_id(node)});
+  dictionary.add({own_object::sdo_server_parameter, 2},
+                 {.type = Type::u32, .value = canopen::sdo_response_cob_id(node)});
   set_communication_rules(dictionary);
 }
 
@@ -98,7 +103,7 @@ void add_drive_objects(ObjectDictionary& dictionary, const EmulatorConfig& confi
   dictionary.add({object::statusword, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
   dictionary.add({object::position_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
   dictionary.add({object::velocity_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
-  dictionary.add({0x6403, 0}, {.type = Type::text, .access = rw});  // motor catalogue number
+  dictionary.add({own_object::motor_catalogue_number, 0}, {.type = Type::text, .access = rw});
   add_option_codes(dictionary);
   add_torque_objects(dictionary, config);
   add_mode_objects(dictionary, config);

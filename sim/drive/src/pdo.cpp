@@ -8,15 +8,15 @@ using canopen::SdoAbort;
 
 namespace {
 
-constexpr std::uint32_t kExtendedFrame = 1U << 29;
-constexpr unsigned kMaxBits = 64;
+constexpr std::uint32_t extended_frame = 1U << 29;
+constexpr unsigned max_bits = 64;
 
 Address mapped_address(std::uint32_t entry) {
   return {static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8)};
 }
 unsigned mapped_bits(std::uint32_t entry) { return entry & 0xFFU; }
 
-// Identifiers that CiA 301 (table "restricted CAN-IDs") keeps from PDOs.
+// Returns true for the identifiers that CiA 301 (table "restricted CAN-IDs") keeps from PDOs.
 bool restricted(std::uint32_t id) {
   return id <= 0x07F || (id >= 0x101 && id <= 0x180) || (id >= 0x581 && id <= 0x5FF) || (id >= 0x601 && id <= 0x67F) ||
          (id >= 0x6E0 && id <= 0x6FF) || id >= 0x701;
@@ -37,7 +37,7 @@ Pdo::Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, 
   if (direction == PdoDirection::transmit) dictionary.add({parameter_, 3}, {.type = Type::u16, .access = rw});
   dictionary.add({parameter_, 5}, {.type = Type::u16, .access = rw});
   dictionary.add({mapping_, 0}, {.type = Type::u8, .access = rw, .value = static_cast<std::int64_t>(mapped.size())});
-  for (std::uint8_t sub = 1; sub <= kMaxEntries; ++sub) {
+  for (std::uint8_t sub = 1; sub <= max_entries; ++sub) {
     std::uint32_t entry = 0;
     if (sub <= mapped.size()) {
       const Address object = *(mapped.begin() + sub - 1);
@@ -55,8 +55,8 @@ std::optional<SdoAbort> Pdo::check_parameter(Address address, std::int64_t value
   if (address.sub == 3 && valid()) return SdoAbort::device_state;
   if (address.sub != 1) return std::nullopt;
   const auto cob_id = static_cast<std::uint32_t>(value);
-  if ((cob_id & canopen::kCobIdInvalid) != 0) return std::nullopt;
-  if ((cob_id & kExtendedFrame) != 0 || restricted(cob_id & 0x7FFU)) return SdoAbort::invalid_value;
+  if ((cob_id & canopen::cob_id_invalid) != 0) return std::nullopt;
+  if ((cob_id & extended_frame) != 0 || restricted(cob_id & 0x7FFU)) return SdoAbort::invalid_value;
   if (valid() && (cob_id & 0x7FFU) != can_id()) return SdoAbort::device_state;
   return std::nullopt;
 }
@@ -67,14 +67,14 @@ std::optional<SdoAbort> Pdo::check_mapping(Address address, std::int64_t value) 
     if (get(mapping_, 0) != 0) return SdoAbort::device_state;
     return check_mapped_object(static_cast<std::uint32_t>(value));
   }
-  if (value > kMaxEntries) return SdoAbort::mapping_too_long;
+  if (value > max_entries) return SdoAbort::mapping_too_long;
   const auto count = static_cast<std::uint8_t>(value);
   unsigned bits = 0;
   for (std::uint8_t sub = 1; sub <= count; ++sub) {
     if (const auto refused = check_mapped_object(mapping_entry(sub))) return refused;
     bits += mapped_bits(mapping_entry(sub));
   }
-  if (bits > kMaxBits) return SdoAbort::mapping_too_long;
+  if (bits > max_bits) return SdoAbort::mapping_too_long;
   return std::nullopt;
 }
 

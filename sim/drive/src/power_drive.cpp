@@ -12,12 +12,10 @@ namespace status_bit = cia402::status_bit;
 
 namespace {
 
-constexpr std::int64_t kModeChanging = -1;
-constexpr std::uint16_t kEnableOperationBit = 0x08;
+constexpr std::int64_t mode_changing = -1;
+constexpr std::uint16_t enable_operation_bit = 0x08;
 
-double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
-// The nearest value of an i16 object.
+// Returns the nearest value that an i16 object can hold.
 std::int64_t saturate_i16(double value) {
   return static_cast<std::int64_t>(std::clamp(std::round(value), -32768.0, 32767.0));
 }
@@ -38,7 +36,7 @@ PowerDrive::PowerDrive(const EmulatorConfig& config, ObjectDictionary& dictionar
       motor_(config.peak_force_N.value_or(config.max_torque_per_mille * force_per_per_mille_N_),
              config.current_loop_time_constant_s) {}
 
-void PowerDrive::restart(hal::Time at) {
+void PowerDrive::restart(hal::Time time) {
   machine_ = {};
   watched_state_ = machine_.state();
   timers_.cancel_all();
@@ -49,21 +47,22 @@ void PowerDrive::restart(hal::Time at) {
   faults_.clear();
   causes_.clear();
   last_sync_.reset();
-  if (config_.quirks.silent_drop_at && *config_.quirks.silent_drop_at >= at)
+  if (config_.quirks.silent_drop_at && *config_.quirks.silent_drop_at >= time)
     timers_.set(silent_drop, *config_.quirks.silent_drop_at);
-  cut_power(at);
+  cut_power(time);
 }
 
-void PowerDrive::on_written(std::uint16_t index, hal::Time at) {
-  if (index == object::controlword) control(static_cast<std::uint16_t>(get(index)), at);
-  if (index == object::mode) request_mode(at);
+void PowerDrive::on_written(std::uint16_t index, hal::Time time) {
+  if (index == object::controlword) control(static_cast<std::uint16_t>(get(index)), time);
+  if (index == object::mode) request_mode(time);
 }
 
-void PowerDrive::control(std::uint16_t controlword, hal::Time at) {
+void PowerDrive::control(std::uint16_t controlword, hal::Time time) {
   if (controlword != controlword_) {
-    const bool too_soon = controlword_changed_ && at - *controlword_changed_ < config_.quirks.min_controlword_interval;
+    const bool too_soon =
+        controlword_changed_ && time - *controlword_changed_ < config_.quirks.min_controlword_interval;
     if (too_soon) return;
-    controlword_changed_ = at;
+    controlword_changed_ = time;
     controlword_ = controlword;
   }
   const bool was_fault = machine_.state() == State::fault;
@@ -72,21 +71,21 @@ void PowerDrive::control(std::uint16_t controlword, hal::Time at) {
 }
 
 std::uint16_t PowerDrive::as_the_drive_reads_it(std::uint16_t controlword) {
-  if ((controlword & kEnableOperationBit) == 0) enable_needs_edge_ = false;
+  if ((controlword & enable_operation_bit) == 0) enable_needs_edge_ = false;
   const bool no_mode = config_.quirks.needs_mode_to_enable && get(object::mode) == 0;
   if (!enable_needs_edge_ && !no_mode) return controlword;
-  return static_cast<std::uint16_t>(controlword & ~unsigned{kEnableOperationBit});
+  return static_cast<std::uint16_t>(controlword & ~unsigned{enable_operation_bit});
 }
 
-void PowerDrive::request_mode(hal::Time at) {
-  if (get(object::mode) == requested_mode_) return;  // asked for again, as by a cyclic RPDO
+void PowerDrive::request_mode(hal::Time time) {
+  if (get(object::mode) == requested_mode_) return;  // it was asked for again, as by a cyclic RPDO
   requested_mode_ = get(object::mode);
   if (config_.quirks.mode_display_delay.count() == 0) {
     dictionary_.set({object::mode_display, 0}, get(object::mode));
     return;
   }
-  dictionary_.set({object::mode_display, 0}, kModeChanging);
-  timers_.set(mode_change, at + config_.quirks.mode_display_delay);
+  dictionary_.set({object::mode_display, 0}, mode_changing);
+  timers_.set(mode_change, time + config_.quirks.mode_display_delay);
 }
 
 void PowerDrive::trip(std::uint16_t code, bool cause_remains) {
@@ -103,23 +102,24 @@ void PowerDrive::clear_faults() {
   dictionary_.set({object::error_code, 0}, 0);
 }
 
-void PowerDrive::advance_mechanism_to(hal::Time at) { mechanism_.advance_to(seconds(at), motor_.segment()); }
+void PowerDrive::advance_mechanism_to(hal::Time time) { mechanism_.advance_to(hal::seconds(time), motor_.segment()); }
 
-void PowerDrive::sample(hal::Time at, bool on_sync) {
-  advance_mechanism_to(at);
+void PowerDrive::sample(hal::Time time, bool on_sync) {
+  advance_mechanism_to(time);
   const std::int32_t counts = encoder_counts(mechanism_.position_m(), config_.encoder_resolution_m);
   dictionary_.set({object::position_actual, 0}, counts);
-  dictionary_.set({object::torque_actual, 0}, saturate_i16(motor_.force_at_N(seconds(at)) / force_per_per_mille_N_));
+  dictionary_.set({object::torque_actual, 0},
+                  saturate_i16(motor_.force_at_N(hal::seconds(time)) / force_per_per_mille_N_));
   if (!on_sync) return;
-  if (last_sync_ && at > *last_sync_) {
-    // Unsigned: the counter may have wrapped around between the two.
+  if (last_sync_ && time > *last_sync_) {
+    // The subtraction is unsigned, because the counter may have wrapped around between the two.
     const auto moved =
         static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(last_sync_counts_));
-    const double velocity = std::round(moved / seconds(at - *last_sync_));
+    const double velocity = std::round(moved / hal::seconds(time - *last_sync_));
     dictionary_.set({object::velocity_actual, 0},
                     static_cast<std::int64_t>(std::clamp(velocity, -2147483648.0, 2147483647.0)));
   }
-  last_sync_ = at;
+  last_sync_ = time;
   last_sync_counts_ = counts;
 }
 
@@ -142,22 +142,22 @@ double PowerDrive::torque_demand_per_mille() {
   return std::clamp(asked, -limit, limit);
 }
 
-void PowerDrive::command_torque(double demand_per_mille, hal::Time at) {
+void PowerDrive::command_torque(double demand_per_mille, hal::Time time) {
   dictionary_.set({object::torque_demand, 0}, saturate_i16(demand_per_mille));
   const double force_N = motor_.clamped(demand_per_mille * force_per_per_mille_N_);
   if (force_N == motor_.commanded_N()) return;
-  advance_mechanism_to(at);
-  motor_.command(force_N, seconds(at));
+  advance_mechanism_to(time);
+  motor_.command(force_N, hal::seconds(time));
   segment_listener_(motor_.segment());
 }
 
-void PowerDrive::cut_power(hal::Time at) { command_torque(0, at); }
+void PowerDrive::cut_power(hal::Time time) { command_torque(0, time); }
 
-void PowerDrive::watch_stops(hal::Time at) {
+void PowerDrive::watch_stops(hal::Time time) {
   if (machine_.state() == watched_state_) return;
   watched_state_ = machine_.state();
   if (watched_state_ == State::quick_stop_active || watched_state_ == State::fault_reaction_active)
-    timers_.set(stop, at + config_.stop_duration);
+    timers_.set(stop, time + config_.stop_duration);
   else
     timers_.cancel(stop);
 }
@@ -171,9 +171,9 @@ std::uint16_t PowerDrive::statusword() const {
   return static_cast<std::uint16_t>(word);
 }
 
-bool PowerDrive::settle(hal::Time at) {
-  watch_stops(at);
-  command_torque(torque_demand_per_mille(), at);
+bool PowerDrive::settle(hal::Time time) {
+  watch_stops(time);
+  command_torque(torque_demand_per_mille(), time);
   const std::int64_t word = statusword();
   const bool changed = word != get(object::statusword);
   dictionary_.set({object::statusword, 0}, word);
@@ -185,8 +185,8 @@ std::optional<hal::Time> PowerDrive::next_event() const {
   return first ? timers_.due(*first) : std::nullopt;
 }
 
-void PowerDrive::on_time(hal::Time at) {
-  for (auto first = timers_.first(); first && *timers_.due(*first) <= at; first = timers_.first()) {
+void PowerDrive::on_time(hal::Time time) {
+  for (auto first = timers_.first(); first && *timers_.due(*first) <= time; first = timers_.first()) {
     timers_.cancel(*first);
     switch (*first) {
       case stop:

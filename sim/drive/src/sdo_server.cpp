@@ -10,10 +10,10 @@ using canopen::SdoAbort;
 
 namespace {
 
-constexpr unsigned kToggle = 0x10;
-constexpr std::size_t kSegmentBytes = 7;
-constexpr std::size_t kExpeditedBytes = 4;
-constexpr std::size_t kMaxDownloadBytes = 1024;  // longer than any entry: what bounds a client that never ends
+constexpr unsigned toggle_bit = 0x10;
+constexpr std::size_t segment_bytes = 7;
+constexpr std::size_t expedited_bytes = 4;
+constexpr std::size_t max_download_bytes = 1024;  // longer than any entry; it bounds a client that never ends
 
 enum Specifier : unsigned {  // bits 5..7 of a client's first byte
   download_segment_request = 0,
@@ -73,20 +73,20 @@ SdoServer::Payload SdoServer::begin_segmented(Direction direction, std::uint32_t
 
 SdoServer::Payload SdoServer::begin_upload() {
   if (const auto refused = dictionary_.read(address_, data_)) return abort(*refused);
-  if (data_.empty() || data_.size() > kExpeditedBytes)
+  if (data_.empty() || data_.size() > expedited_bytes)
     return begin_segmented(Direction::upload, static_cast<std::uint32_t>(data_.size()));
-  Payload payload = reply(0x43U | static_cast<unsigned>(kExpeditedBytes - data_.size()) << 2);
+  Payload payload = reply(0x43U | static_cast<unsigned>(expedited_bytes - data_.size()) << 2);
   std::ranges::copy(data_, payload.begin() + 4);
   return payload;
 }
 
 SdoServer::Payload SdoServer::upload_segment(const Payload& request) {
   if (direction_ != Direction::upload) return abort(SdoAbort::command_specifier);
-  if (((request[0] & kToggle) != 0) != toggle_) return abort(SdoAbort::toggle_bit);
-  const std::size_t count = std::min(kSegmentBytes, data_.size() - done_bytes_);
+  if (((request[0] & toggle_bit) != 0) != toggle_) return abort(SdoAbort::toggle_bit);
+  const std::size_t count = std::min(segment_bytes, data_.size() - done_bytes_);
   const bool last = done_bytes_ + count == data_.size();
-  Payload payload{static_cast<std::uint8_t>((toggle_ ? kToggle : 0U) |
-                                            static_cast<unsigned>(kSegmentBytes - count) << 1 | (last ? 1U : 0U))};
+  Payload payload{static_cast<std::uint8_t>((toggle_ ? toggle_bit : 0U) |
+                                            static_cast<unsigned>(segment_bytes - count) << 1 | (last ? 1U : 0U))};
   std::copy_n(data_.begin() + static_cast<std::ptrdiff_t>(done_bytes_), count, payload.begin() + 1);
   done_bytes_ += count;
   toggle_ = !toggle_;
@@ -106,7 +106,7 @@ SdoServer::Payload SdoServer::begin_download(const Payload& request) {
     if (entry == nullptr || entry->access == Access::read_only) return abort(*dictionary_.write(address_, {}));
     return begin_segmented(Direction::download, 0);
   }
-  std::size_t count = kExpeditedBytes;
+  std::size_t count = expedited_bytes;
   if (size_given) {
     count -= (request[0] >> 2) & 3U;
   } else if (const Entry* entry = dictionary_.find(address_); entry != nullptr && entry->type != Type::text) {
@@ -123,11 +123,11 @@ SdoServer::Payload SdoServer::store() {
 
 SdoServer::Payload SdoServer::download_segment(const Payload& request) {
   if (direction_ != Direction::download) return abort(SdoAbort::command_specifier);
-  if (((request[0] & kToggle) != 0) != toggle_) return abort(SdoAbort::toggle_bit);
-  const std::size_t count = kSegmentBytes - ((request[0] >> 1) & 7U);
+  if (((request[0] & toggle_bit) != 0) != toggle_) return abort(SdoAbort::toggle_bit);
+  const std::size_t count = segment_bytes - ((request[0] >> 1) & 7U);
   data_.insert(data_.end(), request.begin() + 1, request.begin() + 1 + static_cast<std::ptrdiff_t>(count));
-  if (data_.size() > announced_bytes_.value_or(kMaxDownloadBytes)) return abort(SdoAbort::length_mismatch);
-  const unsigned answered_toggle = toggle_ ? kToggle : 0U;
+  if (data_.size() > announced_bytes_.value_or(max_download_bytes)) return abort(SdoAbort::length_mismatch);
+  const unsigned answered_toggle = toggle_ ? toggle_bit : 0U;
   toggle_ = !toggle_;
   if ((request[0] & 1U) != 0) {
     reset();

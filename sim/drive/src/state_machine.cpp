@@ -6,15 +6,15 @@ using cia402::State;
 
 namespace {
 
-constexpr std::uint16_t kFaultReset = 0x80;
+constexpr std::uint16_t fault_reset_bit = 0x80;
 
-// 605Ah: 0 removes the torque at once, 1 to 4 stop and leave by themselves, 5 to 8 stop and stay.
+// The value 0 of 605Ah removes the torque at once, 1 to 4 stop and leave by themselves, 5 to 8 stop and stay.
 bool leaves_quick_stop(std::int64_t option) { return option < 5; }
 
 }  // namespace
 
 Command decode(std::uint16_t controlword) {
-  if ((controlword & kFaultReset) != 0) return Command::none;
+  if ((controlword & fault_reset_bit) != 0) return Command::none;
   if ((controlword & 0x02) == 0) return Command::disable_voltage;
   if ((controlword & 0x04) == 0) return Command::quick_stop;
   if ((controlword & 0x01) == 0) return Command::shutdown;
@@ -26,7 +26,7 @@ void StateMachine::self_test_passed() {
 }
 
 void StateMachine::control(std::uint16_t controlword, bool may_reset, std::int64_t quick_stop_option) {
-  const bool reset_edge = (controlword & kFaultReset) != 0 && (last_controlword_ & kFaultReset) == 0;
+  const bool reset_edge = (controlword & fault_reset_bit) != 0 && (last_controlword_ & fault_reset_bit) == 0;
   last_controlword_ = controlword;
   if (state_ == State::fault && reset_edge && may_reset) state_ = State::switch_on_disabled;  // 15
   apply(decode(controlword), quick_stop_option);

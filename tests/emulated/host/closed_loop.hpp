@@ -79,9 +79,9 @@ inline void run_node_here(SlcanWorld& world, Commander& commander) {
   LocalStream stream{world, commander};
   slcan::Port<LocalStream> port{stream, flashed::node.loop.bit_rate};
   firmware::ControlNode<slcan::Port<LocalStream>> node{port, flashed::node};
-  if (!node.setup_status().ok()) throw std::runtime_error("the node refuses its configuration");
+  if (node.error() != firmware::NodeError::none) throw std::runtime_error(std::string{to_string(node.error())});
   const hal::Duration period = flashed::node.loop.period;
-  for (hal::Time now = period; !commander.finished() && world.periods() < 100'000; now += period) {
+  for (hal::Time now{period}; !commander.finished() && world.periods() < 100'000; now += period) {
     port.poll(now);
     node.step(now);
     port.flush(now);

@@ -8,8 +8,6 @@
 namespace breakaway::emulated {
 namespace {
 
-double seconds(hal::Time time) { return std::chrono::duration<double>(time).count(); }
-
 constexpr const char* refused = "\a";
 
 }  // namespace
@@ -63,7 +61,7 @@ std::string SlcanWorld::take_frame(std::string_view command) {
   hal::CanFrame frame{.id = static_cast<std::uint16_t>(number(1, 3)), .size = static_cast<std::uint8_t>(number(4, 1))};
   if (frame.size > 8 || command.size() != 5 + 2U * frame.size) return refused;
   for (std::size_t i = 0; i < frame.size; ++i) frame.data[i] = static_cast<std::uint8_t>(number(5 + 2 * i, 2));
-  const bool sent = network_.controller_port().send(frame, network_.bus().now() + period_).ok();
+  const bool sent = network_.controller_port().send(frame, network_.bus().now() + period_) == hal::SendResult::queued;
   told_ += sent ? "z\r" : refused;
   return {};
 }
@@ -71,9 +69,9 @@ std::string SlcanWorld::take_frame(std::string_view command) {
 // The brake opens with the period that first finds the drive enabled.
 std::string SlcanWorld::pass_period() {
   if (!mechanism_.released() && drive_.state() == cia402::State::operation_enabled)
-    mechanism_.release(seconds(network_.bus().now()));
+    mechanism_.release(hal::seconds(network_.bus().now()));
   ++periods_;
-  network_.advance_to(period_ * static_cast<std::int64_t>(periods_));
+  network_.advance_to(hal::Time{period_ * static_cast<std::int64_t>(periods_)});
   positions_m_.push_back(mechanism_.position_m());
   std::string text = std::exchange(told_, {});
   for (hal::ReceivedFrame received; network_.controller_port().receive(received);) text += line(received.frame);

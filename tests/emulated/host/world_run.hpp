@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "axis_world.hpp"
@@ -11,9 +12,9 @@ namespace breakaway::emulated {
 // A CanPort to a world that takes its frames at the end of the step.
 class WorldPort {
  public:
-  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
     sent_.push_back(frame);
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (next_ == received_.size()) return false;
@@ -42,7 +43,7 @@ class WorldRun {
   explicit WorldRun(std::uint32_t periods)
       : world_{periods, [this](const hal::CanFrame& frame) { port_.lay_in(frame, now_ + period_ / 2); }},
         node_{port_, flashed::node} {
-    if (!node_.setup_status().ok()) throw std::runtime_error("the node refuses its configuration");
+    if (node_.error() != firmware::NodeError::none) throw std::runtime_error(std::string{to_string(node_.error())});
     while (world_.periods() < periods) {
       now_ += period_;
       node_.step(now_);
@@ -54,7 +55,7 @@ class WorldRun {
 
  private:
   const hal::Duration period_ = flashed::node.loop.period;
-  hal::Time now_{0};
+  hal::Time now_{};
   WorldPort port_;
   AxisWorld world_;
   firmware::ControlNode<WorldPort> node_;

@@ -33,7 +33,7 @@ class WorldNode {
 
   WorldNode()
       : port_{can_}, world_{periods_to_run, [this](const hal::CanFrame& frame) {
-                              if (!port_.send(frame, hal::Time::max()).ok()) ++refused_;
+                              if (port_.send(frame, hal::Time::max()) != hal::SendResult::queued) ++refused_;
                             }} {}
 
   ExitCode run() {
@@ -58,7 +58,7 @@ class WorldNode {
     bool synced = false;
     while (!synced || since_sync() < cycles_per_period / 16) {
       zynqmp_r5::pause();
-      port_.poll(hal::Time{0});
+      port_.poll(hal::Time{});
       for (hal::ReceivedFrame received; port_.receive(received);) {
         world_.take(received.frame);
         if (!canopen::is_sync(received.frame)) continue;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -16,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace breakaway::canopen;
 using breakaway::hal::CanFrame;
+using breakaway::hal::Time;
 
 TEST(CobId, FollowsThePredefinedConnectionSet) {
   EXPECT_EQ(emcy_cob_id(5), 0x085);
@@ -27,6 +29,28 @@ TEST(CobId, FollowsThePredefinedConnectionSet) {
   EXPECT_EQ(sdo_request_cob_id(5), 0x605);
   EXPECT_EQ(heartbeat_cob_id(127), 0x77F);
   EXPECT_EQ(sync_frame(), (CanFrame{.id = 0x080}));
+}
+
+TEST(CobId, FallsApartIntoFunctionCodeAndNode) {
+  for (unsigned id = min_node_id; id <= max_node_id; ++id) {
+    const auto node_id = static_cast<std::uint8_t>(id);
+    ASSERT_TRUE(is_node_id(node_id));
+    for (const auto& [cob_id, function] : {std::pair<std::uint16_t, unsigned>{emcy_cob_id(node_id), 0x080},
+                                           {tpdo_cob_id(1, node_id), 0x180},
+                                           {rpdo_cob_id(1, node_id), 0x200},
+                                           {tpdo_cob_id(4, node_id), 0x480},
+                                           {rpdo_cob_id(4, node_id), 0x500},
+                                           {sdo_response_cob_id(node_id), 0x580},
+                                           {sdo_request_cob_id(node_id), 0x600},
+                                           {heartbeat_cob_id(node_id), 0x700}}) {
+      ASSERT_EQ(function_code_of(cob_id), function) << id;
+      ASSERT_EQ(node_id_of(cob_id), id) << function;
+    }
+  }
+  EXPECT_EQ(node_id_of(nmt_cob_id), 0);
+  EXPECT_EQ(node_id_of(sync_cob_id), 0);
+  EXPECT_FALSE(is_node_id(0) || is_node_id(128) || is_node_id(255));
+  EXPECT_EQ(function_code_mask | node_id_mask, CanFrame::max_id);
 }
 
 TEST(Bytes, LeastSignificantFirst) {
@@ -55,45 +79,45 @@ TEST(Bytes, NothingOutsideIsTouchedAndItReadsAsZero) {
 
 TEST(Nmt, CommandNamesTheNode) {
   EXPECT_EQ(nmt_frame(NmtCommand::start, 7), (CanFrame{.id = 0, .size = 2, .data = {0x01, 7}}));
-  EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, kAllNodes).data[0], 0x82);
+  EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, all_nodes).data[0], 0x82);
 }
 
 TEST(Heartbeat, SilenceIsNoLossBeforeSupervisionStarts) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.update(10s);
+  consumer.update(Time{10s});
   EXPECT_FALSE(consumer.lost());
   EXPECT_FALSE(consumer.state().has_value());
 }
 
 TEST(Heartbeat, LostAfterTheTimeoutAndBackWithTheNextOne) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.start(0ms);
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 100ms);
-  consumer.update(350ms);
+  consumer.start(Time{0ms});
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), Time{100ms});
+  consumer.update(Time{350ms});
   EXPECT_FALSE(consumer.lost());
-  consumer.update(350ms + 1ns);
+  consumer.update(Time{350ms + 1ns});
   EXPECT_TRUE(consumer.lost());
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), 400ms);
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 3), Time{400ms});
   EXPECT_FALSE(consumer.lost());
   EXPECT_EQ(consumer.state(), NmtState::operational);
 }
 
 TEST(Heartbeat, OtherNodesAndMalformedFramesDoNotCount) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.start(0ms);
-  consumer.on_frame(heartbeat_frame(NmtState::operational, 4), 200ms);
-  consumer.on_frame({.id = 0x703, .size = 1, .remote = true, .data = {}}, 200ms);
-  consumer.on_frame({.id = 0x703, .size = 2, .data = {0x05}}, 200ms);
-  consumer.on_frame({.id = 0x703, .size = 1, .data = {0x33}}, 200ms);
-  consumer.update(251ms);
+  consumer.start(Time{0ms});
+  consumer.on_frame(heartbeat_frame(NmtState::operational, 4), Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 1, .remote = true, .data = {}}, Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 2, .data = {0x05}}, Time{200ms});
+  consumer.on_frame({.id = 0x703, .size = 1, .data = {0x33}}, Time{200ms});
+  consumer.update(Time{251ms});
   EXPECT_TRUE(consumer.lost());
   EXPECT_FALSE(consumer.state().has_value());
 }
 
 TEST(Heartbeat, BootUpIsReportedOnce) {
   HeartbeatConsumer consumer{3, 250ms};
-  consumer.on_frame(heartbeat_frame(NmtState::boot_up, 3), 1ms);
-  consumer.on_frame(heartbeat_frame(NmtState::pre_operational, 3), 2ms);
+  consumer.on_frame(heartbeat_frame(NmtState::boot_up, 3), Time{1ms});
+  consumer.on_frame(heartbeat_frame(NmtState::pre_operational, 3), Time{2ms});
   EXPECT_TRUE(consumer.take_boot_up());
   EXPECT_FALSE(consumer.take_boot_up());
 }
@@ -101,13 +125,13 @@ TEST(Heartbeat, BootUpIsReportedOnce) {
 TEST(Heartbeat, ProducerSendsOnceAPeriodAndDoesNotCatchUp) {
   HeartbeatProducer producer{127, 100ms};
   CanFrame frame;
-  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 5ms));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{5ms}));
   EXPECT_EQ(frame, (CanFrame{.id = 0x77F, .size = 1, .data = {0x05}}));
-  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 104ms));
-  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, 405ms));
-  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, 406ms));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{104ms}));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{405ms}));
+  EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{406ms}));
   HeartbeatProducer silent{127, 0ms};
-  EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, 1s));
+  EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, Time{1s}));
 }
 
 TEST(Emcy, RoundTripAndReset) {

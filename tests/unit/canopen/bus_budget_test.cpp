@@ -7,18 +7,18 @@ namespace {
 using namespace std::chrono_literals;
 using breakaway::canopen::AcyclicTraffic;
 using breakaway::canopen::bus_budget;
+using breakaway::canopen::BusFit;
 using breakaway::canopen::check_bus_budget;
-using breakaway::hal::StatusCode;
 
 struct Row {
   unsigned axes, cycle_us, max_rate_Hz, max_rate_with_acyclic_Hz;
 };
 // Worked by hand at 1 Mbit/s: 55 + axes x (95 + 135) bits, and 135 more with one 8-byte frame kept free.
-constexpr Row kRows[] = {{1, 285, 3508, 2380}, {2, 515, 1941, 1538}, {3, 745, 1342, 1136}, {4, 975, 1025, 900},
-                         {5, 1205, 829, 746},  {6, 1435, 696, 636},  {7, 1665, 600, 555},  {8, 1895, 527, 492}};
+constexpr Row rows[] = {{1, 285, 3508, 2380}, {2, 515, 1941, 1538}, {3, 745, 1342, 1136}, {4, 975, 1025, 900},
+                        {5, 1205, 829, 746},  {6, 1435, 696, 636},  {7, 1665, 600, 555},  {8, 1895, 527, 492}};
 
 TEST(BusBudget, GivesTheCycleAndRateOfOneToEightAxes) {
-  for (const Row& row : kRows) {
+  for (const Row& row : rows) {
     const auto bare = bus_budget(row.axes, 1ms, 1'000'000, {.frames = 0});
     EXPECT_EQ(bare.needed_us, row.cycle_us) << row.axes;
     EXPECT_EQ(bare.max_rate_Hz, row.max_rate_Hz) << row.axes;
@@ -26,12 +26,12 @@ TEST(BusBudget, GivesTheCycleAndRateOfOneToEightAxes) {
   }
 }
 
-TEST(BusBudget, RefusesWithTheMicrosecondsThatItNeeds) {
-  EXPECT_TRUE(check_bus_budget(3, 1ms, 1'000'000).ok());  // 880 us
-  const auto status = check_bus_budget(4, 1ms, 1'000'000);
-  EXPECT_EQ(status.code, StatusCode::bus_overload);
-  EXPECT_EQ(status.detail, 975U + 135U);
+TEST(BusBudget, TellsThePeriodThatTheAxesNeed) {
+  EXPECT_EQ(check_bus_budget(3, 1ms, 1'000'000), BusFit::fits);  // 880 us
+  EXPECT_EQ(check_bus_budget(4, 1ms, 1'000'000), BusFit::overloaded);
   const auto budget = bus_budget(4, 1ms, 1'000'000);
+  EXPECT_EQ(budget.needed_us, 975U + 135U);
+  EXPECT_EQ(budget.least_period, 1110us);
   EXPECT_EQ(budget.available_us, 1000U);
   EXPECT_EQ(budget.max_axes, 3U);
 }
@@ -39,9 +39,10 @@ TEST(BusBudget, RefusesWithTheMicrosecondsThatItNeeds) {
 TEST(BusBudget, AcceptsExactlyWhatFits) {
   for (unsigned axes = 1; axes <= 8; ++axes)
     for (const std::uint32_t bit_rate : {125'000U, 250'000U, 500'000U, 1'000'000U}) {
-      const auto needed = std::chrono::microseconds{bus_budget(axes, 1ms, bit_rate).needed_us};
-      EXPECT_TRUE(check_bus_budget(axes, needed, bit_rate).ok()) << axes << " at " << bit_rate;
-      EXPECT_FALSE(check_bus_budget(axes, needed - 1us, bit_rate).ok()) << axes << " at " << bit_rate;
+      const auto least = bus_budget(axes, 1ms, bit_rate).least_period;
+      EXPECT_EQ(least % 1us, 0ns);
+      EXPECT_EQ(check_bus_budget(axes, least, bit_rate), BusFit::fits) << axes << " at " << bit_rate;
+      EXPECT_EQ(check_bus_budget(axes, least - 1us, bit_rate), BusFit::overloaded) << axes << " at " << bit_rate;
     }
 }
 
@@ -55,10 +56,13 @@ TEST(BusBudget, HeartbeatsThatMustPassInOnePeriodCountToo) {
 }
 
 TEST(BusBudget, NamesTheParameterThatIsOutOfRange) {
-  EXPECT_EQ(check_bus_budget(0, 1ms, 1'000'000).detail, 1U);
-  EXPECT_EQ(check_bus_budget(1, 0ms, 1'000'000).detail, 2U);
-  EXPECT_EQ(check_bus_budget(1, 1ms, 0).detail, 3U);
-  EXPECT_EQ(check_bus_budget(1, 1ms, 0).code, StatusCode::invalid_argument);
+  EXPECT_EQ(check_bus_budget(0, 1ms, 1'000'000), BusFit::axes_out_of_range);
+  EXPECT_EQ(check_bus_budget(128, 1ms, 1'000'000), BusFit::axes_out_of_range);
+  EXPECT_EQ(check_bus_budget(1, 0ms, 1'000'000), BusFit::period_out_of_range);
+  EXPECT_EQ(check_bus_budget(1, 1h + 1ns, 1'000'000), BusFit::period_out_of_range);
+  EXPECT_EQ(check_bus_budget(1, 1ms, 9'999), BusFit::bit_rate_out_of_range);
+  EXPECT_EQ(check_bus_budget(1, 1ms, 1'000'001), BusFit::bit_rate_out_of_range);
+  EXPECT_EQ(bus_budget(1, 1ms, 0).least_period, 0ns) << "no figures for what is out of range";
 }
 
 }  // namespace

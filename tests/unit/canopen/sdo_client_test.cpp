@@ -9,24 +9,27 @@
 #include <vector>
 
 #include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
 using breakaway::canopen::load_little_endian;
+using breakaway::canopen::sdo_request_cob_id;
+using breakaway::canopen::sdo_response_cob_id;
 using breakaway::canopen::SdoAbort;
 using breakaway::canopen::SdoClient;
+using breakaway::canopen::SdoResult;
+using breakaway::canopen::SdoStart;
 using breakaway::canopen::store_little_endian;
 using breakaway::hal::CanFrame;
-using breakaway::hal::Status;
-using breakaway::hal::StatusCode;
 using breakaway::hal::Time;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint8_t kNode = 5;
-constexpr auto kTimeout = 10ms;
+constexpr std::uint8_t node_id = 5;
+constexpr auto timeout = 10ms;
 
-CanFrame response(std::array<std::uint8_t, 8> data, std::uint16_t id = 0x585) {
+CanFrame response(std::array<std::uint8_t, 8> data, std::uint16_t id = sdo_response_cob_id(node_id)) {
   return {.id = id, .size = 8, .remote = false, .data = data};
 }
 
@@ -46,7 +49,7 @@ class Server {
   int aborts_received = 0;
 
   std::optional<CanFrame> answer(const CanFrame& request) {
-    EXPECT_EQ(request.id, 0x605);
+    EXPECT_EQ(request.id, sdo_request_cob_id(node_id));
     EXPECT_EQ(request.size, 8);
     const std::uint8_t command = request.data[0];
     switch (command >> 5) {
@@ -133,17 +136,17 @@ class Server {
 
 class SdoClientTest : public testing::Test {
  protected:
-  SdoClient client{kNode, kTimeout};
+  SdoClient client{node_id, timeout};
   Server server;
-  Time now{0};
+  Time now{};
   int frames = 0;
 
   // One period: the client sends at most one frame, the answer comes before the next period.
   template <class Disturb>
-  Status run(Disturb disturb) {
+  SdoResult run(Disturb disturb) {
     for (int period = 0; period < 1000; ++period, now += 1ms) {
-      const Status status = client.poll(now);
-      if (status.code != StatusCode::would_block) return status;
+      const SdoResult result = client.poll(now);
+      if (result != SdoResult::busy) return result;
       CanFrame request;
       if (!client.next_frame(request, now)) continue;
       ++frames;
@@ -151,13 +154,13 @@ class SdoClientTest : public testing::Test {
       if (answer) disturb(*answer);
     }
     ADD_FAILURE() << "the transfer does not end";
-    return {StatusCode::would_block};
+    return SdoResult::busy;
   }
-  Status run() {
+  SdoResult run() {
     return run([this](const CanFrame& answer) { client.on_frame(answer); });
   }
-  Status read(std::uint16_t index, std::uint8_t subindex = 0) {
-    EXPECT_TRUE(client.start_read(index, subindex).ok());
+  SdoResult read(std::uint16_t index, std::uint8_t subindex = 0) {
+    EXPECT_EQ(client.start_read(index, subindex), SdoStart::started);
     return run();
   }
   Bytes data() const { return {client.data().begin(), client.data().end()}; }
@@ -175,11 +178,11 @@ Bytes pattern(std::size_t size) {
 
 TEST_F(SdoClientTest, ReadsObjectsOfEverySize) {
   for (const bool announces : {true, false})
-    for (std::size_t size = 0; size <= SdoClient::kCapacity; ++size) {
+    for (std::size_t size = 0; size <= SdoClient::capacity; ++size) {
       server.announces_size = announces;
       server.objects[0x2000] = pattern(size);
       frames = 0;
-      ASSERT_TRUE(read(0x2000).ok()) << size;
+      ASSERT_EQ(read(0x2000), SdoResult::done) << size;
       EXPECT_EQ(data(), pattern(size));
       const std::size_t segments = size == 0 ? 1 : size <= 4 ? 0 : (size + 6) / 7;
       EXPECT_EQ(frames, 1 + static_cast<int>(segments)) << size;
@@ -187,9 +190,9 @@ TEST_F(SdoClientTest, ReadsObjectsOfEverySize) {
 }
 
 TEST_F(SdoClientTest, WritesObjectsOfEverySize) {
-  for (std::size_t size = 1; size <= SdoClient::kCapacity; ++size) {
-    ASSERT_TRUE(client.start_write(0x2001, 3, pattern(size)).ok());
-    ASSERT_TRUE(run().ok()) << size;
+  for (std::size_t size = 1; size <= SdoClient::capacity; ++size) {
+    ASSERT_EQ(client.start_write(0x2001, 3, pattern(size)), SdoStart::started);
+    ASSERT_EQ(run(), SdoResult::done) << size;
     EXPECT_EQ(server.objects[0x032001], pattern(size));
   }
 }
@@ -197,7 +200,7 @@ TEST_F(SdoClientTest, WritesObjectsOfEverySize) {
 TEST_F(SdoClientTest, ExpeditedCommandBytesAreTheStandards) {
   const std::array<std::uint8_t, 4> commands{0x2F, 0x2B, 0x27, 0x23};
   for (std::size_t size = 1; size <= 4; ++size) {
-    ASSERT_TRUE(client.start_write(0x6040, 1, pattern(size)).ok());
+    ASSERT_EQ(client.start_write(0x6040, 1, pattern(size)), SdoStart::started);
     CanFrame request;
     ASSERT_TRUE(client.next_frame(request, now));
     EXPECT_EQ(request.data[0], commands[size - 1]);
@@ -209,50 +212,53 @@ TEST_F(SdoClientTest, ExpeditedCommandBytesAreTheStandards) {
 }
 
 TEST_F(SdoClientTest, RefusesToStartWhatCannotBe) {
-  EXPECT_EQ(client.start_write(0x2000, 0, {}).code, StatusCode::invalid_argument);
-  EXPECT_EQ(client.start_write(0x2000, 0, pattern(SdoClient::kCapacity + 1)).code, StatusCode::invalid_argument);
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
-  EXPECT_EQ(client.start_read(0x2000, 0).code, StatusCode::would_block);
-  EXPECT_EQ(client.start_write(0x2000, 0, pattern(1)).code, StatusCode::would_block);
+  EXPECT_EQ(client.start_write(0x2000, 0, {}), SdoStart::bad_length);
+  EXPECT_EQ(client.start_write(0x2000, 0, pattern(SdoClient::capacity + 1)), SdoStart::bad_length);
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
+  EXPECT_EQ(client.start_read(0x2000, 0), SdoStart::busy);
+  EXPECT_EQ(client.start_write(0x2000, 0, pattern(1)), SdoStart::busy);
 }
 
 TEST_F(SdoClientTest, SaysWhyTheServerAborted) {
-  const Status status = read(0x5FFF);
-  EXPECT_EQ(status.code, StatusCode::sdo_aborted);
-  EXPECT_EQ(status.detail, 0x06020000U);
+  EXPECT_EQ(client.abort_code(), SdoAbort::none);
+  EXPECT_EQ(read(0x5FFF), SdoResult::aborted);
+  EXPECT_EQ(client.abort_code(), SdoAbort::no_such_object);
+  server.objects[0x2000] = {1};
+  EXPECT_EQ(read(0x2000), SdoResult::done);
+  EXPECT_EQ(client.abort_code(), SdoAbort::no_such_object) << "of the last aborted transfer";
 }
 
 TEST_F(SdoClientTest, TimesOutWhenTheAnswerIsLostAndTellsTheServer) {
   server.objects[0x2000] = pattern(20);
   for (int lost = 1; lost <= 4; ++lost) {  // the initial response, then each of the three segments
     int count = 0;
-    ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+    ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
     const Time start = now;
-    const Status status = run([&](const CanFrame& answer) {
+    const SdoResult result = run([&](const CanFrame& answer) {
       if (++count != lost) client.on_frame(answer);
     });
-    EXPECT_EQ(status.code, StatusCode::timeout) << lost;
-    EXPECT_LE(now - start, kTimeout + 1ms * (lost + 2));
+    EXPECT_EQ(result, SdoResult::timeout) << lost;
+    EXPECT_LE(now - start, timeout + 1ms * (lost + 2));
     CanFrame abort;
     ASSERT_TRUE(client.next_frame(abort, now));
     EXPECT_EQ(abort.data[0], 0x80);
     EXPECT_EQ(load_little_endian<std::uint32_t>(abort.data, 4), 0x05040000U);
     EXPECT_FALSE(client.next_frame(abort, now));
-    ASSERT_TRUE(read(0x2000).ok()) << "the next transfer is not disturbed";
+    ASSERT_EQ(read(0x2000), SdoResult::done) << "the next transfer is not disturbed";
   }
 }
 
 TEST_F(SdoClientTest, DuplicatedAnswersDoNoHarm) {
   server.objects[0x2000] = pattern(40);
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
   const auto twice = [this](const CanFrame& answer) {
     client.on_frame(answer);
     client.on_frame(answer);
   };
-  ASSERT_TRUE(run(twice).ok());
+  ASSERT_EQ(run(twice), SdoResult::done);
   EXPECT_EQ(data(), pattern(40));
-  ASSERT_TRUE(client.start_write(0x2001, 0, pattern(40)).ok());
-  ASSERT_TRUE(run(twice).ok());
+  ASSERT_EQ(client.start_write(0x2001, 0, pattern(40)), SdoStart::started);
+  ASSERT_EQ(run(twice), SdoResult::done);
   EXPECT_EQ(server.objects[0x2001], pattern(40));
 }
 
@@ -260,14 +266,14 @@ TEST_F(SdoClientTest, LateAnswerOfATimedOutRequestIsNotTheNextOnes) {
   server.objects[0x2000] = {1, 2, 3, 4};
   server.objects[0x2001] = {5, 6, 7, 8};
   CanFrame late;
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
-  ASSERT_EQ(run([&](const CanFrame& answer) { late = answer; }).code, StatusCode::timeout);
-  ASSERT_TRUE(client.start_read(0x2001, 0).ok());
-  const Status status = run([&](const CanFrame& answer) {
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
+  ASSERT_EQ(run([&](const CanFrame& answer) { late = answer; }), SdoResult::timeout);
+  ASSERT_EQ(client.start_read(0x2001, 0), SdoStart::started);
+  const SdoResult result = run([&](const CanFrame& answer) {
     client.on_frame(late);
     client.on_frame(answer);
   });
-  ASSERT_TRUE(status.ok());
+  ASSERT_EQ(result, SdoResult::done);
   EXPECT_EQ(data(), (Bytes{5, 6, 7, 8}));
 }
 
@@ -275,27 +281,28 @@ TEST_F(SdoClientTest, LateSegmentIsNotTheNextTransfersAnswer) {
   server.objects[0x2000] = pattern(20);
   server.objects[0x2001] = {5, 6};
   std::vector<CanFrame> answers;
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
   ASSERT_EQ(run([&](const CanFrame& answer) {
               answers.push_back(answer);
               if (answers.size() == 1) client.on_frame(answer);
-            }).code,
-            StatusCode::timeout);
+            }),
+            SdoResult::timeout);
   ASSERT_EQ(answers.size(), 2U);
-  ASSERT_TRUE(client.start_read(0x2001, 0).ok());
-  ASSERT_TRUE(run([&](const CanFrame& answer) {
-                client.on_frame(answers[1]);
-                client.on_frame(answer);
-              }).ok());
+  ASSERT_EQ(client.start_read(0x2001, 0), SdoStart::started);
+  ASSERT_EQ(run([&](const CanFrame& answer) {
+              client.on_frame(answers[1]);
+              client.on_frame(answer);
+            }),
+            SdoResult::done);
   EXPECT_EQ(data(), (Bytes{5, 6}));
 }
 
 TEST_F(SdoClientTest, ForeignFramesAreIgnored) {
   server.objects[0x2000] = {1};
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
-  const Status status = run([this](const CanFrame& answer) {
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
+  const SdoResult result = run([this](const CanFrame& answer) {
     CanFrame foreign = answer;
-    foreign.id = 0x586;
+    foreign.id = sdo_response_cob_id(node_id + 1);
     foreign.data[4] = 99;
     client.on_frame(foreign);
     foreign = answer;
@@ -307,7 +314,7 @@ TEST_F(SdoClientTest, ForeignFramesAreIgnored) {
     client.on_frame(abort_response(0x2000, 1, SdoAbort::general_error));
     client.on_frame(answer);
   });
-  ASSERT_TRUE(status.ok());
+  ASSERT_EQ(result, SdoResult::done);
   EXPECT_EQ(data(), (Bytes{1}));
 }
 
@@ -315,12 +322,12 @@ TEST_F(SdoClientTest, WrongToggleBitAbortsTheTransfer) {
   for (const bool writing : {false, true}) {
     server.objects[0x2000] = pattern(30);
     int count = 0;
-    ASSERT_TRUE((writing ? client.start_write(0x2000, 0, pattern(30)) : client.start_read(0x2000, 0)).ok());
-    const Status status = run([&](CanFrame answer) {
+    ASSERT_EQ(writing ? client.start_write(0x2000, 0, pattern(30)) : client.start_read(0x2000, 0), SdoStart::started);
+    const SdoResult result = run([&](CanFrame answer) {
       if (++count == 3) answer.data[0] ^= 0x10;
       client.on_frame(answer);
     });
-    EXPECT_EQ(status.code, StatusCode::protocol_error);
+    EXPECT_EQ(result, SdoResult::protocol_error);
     CanFrame abort;
     ASSERT_TRUE(client.next_frame(abort, now));
     EXPECT_EQ(load_little_endian<std::uint32_t>(abort.data, 4), 0x05030000U);
@@ -328,67 +335,67 @@ TEST_F(SdoClientTest, WrongToggleBitAbortsTheTransfer) {
 }
 
 TEST_F(SdoClientTest, UnknownCommandAbortsTheTransfer) {
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
   send_pending_request();
   client.on_frame(response({0xC0, 0x00, 0x20, 0x00}));
-  const Status status = client.poll(now);
-  EXPECT_EQ(status.code, StatusCode::protocol_error);
-  EXPECT_EQ(status.detail, 0xC0U);
+  EXPECT_EQ(client.poll(now), SdoResult::protocol_error);
+  EXPECT_EQ(client.unexpected_command(), 0xC0);
 }
 
 TEST_F(SdoClientTest, RefusesObjectsThatDoNotFit) {
   for (const bool announces : {true, false}) {
     server.announces_size = announces;
-    server.objects[0x2000] = pattern(SdoClient::kCapacity + 1);
-    const Status status = read(0x2000);
-    EXPECT_EQ(status.code, StatusCode::sdo_aborted);
-    EXPECT_EQ(status.detail, 0x05040005U);
+    server.objects[0x2000] = pattern(SdoClient::capacity + 1);
+    EXPECT_EQ(read(0x2000), SdoResult::aborted);
+    EXPECT_EQ(client.abort_code(), SdoAbort::out_of_memory);
   }
 }
 
 TEST_F(SdoClientTest, RefusesAnObjectThatIsNotAsLongAsAnnounced) {
   server.objects[0x2000] = pattern(20);
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
   int count = 0;
-  const Status status = run([&](CanFrame answer) {
+  const SdoResult result = run([&](CanFrame answer) {
     if (++count == 1) answer.data[4] = 21;
     client.on_frame(answer);
   });
-  EXPECT_EQ(status.code, StatusCode::protocol_error);
+  EXPECT_EQ(result, SdoResult::protocol_error);
 }
 
 TEST_F(SdoClientTest, EmptySegmentsDoNotKeepItForEver) {
-  ASSERT_TRUE(client.start_read(0x2000, 0).ok());
+  ASSERT_EQ(client.start_read(0x2000, 0), SdoStart::started);
   send_pending_request();
   client.on_frame(response({0x40, 0x00, 0x20, 0x00}));
   send_pending_request();
   client.on_frame(response({0x0E}));
-  EXPECT_EQ(client.poll(now).code, StatusCode::protocol_error);
+  EXPECT_EQ(client.poll(now), SdoResult::protocol_error);
+  EXPECT_EQ(client.unexpected_command(), 0x0E);
 }
 
 TEST_F(SdoClientTest, RandomFramesNeverBreakIt) {
   std::mt19937 random{3};
   for (int i = 0; i < 200'000; ++i, now += 1ms) {
     if (random() % 8 == 0) {
-      const Status started = random() % 2 == 0
-                                 ? client.start_read(0x2000, 0)
-                                 : client.start_write(0x2000, 0, pattern(1 + random() % SdoClient::kCapacity));
-      EXPECT_EQ(started.ok(), started.code != StatusCode::would_block);
+      const bool was_busy = client.busy();
+      const SdoStart started = random() % 2 == 0
+                                   ? client.start_read(0x2000, 0)
+                                   : client.start_write(0x2000, 0, pattern(1 + random() % SdoClient::capacity));
+      EXPECT_EQ(started, was_busy ? SdoStart::busy : SdoStart::started);
     }
     CanFrame request;
     client.next_frame(request, now);
     CanFrame frame = response({static_cast<std::uint8_t>(random()), 0x00, 0x20, 0x00});
     if (random() % 4 == 0) store_little_endian(frame.data, static_cast<std::uint32_t>(random()), 4);
     client.on_frame(frame);
-    EXPECT_LE(client.data().size(), SdoClient::kCapacity);
-    client.poll(now).ok();
+    EXPECT_LE(client.data().size(), SdoClient::capacity);
+    client.poll(now);
   }
-  now += kTimeout + 1ms;
+  now += timeout + 1ms;
   CanFrame request;
   while (client.next_frame(request, now)) {
   }
-  now += kTimeout + 1ms;
-  EXPECT_NE(client.poll(now).code, StatusCode::would_block);
+  now += timeout + 1ms;
+  EXPECT_NE(client.poll(now), SdoResult::busy);
 }
 
 }  // namespace

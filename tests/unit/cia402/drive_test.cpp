@@ -9,33 +9,47 @@
 namespace {
 
 using namespace std::chrono_literals;
+using breakaway::canopen::emcy_cob_id;
+using breakaway::canopen::heartbeat_cob_id;
+using breakaway::canopen::is_sync;
+using breakaway::canopen::NetworkConfig;
 using breakaway::canopen::NmtCommand;
 using breakaway::canopen::NmtState;
+using breakaway::canopen::ObjectAddress;
+using breakaway::canopen::rpdo_cob_id;
+using breakaway::canopen::sdo_request_cob_id;
+using breakaway::canopen::sdo_response_cob_id;
 using breakaway::canopen::SdoAbort;
+using breakaway::canopen::tpdo_cob_id;
 using breakaway::cia402::Drive;
 using breakaway::cia402::DriveConfig;
+using breakaway::cia402::DriveConfigError;
+using breakaway::cia402::SetupStatus;
 using breakaway::cia402::State;
+using breakaway::hal::AxisScale;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
-using breakaway::hal::StatusCode;
+using breakaway::hal::Duration;
 using breakaway::hal::Time;
 using breakaway::test::ScriptedDrive;
 
-constexpr std::uint8_t kNode = 4;
+constexpr std::uint8_t node_id = 4;
 
 // 1 um a count, 50 N at the rated torque: 0.05 N a per mille.
-DriveConfig<float> axis() {
-  return {.node_id = kNode, .encoder_resolution_m = 1e-6F, .force_per_torque_N_per_Nm = 50.0F, .max_force_N = 60.0F};
-}
+constexpr DriveConfig<float> config{.node_id = node_id, .force_per_torque_N_per_Nm = 50.0F};
+constexpr NetworkConfig network{.period = 1ms};
+constexpr AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 60.0F};
+static_assert(check(config, network, scale) == DriveConfigError::none);
 
 class DriveTest : public testing::Test {
  protected:
-  explicit DriveTest(const DriveConfig<float>& config = axis()) : drive{config} {}
+  explicit DriveTest(const DriveConfig<float>& drive_config = config, const AxisScale<float>& axis_scale = scale)
+      : drive{drive_config, network, axis_scale} {}
 
   Drive<float> drive;
-  ScriptedDrive node{kNode};
-  Time now{0};
+  ScriptedDrive node{node_id};
+  Time now{};
   DriveFeedback<float> feedback{};
   std::vector<CanFrame> sent;
 
@@ -64,14 +78,14 @@ class DriveTest : public testing::Test {
     deliver();
   }
   template <class Condition>
-  void run_until(Condition condition, Time limit = 3s) {
+  void run_until(Condition condition, Duration limit = 3s) {
     const Time end = now + limit;
     while (!condition()) {
       ASSERT_LT(now, end) << "state " << static_cast<int>(feedback.state);
       step();
     }
   }
-  void run_for(Time duration) {
+  void run_for(Duration duration) {
     for (const Time end = now + duration; now < end;) step();
   }
   void run_until_state(DriveState state) {
@@ -81,7 +95,8 @@ class DriveTest : public testing::Test {
     node.boot();
     deliver();
     run_until_state(DriveState::disabled);
-    ASSERT_TRUE(drive.setup_status().ok());
+    ASSERT_EQ(drive.setup_status(), SetupStatus::ready);
+    EXPECT_EQ(drive.setup_object(), ObjectAddress{});
   }
   void enable() {
     set_up();
@@ -114,7 +129,7 @@ TEST_F(DriveTest, OneAcyclicFrameAPeriodAtMost) {
   for (int i = 0; i < 500; ++i) {
     step();
     int acyclic = 0;
-    for (const CanFrame& frame : sent) acyclic += frame.id != 0x080 && frame.id != 0x204 ? 1 : 0;
+    for (const CanFrame& frame : sent) acyclic += !is_sync(frame) && frame.id != rpdo_cob_id(1, node_id) ? 1 : 0;
     ASSERT_LE(acyclic, 1);
   }
 }
@@ -139,7 +154,7 @@ TEST_F(DriveTest, NodeThatComesLateIsSetUpWhenItComes) {
   node.silent = true;
   run_for(10s);
   EXPECT_EQ(feedback.state, DriveState::configuring);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::would_block);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::in_progress);
   node.silent = false;
   set_up();
 }
@@ -150,7 +165,8 @@ TEST_F(DriveTest, NodeThatVanishesDuringSetUpIsReportedAndAwaited) {
   run_for(10ms);
   node.silent = true;
   run_for(300ms);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::timeout);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::no_answer);
+  EXPECT_NE(drive.setup_object().index, 0) << "the object that was not answered";
   EXPECT_EQ(feedback.state, DriveState::configuring);
   node.silent = false;
   set_up();
@@ -160,6 +176,7 @@ struct Refusal {
   const char* label;
   std::uint16_t index;
   std::uint32_t value;
+  SetupStatus status;
 };
 class DriveRefusal : public DriveTest, public testing::WithParamInterface<Refusal> {};
 
@@ -168,17 +185,20 @@ TEST_P(DriveRefusal, UnfitDriveStaysUnusableAndNamesTheObject) {
   node.boot();
   deliver();
   run_until([&] { return feedback.state == DriveState::unusable; }, 15s);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::not_supported);
-  EXPECT_EQ(drive.setup_status().detail, static_cast<std::uint32_t>(GetParam().index) << 8);
+  EXPECT_EQ(drive.setup_status(), GetParam().status);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{GetParam().index, 0}));
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::none);
   drive.request_enable();
   run_for(1s);
   EXPECT_EQ(feedback.state, DriveState::unusable);
   EXPECT_FALSE(node.state == State::operation_enabled);
 }
 INSTANTIATE_TEST_SUITE_P(Objects, DriveRefusal,
-                         testing::Values(Refusal{"OtherProfile", 0x1000, 401}, Refusal{"NoCyclicTorque", 0x6502, 0x1FF},
-                                         Refusal{"NoRatedTorque", 0x6076, 0}, Refusal{"NoTorqueAllowed", 0x6072, 0},
-                                         Refusal{"OtherModeShown", 0x6061, 4}),
+                         testing::Values(Refusal{"OtherProfile", 0x1000, 401, SetupStatus::not_a_cia402_drive},
+                                         Refusal{"NoCyclicTorque", 0x6502, 0x1FF, SetupStatus::no_torque_mode},
+                                         Refusal{"NoRatedTorque", 0x6076, 0, SetupStatus::no_rated_torque},
+                                         Refusal{"NoTorqueAllowed", 0x6072, 0, SetupStatus::no_max_torque},
+                                         Refusal{"OtherModeShown", 0x6061, 4, SetupStatus::mode_refused}),
                          [](const auto& row) { return row.param.label; });
 
 TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
@@ -186,23 +206,47 @@ TEST_F(DriveTest, AbortedWriteIsReportedWithItsObject) {
   node.boot();
   deliver();
   run_until_state(DriveState::unusable);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::sdo_aborted);
-  EXPECT_EQ(drive.setup_status().detail, 0x06040041U);
-  EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(0x1A00, 2));
+  EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::not_mappable);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x1A00, 2}));
 }
 
 TEST_F(DriveTest, LackOfWhatIsRequiredIsReported) {
   for (const std::uint16_t index : {std::uint16_t{0x6076}, std::uint16_t{0x1000}, std::uint16_t{0x6502}}) {
-    ScriptedDrive lacking{kNode};
+    ScriptedDrive lacking{node_id};
     lacking.objects.erase(ScriptedDrive::key(index, 0));
     std::swap(node, lacking);
     node.boot();
     deliver();
     step();
     run_until_state(DriveState::unusable);
-    EXPECT_EQ(drive.setup_status().detail, 0x06020000U);
-    EXPECT_EQ(drive.setup_object(), ScriptedDrive::key(index, 0));
+    EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+    EXPECT_EQ(drive.setup_abort_code(), SdoAbort::no_such_object);
+    EXPECT_EQ(drive.setup_object(), (ObjectAddress{index, 0}));
   }
+}
+
+TEST_F(DriveTest, AnswerThatTheStandardForbidsIsReportedWithItsObject) {
+  node.boot();
+  deliver();
+  node.silent = true;
+  step();  // asks for 1000h
+  drive.on_frame(
+      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x00, 0x10, 0x00}}, .time = now});
+  step();
+  EXPECT_EQ(feedback.state, DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::protocol_error);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x1000, 0}));
+}
+
+TEST_F(DriveTest, OneThatRebootsAfterARefusalIsSetUpAnew) {
+  node.refused[ScriptedDrive::key(0x1A00, 2)] = SdoAbort::not_mappable;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.refused.clear();
+  set_up();
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::none);
 }
 
 TEST_F(DriveTest, LacksWhatIsOptional) {
@@ -252,7 +296,7 @@ TEST_F(DriveTest, ForceIsZeroUnlessEnabled) {
   while (feedback.state != DriveState::enabled) {
     ASSERT_EQ(node.target, 0);
     step(10.0F);
-    ASSERT_LT(now, 3s);
+    ASSERT_LT(now, Time{3s});
   }
   EXPECT_EQ(node.target, 200);
   drive.request_stop();
@@ -369,7 +413,7 @@ TEST_F(DriveTest, FeedbackIsFreshOncePerSampleAndCarriesTheTimeOfItsSync) {
 TEST_F(DriveTest, SampleWithoutKnownSyncHasTheTimeOfItsFrame) {
   set_up();
   now += 1s;  // the last SYNC is long ago
-  CanFrame frame{.id = 0x184, .size = 8, .data = {}};
+  CanFrame frame{.id = tpdo_cob_id(1, node_id), .size = 8, .data = {}};
   drive.on_frame({.frame = frame, .time = now});
   EXPECT_EQ(drive.feedback().sample_time, now);
 }
@@ -391,6 +435,12 @@ TEST_F(DriveTest, OffsetFromTheDatumIsExactAcrossTheEndOfTheRange) {
   }
 }
 
+TEST_F(DriveTest, TellsWhatItSharesWithTheController) {
+  EXPECT_EQ(drive.encoder_resolution_m(), scale.encoder_resolution_m);
+  EXPECT_EQ(drive.max_force_N(), scale.max_force_N) << "until the drive's own limit is known";
+  EXPECT_EQ(drive.node_id(), node_id);
+}
+
 TEST_F(DriveTest, CountsOfAPositionSaturate) {
   EXPECT_EQ(drive.counts_at(0.001F), 1000);
   EXPECT_EQ(drive.counts_at(-0.0000014F), -1);
@@ -401,9 +451,11 @@ TEST_F(DriveTest, CountsOfAPositionSaturate) {
 TEST_F(DriveTest, OtherNodesFramesChangeNothing) {
   enable();
   const auto before = drive.statusword();
-  for (const int id : {0x185, 0x085, 0x585, 0x705, 0x284, 0x204, 0x604})
-    drive.on_frame(
-        {.frame = {.id = static_cast<std::uint16_t>(id), .size = 8, .data = {0x08, 0, 0, 0, 0, 0, 0, 0}}, .time = now});
+  constexpr std::uint8_t other = node_id + 1;
+  for (const std::uint16_t id :
+       {tpdo_cob_id(1, other), emcy_cob_id(other), sdo_response_cob_id(other), heartbeat_cob_id(other),
+        tpdo_cob_id(2, node_id), rpdo_cob_id(1, node_id), sdo_request_cob_id(node_id)})
+    drive.on_frame({.frame = {.id = id, .size = 8, .data = {0x08, 0, 0, 0, 0, 0, 0, 0}}, .time = now});
   step();
   EXPECT_EQ(drive.statusword(), before);
   EXPECT_EQ(feedback.state, DriveState::enabled);
@@ -417,7 +469,7 @@ TEST_F(DriveTest, DriveThatStayedEnergisedOutsideOfOperationalIsSwitchedOff) {
   while (feedback.state == DriveState::configuring) {
     step(10.0F);
     ASSERT_EQ(node.target, 0);
-    ASSERT_LT(now, 3s);
+    ASSERT_LT(now, Time{3s});
   }
   EXPECT_EQ(feedback.state, DriveState::disabled);
   EXPECT_EQ(node.state, State::switch_on_disabled);
@@ -426,9 +478,9 @@ TEST_F(DriveTest, DriveThatStayedEnergisedOutsideOfOperationalIsSwitchedOff) {
 class InvertedDriveTest : public DriveTest {
  protected:
   static DriveConfig<float> inverted() {
-    DriveConfig<float> config = axis();
-    config.invert_direction = true;
-    return config;
+    DriveConfig<float> changed = config;
+    changed.invert_direction = true;
+    return changed;
   }
   InvertedDriveTest() : DriveTest{inverted()} {}
 };
@@ -449,42 +501,53 @@ TEST_F(InvertedDriveTest, ForceAndPositionChangeSignTogether) {
   EXPECT_EQ(node.target, -200);
 }
 
-TEST(DriveConfigTest, BadConfigurationIsUnusableFromTheStart) {
-  const auto expect = [](std::uint32_t detail, auto change) {
-    DriveConfig<float> config = axis();
-    change(config);
-    Drive<float> drive{config};
-    drive.update(1s);
-    EXPECT_EQ(drive.setup_status().code, StatusCode::invalid_argument);
-    EXPECT_EQ(drive.setup_status().detail, detail);
+TEST(BadDriveConfig, IsUnusableFromTheStart) {
+  struct Given {
+    DriveConfig<float> config;
+    NetworkConfig network;
+    AxisScale<float> scale;
+  };
+  const auto expect = [](DriveConfigError error, auto change) {
+    Given given{config, network, scale};
+    change(given);
+    Drive<float> drive{given.config, given.network, given.scale};
+    // A boot-up message, which has a refused node set up anew, changes nothing here.
+    drive.on_frame(
+        {.frame = breakaway::canopen::heartbeat_frame(NmtState::boot_up, given.config.node_id), .time = Time{1s}});
+    drive.update(Time{1s});
+    EXPECT_EQ(drive.setup_status(), SetupStatus::config_invalid);
+    EXPECT_EQ(drive.config_error(), error);
     EXPECT_EQ(drive.feedback().state, DriveState::unusable);
     CanFrame frame;
-    EXPECT_FALSE(drive.next_acyclic_frame(frame, 1s));
+    EXPECT_FALSE(drive.next_acyclic_frame(frame, Time{1s}));
     EXPECT_FALSE(drive.next_command_frame(frame));
   };
-  expect(1, [](auto& c) { c.node_id = 0; });
-  expect(6, [](auto& c) { c.period = 0ms; });
-  expect(7, [](auto& c) { c.encoder_resolution_m = 0; });
-  expect(8, [](auto& c) { c.force_per_torque_N_per_Nm = std::numeric_limits<float>::quiet_NaN(); });
-  expect(9, [](auto& c) { c.max_force_N = -1; });
+  expect(DriveConfigError::node_id, [](Given& g) { g.config.node_id = 0; });
+  expect(DriveConfigError::master_node_id, [](Given& g) { g.network.node_id = g.config.node_id; });
+  expect(DriveConfigError::period, [](Given& g) { g.network.period = 0ms; });
+  expect(DriveConfigError::encoder_resolution, [](Given& g) { g.scale.encoder_resolution_m = 0; });
+  expect(DriveConfigError::force_per_torque,
+         [](Given& g) { g.config.force_per_torque_N_per_Nm = std::numeric_limits<float>::quiet_NaN(); });
+  expect(DriveConfigError::max_force, [](Given& g) { g.scale.max_force_N = -1; });
 }
 
 class WeakAxisTest : public DriveTest {
  protected:
-  static DriveConfig<float> weak() {
-    DriveConfig<float> config = axis();
-    config.max_force_N = 0.04F;  // less than one per mille of the rated torque
-    return config;
-  }
-  WeakAxisTest() : DriveTest{weak()} {}
+  // The limit is less than one per mille of the rated torque.
+  WeakAxisTest() : DriveTest{config, {.encoder_resolution_m = 1e-6F, .max_force_N = 0.04F}} {}
 };
 
 TEST_F(WeakAxisTest, LimitBelowOneQuantumIsUnusable) {
   node.boot();
   deliver();
   run_until_state(DriveState::unusable);
-  EXPECT_EQ(drive.setup_status().code, StatusCode::invalid_argument);
-  EXPECT_EQ(drive.setup_status().detail, 9U);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::force_step_too_coarse);
+  EXPECT_EQ(drive.config_error(), DriveConfigError::none);
+  node.boot();
+  deliver();
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::unusable) << "for good";
+  EXPECT_EQ(drive.setup_status(), SetupStatus::force_step_too_coarse);
 }
 
 }  // namespace

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/sdo_abort.hpp"
+#include "breakaway/canopen/sync.hpp"
 #include "breakaway/cia402/state.hpp"
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/hal/time.hpp"
@@ -52,10 +54,11 @@ class ScriptedDrive {
 
   void on_frame(const hal::CanFrame& frame) {
     if (silent) return;
-    if (frame.id == 0x000 && frame.data[1] == node_) on_nmt(static_cast<canopen::NmtCommand>(frame.data[0]));
-    if (frame.id == 0x600U + node_) on_sdo(frame);
-    if (frame.id == 0x200U + node_ && nmt == canopen::NmtState::operational) on_rpdo(frame);
-    if (frame.id == 0x080 && nmt == canopen::NmtState::operational) send_tpdo();
+    if (frame.id == canopen::nmt_cob_id && frame.data[1] == node_)
+      on_nmt(static_cast<canopen::NmtCommand>(frame.data[0]));
+    if (frame.id == canopen::sdo_request_cob_id(node_)) on_sdo(frame);
+    if (frame.id == canopen::rpdo_cob_id(1, node_) && nmt == canopen::NmtState::operational) on_rpdo(frame);
+    if (canopen::is_sync(frame) && nmt == canopen::NmtState::operational) send_tpdo();
   }
   // Heartbeats at the period that was written to it.
   void advance_to(hal::Time now) {
@@ -79,7 +82,7 @@ class ScriptedDrive {
     const auto index = canopen::load_little_endian<std::uint16_t>(frame.data, 1);
     const std::uint32_t object = key(index, frame.data[3]);
     const bool read = frame.data[0] == 0x40;
-    hal::CanFrame answer{.id = static_cast<std::uint16_t>(0x580U + node_), .size = 8, .data = frame.data};
+    hal::CanFrame answer{.id = canopen::sdo_response_cob_id(node_), .size = 8, .data = frame.data};
     std::optional<canopen::SdoAbort> error;
     if (refused.contains(object)) error = refused[object];
     if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
@@ -121,7 +124,7 @@ class ScriptedDrive {
     }
   }
   void send_tpdo() {
-    hal::CanFrame frame{.id = static_cast<std::uint16_t>(0x180U + node_), .size = 8, .data = {}};
+    hal::CanFrame frame{.id = canopen::tpdo_cob_id(1, node_), .size = 8, .data = {}};
     canopen::store_little_endian(frame.data, static_cast<std::uint16_t>(cia402::status_bits(state) | 0x0210U), 0);
     canopen::store_little_endian(frame.data, counts, 2);
     canopen::store_little_endian(frame.data, torque, 6);

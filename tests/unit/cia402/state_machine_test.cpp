@@ -14,7 +14,7 @@ using breakaway::hal::Time;
 class StateMachineTest : public testing::Test {
  protected:
   StateMachine machine;
-  Time now{0};
+  Time now{};
 
   std::uint16_t see(State state) {
     machine.on_statusword(status_bits(state));
@@ -95,7 +95,7 @@ TEST_F(StateMachineTest, QuickStopThatStaysIsSwitchedOffAfterASecond) {
   const Time begin = now;
   while (step() == 0x02) ASSERT_LT(now - begin, 2s);
   EXPECT_EQ(machine.controlword(), 0x00);
-  EXPECT_EQ(now - begin, StateMachine::kQuickStopTime + 1ms);
+  EXPECT_EQ(now - begin, StateMachine::quick_stop_time + 1ms);
 }
 
 TEST_F(StateMachineTest, FaultResetShowsTheBitLowThenHighThenLow) {
@@ -121,12 +121,12 @@ TEST_F(StateMachineTest, FaultResetLevelsLastAtLeastOnePeriodHoweverLong) {
 TEST_F(StateMachineTest, FaultResetEndsWithTheFaultAndCanBeAskedAgain) {
   see(State::fault);
   machine.reset_fault();
-  while (step() != 0x80) ASSERT_LT(now, 1s);
+  while (step() != 0x80) ASSERT_LT(now, Time{1s});
   EXPECT_EQ(see(State::switch_on_disabled), 0x00);
   see(State::fault);
   EXPECT_EQ(step(), 0x00);
   machine.reset_fault();
-  while (step() != 0x80) ASSERT_LT(now, 1s);
+  while (step() != 0x80) ASSERT_LT(now, Time{1s});
 }
 
 TEST_F(StateMachineTest, ResetOutsideOfFaultDoesNothing) {

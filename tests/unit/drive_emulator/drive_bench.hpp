@@ -57,7 +57,7 @@ class DriveBench : public ::testing::Test {
   // Powers the drive on at time 0 and runs past its boot-up message, which is dropped.
   void start(const EmulatorConfig& config = bench_config()) {
     drive.emplace(config, mechanism, [this](const hal::CanFrame& frame, hal::Time at) { sent.push_back({frame, at}); });
-    drive->power_on(hal::Time{0});
+    drive->power_on(hal::Time{});
     run(milliseconds{10});
     sent.clear();
   }
@@ -163,7 +163,7 @@ class DriveBench : public ::testing::Test {
   BenchMechanism mechanism;
   std::vector<SentFrame> sent;
   std::optional<DriveEmulator> drive;
-  hal::Time now{0};
+  hal::Time now{};
 };
 
 }  // namespace breakaway::drive_emulator

@@ -126,7 +126,7 @@ TEST_F(DriveFaultTest, ErrorBehaviourChoosesTheNmtStateAfterHeartbeatLoss) {
   using canopen::NmtState;
   const NmtState expected[] = {NmtState::pre_operational, NmtState::operational, NmtState::stopped};
   for (unsigned behaviour = 0; behaviour < 3; ++behaviour) {
-    now = hal::Time{0};
+    now = hal::Time{};
     mechanism = {};
     start();
     watch_master_heartbeat();

@@ -41,10 +41,10 @@ TEST(Encoder, RoundsToTheNearestCount) {
 }
 
 TEST(Encoder, WrapsAroundInBothDirections) {
-  constexpr double kLast = 2147483647.0;
-  EXPECT_EQ(encoder_counts(kLast, 1.0), std::numeric_limits<std::int32_t>::max());
-  EXPECT_EQ(encoder_counts(kLast + 1, 1.0), std::numeric_limits<std::int32_t>::min());
-  EXPECT_EQ(encoder_counts(-kLast - 2, 1.0), std::numeric_limits<std::int32_t>::max());
+  constexpr double last_count = 2147483647.0;
+  EXPECT_EQ(encoder_counts(last_count, 1.0), std::numeric_limits<std::int32_t>::max());
+  EXPECT_EQ(encoder_counts(last_count + 1, 1.0), std::numeric_limits<std::int32_t>::min());
+  EXPECT_EQ(encoder_counts(-last_count - 2, 1.0), std::numeric_limits<std::int32_t>::max());
   EXPECT_EQ(encoder_counts(3 * 4294967296.0 + 7, 1.0), 7);
 }
 

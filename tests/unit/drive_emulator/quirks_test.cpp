@@ -61,13 +61,13 @@ TEST_F(DriveQuirksTest, MissesControlwordsThatChangeTooFast) {
 }
 
 TEST_F(DriveQuirksTest, FallsBackToSwitchedOnWithoutAWord) {
-  config.quirks.silent_drop_at = milliseconds{100};
+  config.quirks.silent_drop_at = hal::Time{milliseconds{100}};
   start(config);
   enable_cyclic();
   cycle(0x0F, 500);
   cycle(0x0F, 500);
   EXPECT_DOUBLE_EQ(force_N(), 5.0);
-  while (now < milliseconds{110}) cycle(0x0F, 500);
+  while (now < hal::Time{milliseconds{110}}) cycle(0x0F, 500);
   EXPECT_EQ(drive->state(), State::switched_on);
   EXPECT_EQ(force_N(), 0);
   EXPECT_EQ(count(0x085), 0U);

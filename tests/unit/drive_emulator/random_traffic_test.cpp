@@ -14,9 +14,9 @@ class RandomMaster {
   hal::Duration pause() { return microseconds{below(300)}; }
 
   hal::CanFrame frame() {
-    constexpr std::array<std::uint16_t, 12> kIds = {0x000, 0x080, 0x605, 0x605, 0x605, 0x605,
-                                                    0x605, 0x205, 0x305, 0x405, 0x505, 0x77F};
-    hal::CanFrame frame{.id = kIds[below(kIds.size())], .size = static_cast<std::uint8_t>(below(3) ? 8 : below(9))};
+    constexpr std::array<std::uint16_t, 12> ids = {0x000, 0x080, 0x605, 0x605, 0x605, 0x605,
+                                                   0x605, 0x205, 0x305, 0x405, 0x505, 0x77F};
+    hal::CanFrame frame{.id = ids[below(ids.size())], .size = static_cast<std::uint8_t>(below(3) ? 8 : below(9))};
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_());
     if (frame.id == 0x000) frame = nmt();
     if (frame.id == 0x080) frame.size = below(20) ? 0 : 1;
@@ -28,18 +28,18 @@ class RandomMaster {
   std::size_t below(std::size_t limit) { return random_() % limit; }
 
   hal::CanFrame nmt() {
-    constexpr std::array<std::uint8_t, 4> kRare = {0x02, 0x80, 0x81, 0x82};
-    return {.id = 0, .size = 2, .data = {below(50) ? std::uint8_t{1} : kRare[below(kRare.size())], 5}};
+    constexpr std::array<std::uint8_t, 4> rare = {0x02, 0x80, 0x81, 0x82};
+    return {.id = 0, .size = 2, .data = {below(50) ? std::uint8_t{1} : rare[below(rare.size())], 5}};
   }
 
   void address(hal::CanFrame& frame) {
-    constexpr std::array<std::uint8_t, 13> kCommands = {0x40, 0x2F, 0x2B, 0x23, 0x21, 0x60, 0x70,
-                                                        0x00, 0x10, 0x01, 0x11, 0x80, 0x22};
-    constexpr std::array<std::uint16_t, 25> kObjects = {
+    constexpr std::array<std::uint8_t, 13> commands = {0x40, 0x2F, 0x2B, 0x23, 0x21, 0x60, 0x70,
+                                                       0x00, 0x10, 0x01, 0x11, 0x80, 0x22};
+    constexpr std::array<std::uint16_t, 25> objects = {
         0x1000, 0x1003, 0x1005, 0x1006, 0x1007, 0x1008, 0x1014, 0x1016, 0x1017, 0x1029, 0x1400, 0x1401, 0x1600,
         0x1601, 0x1800, 0x1802, 0x1A00, 0x1A02, 0x6040, 0x6060, 0x6071, 0x6072, 0x605A, 0x60C2, 0x6403};
-    const std::uint16_t index = kObjects[below(kObjects.size())];
-    frame.data[0] = kCommands[below(kCommands.size())];
+    const std::uint16_t index = objects[below(objects.size())];
+    frame.data[0] = commands[below(commands.size())];
     frame.data[1] = static_cast<std::uint8_t>(index);
     frame.data[2] = static_cast<std::uint8_t>(index >> 8);
     frame.data[3] = static_cast<std::uint8_t>(below(6));

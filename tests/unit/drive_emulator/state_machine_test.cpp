@@ -9,7 +9,7 @@ namespace {
 
 using State = cia402::State;
 
-constexpr std::array kStates = {
+constexpr std::array all_states = {
     State::not_ready_to_switch_on, State::switch_on_disabled, State::ready_to_switch_on,    State::switched_on,
     State::operation_enabled,      State::quick_stop_active,  State::fault_reaction_active, State::fault};
 
@@ -42,7 +42,7 @@ struct TransitionRow {
   State from;
   State to;
 };
-constexpr TransitionRow kTransitions[] = {
+constexpr TransitionRow transitions[] = {
     {2, 0x87, 0x06, State::switch_on_disabled, State::ready_to_switch_on},
     {3, 0x8F, 0x07, State::ready_to_switch_on, State::switched_on},
     {34, 0x8F, 0x0F, State::ready_to_switch_on, State::operation_enabled},
@@ -62,11 +62,11 @@ constexpr TransitionRow kTransitions[] = {
 };
 
 TEST(DriveStateMachine, FollowsTheProfileForEveryControlwordInEveryState) {
-  for (const State from : kStates) {
+  for (const State from : all_states) {
     ASSERT_EQ(machine_in(from).state(), from);
     for (unsigned word = 0; word <= 0xFFFF; ++word) {
       State expected = from;
-      for (const TransitionRow& row : kTransitions)
+      for (const TransitionRow& row : transitions)
         if (row.from == from && (word & row.mask) == row.value) expected = row.to;
       StateMachine machine = machine_in(from);
       machine.control(static_cast<std::uint16_t>(word), true, 6);
@@ -76,7 +76,7 @@ TEST(DriveStateMachine, FollowsTheProfileForEveryControlwordInEveryState) {
 }
 
 TEST(DriveStateMachine, TripsFromEveryStateAndEndsInFault) {
-  for (const State from : kStates) {
+  for (const State from : all_states) {
     StateMachine machine = machine_in(from);
     machine.trip();
     EXPECT_EQ(machine.state(), from == State::fault ? State::fault : State::fault_reaction_active);

@@ -18,7 +18,7 @@ TEST_F(SynchronousPdoTest, ACommandActsWithTheNextSync) {
   run(microseconds{1});
   sync();
   EXPECT_DOUBLE_EQ(force_N(), 10.0);
-  EXPECT_DOUBLE_EQ(drive->force().start_s, std::chrono::duration<double>(now).count());
+  EXPECT_DOUBLE_EQ(drive->force().start_s, hal::seconds(now));
 }
 
 TEST_F(SynchronousPdoTest, OfTwoCommandsBeforeASyncTheLaterOneActs) {
@@ -167,7 +167,7 @@ TEST_F(SynchronousPdoTest, SetsItsDelayWithinTheRangeAndRepeatsItForASeed) {
   config.max_tpdo_delay = milliseconds{1};
   std::vector<hal::Duration> first_run;
   for (int repeat = 0; repeat < 2; ++repeat) {
-    now = hal::Time{0};
+    now = hal::Time{};
     start(config);
     configure_cyclic_torque();
     std::vector<hal::Duration> delays;

@@ -10,6 +10,8 @@
 #include <new>
 #include <vector>
 
+#include "../explained_enum.hpp"
+
 namespace breakaway::firmware {
 namespace {
 
@@ -22,10 +24,10 @@ struct FakePort {
   bool full = false;
   int purges = 0;
 
-  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
-    if (full) return {hal::StatusCode::queue_full};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
+    if (full) return hal::SendResult::queue_full;
     sent.push_back(frame);
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (to_receive.empty()) return false;
@@ -50,6 +52,9 @@ struct DriveProbe {
   bool wants_acyclic = false;
 };
 
+enum class FakeStatus : std::uint8_t { ready };
+constexpr std::string_view to_string(FakeStatus) noexcept { return "the drive is ready"; }
+
 struct FakeDrive {
   DriveProbe* probe;
   std::uint8_t id;
@@ -61,16 +66,16 @@ struct FakeDrive {
   void request_stop() noexcept { ++probe->stops; }
   void reset_fault() noexcept { ++probe->resets; }
   float max_force_N() const noexcept { return 50; }
-  hal::Status setup_status() const noexcept { return {}; }
+  FakeStatus setup_status() const noexcept { return FakeStatus::ready; }
   void on_frame(const hal::ReceivedFrame&) noexcept { ++probe->frames; }
   void on_sync(hal::Time time) noexcept { probe->syncs.push_back(time); }
   void update(hal::Time) noexcept {}
   bool next_acyclic_frame(hal::CanFrame& frame, hal::Time) noexcept {
-    frame.id = static_cast<std::uint16_t>(0x600 + id);
+    frame.id = canopen::sdo_request_cob_id(id);
     return probe->wants_acyclic;
   }
   bool next_command_frame(hal::CanFrame& frame) noexcept {
-    frame.id = static_cast<std::uint16_t>(0x200 + id);
+    frame.id = canopen::rpdo_cob_id(1, id);
     return true;
   }
   std::uint8_t node_id() const noexcept { return id; }
@@ -100,13 +105,13 @@ class ControlLoopTest : public ::testing::Test {
   FakePort port;
   DriveProbe probe;
   Loop loop{port, {.period = 1ms, .heartbeat_period = 0ms}};
-  hal::Time now{0};
+  hal::Time now{};
 
   void SetUp() override {
     AxisLimits<float> limits;
     limits.feedback_timeout = 2500us;
     limits.speed_m_s = 1;
-    ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, limits, 1e-6F).ok());
+    ASSERT_EQ(loop.add_axis({&probe, 1}, {}, limits, 1e-6F), AddAxis::added);
   }
   void step() {
     now += 1ms;
@@ -126,9 +131,9 @@ TEST_F(ControlLoopTest, SendsCommandsBeforeTheSyncAtWhichTheyAct) {
   probe.wants_acyclic = true;
   step();
   ASSERT_EQ(port.sent.size(), 3U);
-  EXPECT_EQ(port.sent[0].id, 0x201);
-  EXPECT_EQ(port.sent[1].id, 0x080);
-  EXPECT_EQ(port.sent[2].id, 0x601);
+  EXPECT_EQ(port.sent[0].id, canopen::rpdo_cob_id(1, 1));
+  EXPECT_EQ(port.sent[1].id, canopen::sync_cob_id);
+  EXPECT_EQ(port.sent[2].id, canopen::sdo_request_cob_id(1));
   EXPECT_EQ(probe.syncs.back(), now);
 }
 
@@ -251,10 +256,10 @@ TEST_F(ControlLoopTest, CountsFramesThatThePortRefused) {
 }
 
 TEST_F(ControlLoopTest, HandsADriveItsFramesWithinABound) {
-  port.to_receive.push_back({{.id = 0x182}, {}});
+  port.to_receive.push_back({{.id = canopen::tpdo_cob_id(1, 2)}, {}});
   step();
   EXPECT_EQ(probe.frames, 0) << "another node's";
-  for (int i = 0; i < 300; ++i) port.to_receive.push_back({{.id = 0x181}, {}});
+  for (int i = 0; i < 300; ++i) port.to_receive.push_back({{.id = canopen::tpdo_cob_id(1, 1)}, {}});
   step();
   EXPECT_EQ(probe.frames, 256);
   step();
@@ -265,39 +270,41 @@ TEST_F(ControlLoopTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
   std::vector<DriveProbe> others(3);
   for (std::size_t i = 0; i < others.size(); ++i) {
     others[i].wants_acyclic = true;
-    ASSERT_TRUE(loop.add_axis({&others[i], static_cast<std::uint8_t>(i + 2)}, {}, {}, 1e-6F).ok());
+    ASSERT_EQ(loop.add_axis({&others[i], static_cast<std::uint8_t>(i + 2)}, {}, {}, 1e-6F), AddAxis::added);
   }
   std::vector<int> seen(5);
   for (int i = 0; i < 30; ++i) {
     step();
     ASSERT_EQ(port.sent.size(), 6U) << "4 commands, SYNC, and one acyclic frame";
-    ++seen[port.sent.back().id - 0x600U];
+    ++seen[canopen::node_id_of(port.sent.back().id)];
   }
   EXPECT_EQ(seen, (std::vector<int>{0, 0, 10, 10, 10}));
 }
 
 TEST_F(ControlLoopTest, TakesNoMoreAxesThanItHasRoomFor) {
-  for (int i = 1; i < 8; ++i) ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
-  EXPECT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).code, hal::StatusCode::invalid_argument);
+  for (int i = 1; i < 8; ++i) ASSERT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
+  EXPECT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::no_room);
+}
+
+TEST(AddAxis, SaysWhatIsWrongAndWhatToDo) {
+  test::expect_sentences<AddAxis>({{AddAxis::added, {"added"}}, {AddAxis::no_room, {"no room", "raise MaxAxes"}}});
 }
 
 TEST_F(ControlLoopTest, RefusesAxesThatDoNotFitTheBus) {
-  EXPECT_TRUE(loop.check_configuration().ok());
-  for (int i = 1; i < 8; ++i) ASSERT_TRUE(loop.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
-  const hal::Status status = loop.check_configuration();
-  EXPECT_EQ(status.code, hal::StatusCode::bus_overload);
-  EXPECT_GT(status.detail, 1895U) << "the microseconds that 8 axes need at least at 1 Mbit/s";
+  EXPECT_EQ(loop.check_configuration(), canopen::BusFit::fits);
+  for (int i = 1; i < 8; ++i) ASSERT_EQ(loop.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
+  EXPECT_EQ(loop.check_configuration(), canopen::BusFit::overloaded);
 }
 
 TEST_F(ControlLoopTest, SendsItsOwnHeartbeatInPlaceOfAnAcyclicFrame) {
   Loop beating{port, {.period = 1ms, .node_id = 100, .heartbeat_period = 10ms}};
   probe.wants_acyclic = true;
-  ASSERT_TRUE(beating.add_axis({&probe, 1}, {}, {}, 1e-6F).ok());
+  ASSERT_EQ(beating.add_axis({&probe, 1}, {}, {}, 1e-6F), AddAxis::added);
   int heartbeats = 0;
   for (int i = 1; i <= 100; ++i) {
     port.sent.clear();
-    beating.step(i * 1ms);
-    heartbeats += port.sent.back().id == 0x700 + 100;
+    beating.step(hal::Time{i * 1ms});
+    heartbeats += port.sent.back().id == canopen::heartbeat_cob_id(100);
   }
   EXPECT_EQ(heartbeats, 10);
 }

@@ -5,6 +5,8 @@
 #include <deque>
 #include <vector>
 
+#include "../explained_enum.hpp"
+
 namespace breakaway::firmware {
 namespace {
 
@@ -13,9 +15,9 @@ using namespace std::chrono_literals;
 struct TestPort {
   std::vector<hal::CanFrame> sent;
   std::deque<hal::ReceivedFrame> inbox;
-  hal::Status send(const hal::CanFrame& frame, hal::Time) noexcept {
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
     sent.push_back(frame);
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (inbox.empty()) return false;
@@ -65,12 +67,12 @@ TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
   TestPort port;
   CommandedPort<TestPort, 1> commanded{port, node};
   port.inbox = {{encode_command({.target_counts = 1}, node)},
-                {{.id = 0x181}},
+                {{.id = canopen::tpdo_cob_id(1, 1)}},
                 {encode_command({.axis = 9, .target_counts = 3}, node)},
                 {encode_command({.target_counts = 2}, node)}};
   hal::ReceivedFrame received;
   ASSERT_TRUE(commanded.receive(received));
-  EXPECT_EQ(received.frame.id, 0x181);
+  EXPECT_EQ(received.frame.id, canopen::tpdo_cob_id(1, 1));
   EXPECT_FALSE(commanded.receive(received));
   EXPECT_EQ(commanded.take_command(0)->target_counts, 2) << "the newest";
   EXPECT_FALSE(commanded.take_command(0).has_value()) << "once";
@@ -90,70 +92,76 @@ TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
   EXPECT_EQ(loop.stops, 2);
 }
 
+TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
+  test::expect_sentences<NodeError>({{NodeError::none, {"can run"}},
+                                     {NodeError::no_axis, {"axis is null", "give the node"}},
+                                     {NodeError::axis_refused, {"axis is refused", "law::verify()"}},
+                                     {NodeError::drive_refused, {"drive's configuration", "cia402::check()"}},
+                                     {NodeError::period_differs, {"loop.period", "change one of them"}},
+                                     {NodeError::bus_refused, {"does not fit the bus", "check_bus_budget()"}}});
+}
+
 class ControlNodeTest : public testing::Test {
  protected:
   ControlNodeTest() {
-    config.drive.encoder_resolution_m = 1e-6F;
     config.drive.force_per_torque_N_per_Nm = 50;
-    config.drive.max_force_N = 50;
     config.loop.period = 1ms;
     axis.parameters = {1, 400, 32, 60, {2.5F, 4.5F}, 50, 5, 2e-6F, 1e-6F, 1e-3F};
     axis.limits = {true, 2.5F, 4.5F, 50, 1e-3F, 2e-6F};
     axis.checksum = law::checksum_of(axis);
     config.axis = &axis;
   }
-  hal::Status status() { return ControlNode<TestPort>{port, config}.setup_status(); }
+  ControlNode<TestPort> node_of_config() { return ControlNode<TestPort>{port, config}; }
+  NodeError error() { return node_of_config().error(); }
 
   TestPort port;
   law::FlashedAxis<float> axis;
   NodeConfig<float> config;
 };
 
-TEST_F(ControlNodeTest, AcceptsAConfigurationThatAgreesWithItself) { EXPECT_TRUE(status().ok()); }
+TEST_F(ControlNodeTest, AcceptsAConfigurationThatAgreesWithItself) { EXPECT_EQ(error(), NodeError::none); }
 
 TEST_F(ControlNodeTest, RefusesAnAxisThatIsDamagedOrNotCertifiedLikeThis) {
   axis.k3_table.nodes[7].value += 1;
-  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::FlashedAxisError::checksum_differs));
+  EXPECT_EQ(error(), NodeError::axis_refused);
+  EXPECT_EQ(node_of_config().axis_error(), law::FlashedAxisError::checksum_differs);
   axis.limits.friction_upper_N = 4;
   axis.checksum = law::checksum_of(axis);
-  EXPECT_EQ(status().detail, 100 + static_cast<std::uint32_t>(law::FlashedAxisError::friction_outside_certificate));
+  EXPECT_EQ(error(), NodeError::axis_refused);
+  EXPECT_EQ(node_of_config().axis_error(), law::FlashedAxisError::friction_outside_certificate);
 }
 
-TEST_F(ControlNodeTest, RefusesTwoAnswersToOneQuestion) {
-  for (const auto spoil :
-       {+[](NodeConfig<float>& c) { c.drive.encoder_resolution_m = 2e-6F; },
-        +[](NodeConfig<float>& c) { c.drive.max_force_N = 60; }, +[](NodeConfig<float>& c) { c.drive.period = 2ms; },
-        +[](NodeConfig<float>& c) { c.axis = nullptr; },
-        +[](NodeConfig<float>& c) { c.loop.period = c.drive.period = 2ms; }}) {
-    const NodeConfig<float> good = config;
-    spoil(config);
-    EXPECT_EQ(status().detail, 200U);
-    config = good;
-  }
+TEST_F(ControlNodeTest, RefusesAnAxisThatIsMissingOrOfAnotherPeriod) {
+  config.loop.period = 2ms;
+  EXPECT_EQ(error(), NodeError::period_differs);
+  config.axis = nullptr;
+  EXPECT_EQ(error(), NodeError::no_axis);
 }
 
 TEST_F(ControlNodeTest, RefusesADriveThatTheDriveRefuses) {
   config.drive.node_id = 0;
-  EXPECT_EQ(status().detail, 1U);
+  EXPECT_EQ(error(), NodeError::drive_refused);
+  EXPECT_EQ(node_of_config().drive_error(), cia402::DriveConfigError::node_id);
 }
 
 TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
   config.loop.bit_rate = 125'000;
-  EXPECT_EQ(status().code, hal::StatusCode::bus_overload);
+  EXPECT_EQ(error(), NodeError::bus_refused);
+  EXPECT_EQ(node_of_config().bus_fit(), canopen::BusFit::overloaded);
 }
 
 TEST_F(ControlNodeTest, IsSilentWhenRefused) {
-  config.drive.max_force_N = 60;
+  config.drive.force_per_torque_N_per_Nm = 0;
   ControlNode<TestPort> refused{port, config};
-  refused.step(1ms);
+  refused.step(hal::Time{1ms});
   EXPECT_TRUE(port.sent.empty());
 }
 
 TEST_F(ControlNodeTest, TellsItsStatusEveryFiftyPeriods) {
   ControlNode<TestPort> running{port, config};
-  for (int i = 1; i <= 100; ++i) running.step(i * 1ms);
+  for (int i = 1; i <= 100; ++i) running.step(hal::Time{i * 1ms});
   int told = 0;
-  for (const auto& frame : port.sent) told += frame.id == 0x1FF && frame.size == 8 ? 1 : 0;
+  for (const auto& frame : port.sent) told += frame.id == canopen::tpdo_cob_id(1, node) && frame.size == 8 ? 1 : 0;
   EXPECT_EQ(told, 2);
 }
 

@@ -44,15 +44,16 @@ TEST_P(SupervisorNames, AndLatchesTheFault) {
   Supervisor<float> supervisor{limits()};
   supervisor.begin_motion(0.0F);
   const AxisHealth well;
-  for (const hal::Time now : {1ms, 2ms}) ASSERT_EQ(supervisor.check(healthy(now), well, now), AxisFault::none);
-  Feedback bad = healthy(3ms);
+  for (const hal::Time now : {hal::Time{1ms}, hal::Time{2ms}})
+    ASSERT_EQ(supervisor.check(healthy(now), well, now), AxisFault::none);
+  Feedback bad = healthy(hal::Time{3ms});
   AxisHealth ill;
   GetParam().inject(bad, ill);
-  EXPECT_EQ(supervisor.check(bad, ill, 3ms), GetParam().expected);
-  EXPECT_EQ(supervisor.check(healthy(4ms), well, 4ms), GetParam().expected) << "latched";
+  EXPECT_EQ(supervisor.check(bad, ill, hal::Time{3ms}), GetParam().expected);
+  EXPECT_EQ(supervisor.check(healthy(hal::Time{4ms}), well, hal::Time{4ms}), GetParam().expected) << "latched";
   EXPECT_EQ(supervisor.fault_time(), hal::Time{3ms});
   supervisor.reset();
-  EXPECT_EQ(supervisor.check(healthy(5ms), well, 5ms), AxisFault::none);
+  EXPECT_EQ(supervisor.check(healthy(hal::Time{5ms}), well, hal::Time{5ms}), AxisFault::none);
 }
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -63,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
         Violation{"stale", AxisFault::feedback_stale,
                   [](Feedback& f, AxisHealth&) {
                     f.fresh = false;
-                    f.sample_time = 0ms;
+                    f.sample_time = hal::Time{};
                   }},
         Violation{"heartbeat", AxisFault::heartbeat_lost, [](Feedback&, AxisHealth& h) { h.heartbeat_lost = true; }},
         Violation{"emcy", AxisFault::emergency, [](Feedback&, AxisHealth& h) { h.emergency_code = 0x2310; }},
@@ -75,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
         Violation{"position", AxisFault::position_limit,
                   [](Feedback& f, AxisHealth&) {
                     f.position_m = 1.001F;
-                    f.sample_time = 10s;
+                    f.sample_time = hal::Time{10s};
                   }},
         Violation{"speed", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = 0.003F; }},
         Violation{"jump", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = -0.9F; }},
@@ -94,40 +95,40 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Supervisor, ToleratesOneLostSample) {
   Supervisor<float> supervisor{limits()};
-  ASSERT_EQ(supervisor.check(healthy(1ms), {}, 1ms), AxisFault::none);
-  Feedback old = healthy(1ms);
+  ASSERT_EQ(supervisor.check(healthy(hal::Time{1ms}), {}, hal::Time{1ms}), AxisFault::none);
+  Feedback old = healthy(hal::Time{1ms});
   old.fresh = false;
-  EXPECT_EQ(supervisor.check(old, {}, 3ms), AxisFault::none);
-  EXPECT_EQ(supervisor.check(old, {}, 4ms), AxisFault::feedback_stale);
+  EXPECT_EQ(supervisor.check(old, {}, hal::Time{3ms}), AxisFault::none);
+  EXPECT_EQ(supervisor.check(old, {}, hal::Time{4ms}), AxisFault::feedback_stale);
 }
 
 TEST(Supervisor, KeepsTheFirstOfSeveralFaults) {
   Supervisor<float> supervisor{limits()};
   AxisHealth ill;
   ill.emergency_code = 0x7305;
-  Feedback bad = healthy(1ms);
+  Feedback bad = healthy(hal::Time{1ms});
   bad.state = hal::DriveState::fault;
   bad.fault_code = 0x1000;
-  EXPECT_EQ(supervisor.check(bad, ill, 1ms), AxisFault::emergency);
+  EXPECT_EQ(supervisor.check(bad, ill, hal::Time{1ms}), AxisFault::emergency);
   EXPECT_EQ(supervisor.fault_code(), 0x7305);
   ill.bus_off = true;
-  EXPECT_EQ(supervisor.check(bad, ill, 2ms), AxisFault::emergency);
+  EXPECT_EQ(supervisor.check(bad, ill, hal::Time{2ms}), AxisFault::emergency);
 }
 
 TEST(Supervisor, AllowsTheErrorThatATargetChangeMakes) {
   Supervisor<float> supervisor{limits()};
   supervisor.begin_motion(-0.5F);
-  Feedback f = healthy(1ms);
+  Feedback f = healthy(hal::Time{1ms});
   f.position_offset_m = -0.59F;
-  EXPECT_EQ(supervisor.check(f, {}, 1ms), AxisFault::none);
+  EXPECT_EQ(supervisor.check(f, {}, hal::Time{1ms}), AxisFault::none);
   f.position_offset_m = -0.61F;
-  EXPECT_EQ(supervisor.check(f, {}, 2ms), AxisFault::following_error);
+  EXPECT_EQ(supervisor.check(f, {}, hal::Time{2ms}), AxisFault::following_error);
 }
 
 TEST(Supervisor, WatchesNothingThatHasNoLimit) {
   Supervisor<float> supervisor{{.feedback_timeout = 2500us}};
   for (int i = 1; i < 100; ++i) {
-    const hal::Time now = i * 1ms;
+    const hal::Time now{i * 1ms};
     Feedback f = healthy(now);
     f.position_m = f.position_offset_m = f.force_N = 1e30F * static_cast<float>(i % 2);
     EXPECT_EQ(supervisor.check(f, {}, now), AxisFault::none);

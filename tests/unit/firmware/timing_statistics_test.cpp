@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 TEST(TimingStatistics, CountsPeriodsInWhichNoStepStarted) {
   TimingStatistics statistics{1ms};
-  for (const hal::Time now : {10ms, 11ms, 12ms, 15ms, 16ms}) statistics.begin(now);
+  for (const auto now : {10ms, 11ms, 12ms, 15ms, 16ms}) statistics.begin(hal::Time{now});
   EXPECT_EQ(statistics.ticks(), 5U);
   EXPECT_EQ(statistics.missed_ticks(), 2U);
   EXPECT_EQ(statistics.longest_interval(), 3ms);
@@ -18,7 +18,7 @@ TEST(TimingStatistics, CountsPeriodsInWhichNoStepStarted) {
 
 TEST(TimingStatistics, TakesJitterBelowHalfAPeriodForOnTime) {
   TimingStatistics statistics{1ms};
-  for (const hal::Time now : {0us, 1400us, 2000us, 3000us}) statistics.begin(now);
+  for (const auto now : {0us, 1400us, 2000us, 3000us}) statistics.begin(hal::Time{now});
   EXPECT_EQ(statistics.missed_ticks(), 0U);
   EXPECT_EQ(statistics.shortest_interval(), 600us);
   EXPECT_EQ(statistics.longest_interval(), 1400us);

@@ -47,7 +47,7 @@ TEST(LinuxNodeConfiguration, ACertifiedSceneIsTakenAsItWouldBeFlashed) {
   EXPECT_EQ(breakaway::law::verify(c.axis), breakaway::law::FlashedAxisError::none);
   EXPECT_EQ(c.loop.period, std::chrono::milliseconds{1});
   EXPECT_EQ(c.drive.node_id, 1);
-  EXPECT_FLOAT_EQ(c.drive.max_force_N, 50);
+  EXPECT_FLOAT_EQ(c.scale().max_force_N, 50);
   EXPECT_FLOAT_EQ(c.limits.position_max_m, 10);
   EXPECT_DOUBLE_EQ(c.tolerance_m, 3e-6);
   EXPECT_FLOAT_EQ(c.force_per_per_mille_N, 0.025F);
@@ -71,7 +71,7 @@ TEST(LinuxNodeConfiguration, ALowerForceLimitIsCoveredByTheCertificate) {
   Options options = of(folder + "can_axis.toml");
   options.max_force_N = 20;
   const Configuration c = read_configuration(options);
-  EXPECT_FLOAT_EQ(c.drive.max_force_N, 20);
+  EXPECT_FLOAT_EQ(c.scale().max_force_N, 20);
   EXPECT_FLOAT_EQ(c.axis.parameters.max_force_N, 20);
   EXPECT_EQ(breakaway::law::verify(c.axis), breakaway::law::FlashedAxisError::none);
 }

@@ -11,6 +11,7 @@ using namespace std::chrono_literals;
 using namespace breakaway::socketcan;
 using breakaway::hal::BusState;
 using breakaway::hal::CanFrame;
+using breakaway::hal::Time;
 
 can_frame error(canid_t classes, std::uint8_t controller = 0) {
   can_frame frame{};
@@ -85,12 +86,12 @@ TEST(SocketcanFrames, ErrorFramesSayWhatBecameOfTheController) {
 }
 
 TEST(SocketcanFrames, AStampKeepsItsAgeOnTheOtherClock) {
-  EXPECT_EQ(on_monotonic_clock(1'000'000s, 1'000'000s + 30us, 50s), 50s - 30us);
+  EXPECT_EQ(on_monotonic_clock(Time{1'000'000s}, Time{1'000'000s + 30us}, Time{50s}), Time{50s - 30us});
 }
 
 TEST(SocketcanFrames, AStampThatTheWallClockLeftBehindBecomesNow) {
-  EXPECT_EQ(on_monotonic_clock(1'000'001s, 1'000'000s, 50s), 50s);
-  EXPECT_EQ(on_monotonic_clock(1'000'000s, 1'003'600s, 50s), 50s);
+  EXPECT_EQ(on_monotonic_clock(Time{1'000'001s}, Time{1'000'000s}, Time{50s}), Time{50s});
+  EXPECT_EQ(on_monotonic_clock(Time{1'000'000s}, Time{1'003'600s}, Time{50s}), Time{50s});
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ TEST(HardwareClock, TakesTheLatencyOutOfTheStampsAndFollowsTheDrift) {
   std::uniform_int_distribution<std::int64_t> latency_ns{5'000, 200'000};
   Duration worst{0};
   for (std::int64_t n = 0; n < 100'000; ++n) {
-    const Time truth = 1000s + n * 1ms;
-    const Time hardware = 17s + Duration{static_cast<std::int64_t>(static_cast<double>(n) * 1e6 * (1 + 50e-6))};
+    const Time truth{1000s + n * 1ms};
+    const Time hardware{17s + Duration{static_cast<std::int64_t>(static_cast<double>(n) * 1e6 * (1 + 50e-6))}};
     const Time software = truth + Duration{latency_ns(random)};
     const Time aligned = clock.align(hardware, software);
     ASSERT_LE(aligned, software);
@@ -32,15 +32,16 @@ TEST(HardwareClock, TakesTheLatencyOutOfTheStampsAndFollowsTheDrift) {
 
 TEST(HardwareClock, BeginsAnewWhenTheCounterDoes) {
   HardwareClock clock;
-  EXPECT_EQ(clock.align(50s, 1000s), 1000s);
-  EXPECT_EQ(clock.align(1s, 1001s), 1001s);
-  EXPECT_EQ(clock.align(1s + 1ms, 1001s + 1ms + 80us), 1001s + 1ms + 200ns) << "80 us late; the drift allows 200 ns";
+  EXPECT_EQ(clock.align(Time{50s}, Time{1000s}), Time{1000s});
+  EXPECT_EQ(clock.align(Time{1s}, Time{1001s}), Time{1001s});
+  EXPECT_EQ(clock.align(Time{1s + 1ms}, Time{1001s + 1ms + 80us}), Time{1001s + 1ms + 200ns})
+      << "80 us late; the drift allows 200 ns";
 }
 
 TEST(HardwareClock, ACounterThatJumpsAheadIsNotFollowedBack) {
   HardwareClock clock;
-  EXPECT_EQ(clock.align(50s, 1000s), 1000s);
-  EXPECT_EQ(clock.align(500s, 1001s), 1001s);
+  EXPECT_EQ(clock.align(Time{50s}, Time{1000s}), Time{1000s});
+  EXPECT_EQ(clock.align(Time{500s}, Time{1001s}), Time{1001s});
 }
 
 }  // namespace

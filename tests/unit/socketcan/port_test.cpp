@@ -14,7 +14,7 @@ using namespace breakaway::socketcan;
 using breakaway::hal::BusState;
 using breakaway::hal::CanFrame;
 using breakaway::hal::ReceivedFrame;
-using breakaway::hal::StatusCode;
+using breakaway::hal::SendResult;
 using breakaway::hal::Time;
 
 struct FakeSocket {
@@ -35,7 +35,7 @@ struct FakeSocket {
     return answer;
   }
   Io read(can_frame& frame, Time& received) noexcept {
-    received = 7us;
+    received = Time{7us};
     if (incoming.empty()) return no_more;
     frame = incoming.front();
     incoming.pop_front();
@@ -62,11 +62,11 @@ class SocketcanPort : public testing::Test {
  protected:
   FakeSocket socket;
   Port<FakeSocket> port{socket};
-  Time now = 100ms;
+  Time now{100ms};
 
   void SetUp() override { port.poll(now); }
   void next_period() { port.poll(now += 1ms); }
-  StatusCode send(const CanFrame& frame) { return port.send(frame, now + 1ms - 1ns).code; }
+  SendResult send(const CanFrame& frame) { return port.send(frame, now + 1ms - 1ns); }
   bool receive_any() {
     ReceivedFrame received;
     return port.receive(received);
@@ -75,30 +75,30 @@ class SocketcanPort : public testing::Test {
 };
 
 TEST_F(SocketcanPort, GivesFramesToTheKernelInOrder) {
-  EXPECT_EQ(send(command), StatusCode::ok);
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
+  EXPECT_EQ(send(sync), SendResult::queued);
   EXPECT_EQ(socket.written, (Ids{0x201, 0x080}));
 }
 
 TEST_F(SocketcanPort, RefusesWhatIsNoClassicFrame) {
-  EXPECT_EQ(port.send({.id = 0x800}, now).detail, 1U);
-  EXPECT_EQ(port.send({.id = 1, .size = 9}, now).detail, 2U);
+  EXPECT_EQ(port.send({.id = 0x800}, now), SendResult::not_sendable);
+  EXPECT_EQ(port.send({.id = 1, .size = 9}, now), SendResult::not_sendable);
   EXPECT_TRUE(socket.written.empty());
 }
 
 TEST_F(SocketcanPort, KeepsFramesInOrderWhileTheKernelHasNoRoom) {
   socket.answer = Io::again;
-  EXPECT_EQ(send(command), StatusCode::ok);
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
+  EXPECT_EQ(send(sync), SendResult::queued);
   EXPECT_EQ(port.counters().jams, 2U);
   socket.answer = Io::done;
-  EXPECT_EQ(port.send({.id = 0x601}, now + 1ms).code, StatusCode::ok);
+  EXPECT_EQ(port.send({.id = 0x601}, now + 1ms), SendResult::queued);
   EXPECT_EQ(socket.written, (Ids{0x201, 0x080, 0x601}));
 }
 
 TEST_F(SocketcanPort, DropsAndCountsWhatTheKernelDidNotTakeInTime) {
   socket.answer = Io::again;
-  EXPECT_EQ(send(command), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
   socket.answer = Io::done;
   next_period();
   EXPECT_TRUE(socket.written.empty());
@@ -108,35 +108,35 @@ TEST_F(SocketcanPort, DropsAndCountsWhatTheKernelDidNotTakeInTime) {
 // A bus on which nothing moves: the kernel gets one period's frames, and no more before they are gone.
 TEST_F(SocketcanPort, TheKernelNeverHoldsFramesOfTwoPeriods) {
   socket.drains = false;
-  EXPECT_EQ(send(command), StatusCode::ok);
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
+  EXPECT_EQ(send(sync), SendResult::queued);
   for (int period = 0; period < 10; ++period) {
     next_period();
-    EXPECT_EQ(send(command), StatusCode::ok);
-    EXPECT_EQ(send(sync), StatusCode::ok);
+    EXPECT_EQ(send(command), SendResult::queued);
+    EXPECT_EQ(send(sync), SendResult::queued);
   }
   EXPECT_EQ(socket.written.size(), 2U);
   EXPECT_EQ(port.counters().stale, 18U);
   socket.pending = 0;
   socket.drains = true;
   next_period();
-  EXPECT_EQ(send(command), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
   EXPECT_EQ(socket.written.size(), 3U) << "the two of the period before are stale";
 }
 
 TEST_F(SocketcanPort, AFullQueueSaysSo) {
   socket.answer = Io::again;
-  for (int i = 0; i < 32; ++i) EXPECT_EQ(send(sync), StatusCode::ok);
-  EXPECT_EQ(send(sync), StatusCode::queue_full);
+  for (int i = 0; i < 32; ++i) EXPECT_EQ(send(sync), SendResult::queued);
+  EXPECT_EQ(send(sync), SendResult::queue_full);
   EXPECT_EQ(port.counters().overflows, 1U);
 }
 
 TEST_F(SocketcanPort, PurgeForgetsWhatWaits) {
   socket.answer = Io::again;
-  EXPECT_EQ(send(command), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
   port.purge_transmit_queue();
   socket.answer = Io::done;
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(sync), SendResult::queued);
   EXPECT_EQ(socket.written, (Ids{0x080}));
 }
 
@@ -145,7 +145,7 @@ TEST_F(SocketcanPort, PassesFramesOnWithTheirTime) {
   ReceivedFrame received;
   ASSERT_TRUE(port.receive(received));
   EXPECT_EQ(received.frame, command);
-  EXPECT_EQ(received.time, 7us);
+  EXPECT_EQ(received.time, Time{7us});
   EXPECT_FALSE(port.receive(received));
 }
 
@@ -165,13 +165,13 @@ TEST_F(SocketcanPort, AFloodOfErrorFramesDoesNotHoldTheLoop) {
 
 TEST_F(SocketcanPort, InBusOffNothingIsSentAndWhatWaitedIsForgotten) {
   socket.answer = Io::again;
-  EXPECT_EQ(send(command), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
   socket.incoming.push_back(bus_off_frame());
   socket.carrier = false;
   EXPECT_FALSE(receive_any());
   EXPECT_EQ(port.bus_state(), BusState::bus_off);
   EXPECT_FALSE(port.link_lost());
-  EXPECT_EQ(send(sync), StatusCode::bus_off);
+  EXPECT_EQ(send(sync), SendResult::bus_off);
   socket.answer = Io::done;
   for (int period = 0; period < 5; ++period) next_period();
   EXPECT_EQ(port.bus_state(), BusState::bus_off);
@@ -194,23 +194,23 @@ TEST_F(SocketcanPort, BusOffIsSeenForThePeriodEvenIfTheControllerIsBackAtOnce) {
 
 TEST_F(SocketcanPort, AfterBusOffTheKernelFirstEmptiesItself) {
   socket.drains = false;
-  EXPECT_EQ(send(command), StatusCode::ok);
+  EXPECT_EQ(send(command), SendResult::queued);
   socket.incoming.push_back(bus_off_frame());
   EXPECT_FALSE(receive_any());
   next_period();
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(sync), SendResult::queued);
   EXPECT_EQ(socket.written, (Ids{0x201}));
   socket.pending = 0;
-  EXPECT_EQ(port.send({.id = 0x601}, now + 1ms).code, StatusCode::ok);
+  EXPECT_EQ(port.send({.id = 0x601}, now + 1ms), SendResult::queued);
   EXPECT_EQ(socket.written, (Ids{0x201, 0x080, 0x601}));
 }
 
 TEST_F(SocketcanPort, AnInterfaceThatGoesDownIsBusOffUntilItIsUp) {
   socket.answer = Io::down;
-  EXPECT_EQ(send(command), StatusCode::ok) << "queued before the kernel was asked";
+  EXPECT_EQ(send(command), SendResult::queued) << "queued before the kernel was asked";
   EXPECT_EQ(port.bus_state(), BusState::bus_off);
   EXPECT_TRUE(port.link_lost());
-  EXPECT_EQ(send(sync), StatusCode::bus_off);
+  EXPECT_EQ(send(sync), SendResult::bus_off);
   socket.carrier = false;
   next_period();
   EXPECT_EQ(port.bus_state(), BusState::bus_off);
@@ -239,7 +239,7 @@ TEST_F(SocketcanPort, ControllerStatesAreShown) {
   socket.incoming.push_back(frame);
   EXPECT_FALSE(receive_any());
   EXPECT_EQ(port.bus_state(), BusState::error_passive);
-  EXPECT_EQ(send(sync), StatusCode::ok);
+  EXPECT_EQ(send(sync), SendResult::queued);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(Watchdog, ResetsNotBeforeItsTimeoutAndSoonAfter) {
     WatchdogModel model;
     ASSERT_TRUE(Watchdog{model}.start(clock_Hz, timeout));
     EXPECT_TRUE(model.enabled() && model.resets());
-    const double timeout_s = std::chrono::duration<double>(timeout).count();
+    const double timeout_s = breakaway::hal::seconds(timeout);
     EXPECT_GE(model.left_s(clock_Hz), timeout_s);
     EXPECT_LE(model.left_s(clock_Hz), timeout_s + 328e-6) << "one unit of 32768 clocks";
   }

@@ -1,5 +1,5 @@
-// Bit timing of the common kind of CAN controller: a bit is 1 + segment1 + segment2 quanta of prescaler clock cycles,
-// sampled at the end of segment 1. The port of a controller lays it out for its registers.
+// Bit timing of the common kind of CAN controller: a bit is 1 + segment1 + segment2 quanta, each of `prescaler` clock
+// cycles, and is sampled at the end of segment 1. The port of a controller lays this out for its registers.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,15 @@ namespace breakaway::hal {
 struct BitTiming {
   std::uint32_t prescaler = 1;  // from 1
   std::uint32_t segment1 = 1;   // 1..16
-  std::uint32_t segment2 = 1;   // 1..8; resynchronisation may shift by one quantum
+  std::uint32_t segment2 = 1;   // 1..8; resynchronisation may shift a bit by one quantum
 
   constexpr std::uint32_t quanta() const noexcept { return 1 + segment1 + segment2; }
 };
 
 namespace internal {
 
-// How far the sample point lies from 7/8 of the bit, in eighths of a quantum for one quantum: compare as fractions.
+// Returns how far the sample point lies from 7/8 of the bit, in eighths of a quantum. Divided by `quanta` it is the
+// part of a bit, so two timings are compared as fractions.
 constexpr std::uint32_t sample_point_miss(std::uint32_t quanta, std::uint32_t segment2) noexcept {
   const std::uint32_t eighths = 8 * segment2;
   return eighths > quanta ? eighths - quanta : quanta - eighths;
@@ -25,8 +26,9 @@ constexpr std::uint32_t sample_point_miss(std::uint32_t quanta, std::uint32_t se
 
 }  // namespace internal
 
-// Exactly this bit rate from this clock, sampled as near to 87.5 % of the bit as can be, with 8 to 25 quanta; nothing
-// when no divisor makes it, or only with a sample point outside the 85 to 90 % of CiA 301, table 1.
+// Finds the timing that makes exactly this bit rate of this clock with 8 to 25 quanta and samples as near to 87.5 % of
+// the bit as can be. Returns nothing when no divisor makes the rate, or only with a sample point outside the 85 to 90 %
+// of CiA 301, table 1.
 constexpr std::optional<BitTiming> bit_timing(std::uint32_t clock_Hz, std::uint32_t bit_rate,
                                               std::uint32_t largest_prescaler) noexcept {
   if (bit_rate == 0) return {};
@@ -40,7 +42,7 @@ constexpr std::optional<BitTiming> bit_timing(std::uint32_t clock_Hz, std::uint3
       if (segment1 < 1 || segment1 > 16) continue;
       const std::uint32_t miss = internal::sample_point_miss(quanta, segment2);
       if (5 * miss > quanta) continue;
-      // miss / quanta < best_miss / best quanta, without a division.
+      // Only a smaller miss / quanta is better; the fractions are compared without a division.
       if (best && miss * best->quanta() >= best_miss * quanta) continue;
       best = BitTiming{static_cast<std::uint32_t>(clock_Hz / rate), segment1, segment2};
       best_miss = miss;

@@ -1,4 +1,4 @@
-// A classic CAN data or remote frame (ISO 11898-1) with an 11-bit identifier, and its length on the wire.
+// A classic CAN data or remote frame (ISO 11898-1) with an 11-bit identifier.
 #pragma once
 
 #include <array>
@@ -10,21 +10,24 @@
 namespace breakaway::hal {
 
 struct CanFrame {
-  std::uint16_t id = 0;   // 0..0x7FF; the lower one wins arbitration
-  std::uint8_t size = 0;  // data bytes, 0..8
-  bool remote = false;    // remote transmission request: size is the requested length, no data on the wire
-  std::array<std::uint8_t, 8> data{};
+  static constexpr std::uint16_t max_id = 0x7FF;
+  static constexpr std::uint8_t max_size = 8;
 
+  std::uint16_t id = 0;   // 0..max_id; the lower one wins arbitration
+  std::uint8_t size = 0;  // data bytes, 0..max_size
+  bool remote = false;    // a remote transmission request: `size` is the length asked for, and no data is on the wire
+  std::array<std::uint8_t, max_size> data{};
+
+  // A size above max_size counts as max_size, as a receiver takes it.
   constexpr std::span<const std::uint8_t> payload() const noexcept {
-    return std::span{data}.first(size <= 8 ? size : 8);
+    return std::span{data}.first(size <= max_size ? size : max_size);
   }
   friend constexpr bool operator==(const CanFrame&, const CanFrame&) = default;
 };
 
-// A frame as it was received, with the time of its last bit.
 struct ReceivedFrame {
   CanFrame frame;
-  Time time{};
+  Time time{};  // when the frame's last bit was on the wire, as exactly as the port knows
 };
 
 }  // namespace breakaway::hal

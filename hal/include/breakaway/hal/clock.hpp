@@ -1,4 +1,4 @@
-// Clock: where `now` comes from. Only main() and the loop's pacer ask it; logic gets the time as an argument.
+// Clock: where `now` comes from. Only main() and whatever paces the loop ask it; logic gets the time as an argument.
 #pragma once
 
 #include <concepts>
@@ -7,10 +7,15 @@
 
 namespace breakaway::hal {
 
+// The formatter would tear the requirement apart.
+// clang-format off
+
 template <class C>
 concept Clock = requires(const C& clock) {
-  { clock.now() }
-  noexcept->std::same_as<Time>;  // monotonic, never blocks, safe in an interrupt
+  // Returns the time since the clock's epoch. It never decreases and never blocks, and may be called in an interrupt.
+  { clock.now() } noexcept -> std::same_as<Time>;
 };
+
+// clang-format on
 
 }  // namespace breakaway::hal

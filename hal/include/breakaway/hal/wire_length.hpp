@@ -1,5 +1,5 @@
-// How long a classic CAN frame with an 11-bit identifier occupies the wire (ISO 11898-1): every bit from start of frame
-// to the end of the intermission, stuff bits included.
+// Length on the wire of a classic CAN frame with an 11-bit identifier (ISO 11898-1): every bit from start of frame to
+// the end of the intermission counts, stuff bits included.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace breakaway::hal {
 
-inline constexpr unsigned kIntermissionBits = 3;
-// CRC delimiter, ACK slot and delimiter, end of frame (7): sent without stuffing. Then the intermission.
-inline constexpr unsigned kUnstuffedTailBits = 1 + 2 + 7 + kIntermissionBits;
+inline constexpr unsigned intermission_bits = 3;
+// CRC delimiter, ACK slot and delimiter, and end of frame (7) are sent without stuffing, and so is the intermission.
+inline constexpr unsigned unstuffed_tail_bits = 1 + 2 + 7 + intermission_bits;
 
-// CRC-15-CAN: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
+// Takes one bit into CRC-15-CAN, whose polynomial is x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 constexpr std::uint16_t crc15_step(std::uint16_t crc, bool bit) noexcept {
   const bool feedback = bit != ((crc & 0x4000U) != 0);
   const unsigned shifted = (crc * 2U) & 0x7FFFU;
@@ -51,7 +51,7 @@ class StuffedBits {
   bool last_ = true;  // the idle bus is recessive
 };
 
-// Bits of this very frame. size above 8 counts as 8, as a receiver takes it.
+// Counts the bits of this very frame. A size above 8 counts as 8, as a receiver takes it.
 constexpr unsigned wire_bits(const CanFrame& frame) noexcept {
   StuffedBits stuffed;
   stuffed.send(0, 1);  // start of frame
@@ -62,14 +62,14 @@ constexpr unsigned wire_bits(const CanFrame& frame) noexcept {
   if (!frame.remote)
     for (const std::uint8_t byte : frame.payload()) stuffed.send(byte, 8);
   stuffed.send_crc();
-  return stuffed.bits() + kUnstuffedTailBits;
+  return stuffed.bits() + unstuffed_tail_bits;
 }
 
-// Upper bound over all data frames of `data_bytes` (0..8): 47 + 8 s bits, and a stuff bit for every four of the 33 + 8
-// s that follow the first stuffed one.
+// Bounds the bits of every data frame of `data_bytes` (0..8) from above: 47 + 8 s bits, and a stuff bit for every four
+// of the 33 + 8 s that follow the first of the stuffed ones.
 constexpr unsigned worst_case_wire_bits(unsigned data_bytes) noexcept { return 55 + 10 * data_bytes; }
 
-// Time of so many bits; bit_rate in bit/s, above 0. Rounded up to whole nanoseconds.
+// Returns the time of so many bits, rounded up to whole nanoseconds. bit_rate: bit/s, above 0.
 constexpr Duration wire_time(unsigned bits, std::uint32_t bit_rate) noexcept {
   return Duration{(static_cast<std::int64_t>(bits) * 1'000'000'000 + bit_rate - 1) / bit_rate};
 }

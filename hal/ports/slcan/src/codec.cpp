@@ -10,7 +10,7 @@ constexpr int digit_value(char c) noexcept {
   return -1;
 }
 
-// The number that all of `digits` spell; nothing when one of them is not a hexadecimal digit.
+// Returns the number that `digits` spell, or nothing when one of them is not a hexadecimal digit.
 std::optional<std::uint32_t> parse_hex(std::span<const char> digits) noexcept {
   std::uint32_t value = 0;
   for (const char c : digits) {

@@ -7,21 +7,21 @@
 namespace breakaway::socketcan {
 
 can_frame to_kernel(const hal::CanFrame& frame) noexcept {
-  can_frame out{};
-  out.can_id = frame.id | (frame.remote ? CAN_RTR_FLAG : 0U);
-  out.can_dlc = frame.size;
-  if (!frame.remote) std::ranges::copy(frame.payload(), out.data);
-  return out;
+  can_frame kernel_frame{};
+  kernel_frame.can_id = frame.id | (frame.remote ? CAN_RTR_FLAG : 0U);
+  kernel_frame.can_dlc = frame.size;
+  if (!frame.remote) std::ranges::copy(frame.payload(), kernel_frame.data);
+  return kernel_frame;
 }
 
 std::optional<hal::CanFrame> from_kernel(const can_frame& frame) noexcept {
   if ((frame.can_id & (CAN_ERR_FLAG | CAN_EFF_FLAG)) != 0) return {};
-  hal::CanFrame out{.id = static_cast<std::uint16_t>(frame.can_id & CAN_SFF_MASK),
-                    .size = std::min<std::uint8_t>(frame.can_dlc, CAN_MAX_DLEN),
-                    .remote = (frame.can_id & CAN_RTR_FLAG) != 0,
-                    .data = {}};
-  if (!out.remote) std::copy_n(frame.data, out.size, out.data.begin());
-  return out;
+  hal::CanFrame received{.id = static_cast<std::uint16_t>(frame.can_id & CAN_SFF_MASK),
+                         .size = std::min<std::uint8_t>(frame.can_dlc, CAN_MAX_DLEN),
+                         .remote = (frame.can_id & CAN_RTR_FLAG) != 0,
+                         .data = {}};
+  if (!received.remote) std::copy_n(frame.data, received.size, received.data.begin());
+  return received;
 }
 
 ErrorReport error_report(const can_frame& frame) noexcept {

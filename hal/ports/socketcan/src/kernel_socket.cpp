@@ -20,7 +20,9 @@
 namespace breakaway::socketcan {
 namespace {
 
-hal::Time to_time(const timespec& t) noexcept { return std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}; }
+hal::Time to_time(const timespec& t) noexcept {
+  return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
+}
 
 hal::Time now_on(clockid_t clock) noexcept {
   timespec t{};
@@ -93,7 +95,7 @@ OpenResult KernelSocket::configure() noexcept {
     return fail(OpenResult::failed);
   constexpr can_err_mask_t errors = CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
   constexpr int yes = 1;
-  // Old kernels and some drivers lack time stamps and drop counters: then reception is stamped when it is read.
+  // Old kernels and some drivers lack time stamps and drop counters; there a frame is stamped when it is read.
   constexpr int stamps = SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE | SOF_TIMESTAMPING_RX_HARDWARE |
                          SOF_TIMESTAMPING_RAW_HARDWARE;
   set(socket_, SOL_SOCKET, SO_TIMESTAMPING, stamps);
@@ -156,8 +158,8 @@ hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
   std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
   const hal::Time software = to_time(stamps.ts[0]), hardware = to_time(stamps.ts[2]);
   hal::Time time = now;
-  if (software != hal::Time{0}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
-  return hardware != hal::Time{0} ? hardware_clock_.align(hardware, time) : time;
+  if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
+  return hardware != hal::Time{} ? hardware_clock_.align(hardware, time) : time;
 }
 
 std::size_t KernelSocket::unsent_bytes() const noexcept {

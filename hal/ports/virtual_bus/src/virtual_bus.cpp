@@ -7,7 +7,8 @@
 namespace breakaway::virtual_bus {
 namespace {
 
-// Of two frames with one identifier the data frame wins: its remote transmission request bit is dominant.
+// The lower value wins. Of two frames with one identifier that is the data frame's: its remote transmission request bit
+// is dominant.
 unsigned arbitration_field(const hal::CanFrame& frame) noexcept { return frame.id * 2U + (frame.remote ? 1U : 0U); }
 
 }  // namespace
@@ -66,7 +67,7 @@ bool VirtualBus::start_next_frame() noexcept {
   sender_ = winner;
   const unsigned bits = hal::wire_bits(frame_);
   frame_start_ = now_;
-  frame_end_ = now_ + hal::wire_time(bits - hal::kIntermissionBits, config_.bit_rate);
+  frame_end_ = now_ + hal::wire_time(bits - hal::intermission_bits, config_.bit_rate);
   idle_from_ = now_ + hal::wire_time(bits, config_.bit_rate);
   on_wire_ = true;
   return true;
@@ -114,13 +115,12 @@ hal::Duration VirtualBus::random_delay() noexcept {
 VirtualBus::Port::Port(VirtualBus& bus, const VirtualBusConfig& config)
     : bus_{bus}, transmit_{config.transmit_capacity}, receive_{config.receive_capacity} {}
 
-hal::Status VirtualBus::Port::send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-  if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-  if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-  if (state_ == hal::BusState::bus_off) return {hal::StatusCode::bus_off};
-  if (transmit_.push({.frame = frame, .deadline = deadline})) return {};
+hal::SendResult VirtualBus::Port::send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+  if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+  if (state_ == hal::BusState::bus_off) return hal::SendResult::bus_off;
+  if (transmit_.push({.frame = frame, .deadline = deadline})) return hal::SendResult::queued;
   ++bus_.counters_.overflows;
-  return {hal::StatusCode::queue_full};
+  return hal::SendResult::queue_full;
 }
 
 bool VirtualBus::Port::receive(hal::ReceivedFrame& received) noexcept {

@@ -1,29 +1,57 @@
-// Does a configuration fit the bus? Worst-case frame lengths of everything that must pass in one period: SYNC, and for
-// each axis an RPDO of 4 bytes (6040h, 6071h) and a TPDO of 8 (6041h, 6064h, 6077h).
+// The bus budget: do so many axes at this period fit the bus?
+//
+// One period must let pass SYNC and, for each axis, an RPDO of 4 bytes (6040h, 6071h) and a TPDO of 8 (6041h, 6064h,
+// 6077h). Every frame is counted at its worst-case length, with all stuff bits that its payload could need.
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
-#include "breakaway/hal/status.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/hal/wire_length.hpp"
 
 namespace breakaway::canopen {
 
-// What else a period must have room for. SDO and heartbeats lose arbitration against SYNC and PDOs and so can hold them
-// up by no more than the one frame that is on the wire already; one frame kept free for them, whichever it is, bounds
-// that delay and lets them pass. heartbeats: keep room for so many in one period besides.
+// The traffic that a period must have room for besides. SDO and heartbeats lose arbitration against SYNC and PDOs, so
+// they can hold them up by no more than the one frame that is on the wire already; one frame kept free, whichever it
+// is, bounds that delay and lets them pass.
 struct AcyclicTraffic {
-  unsigned frames = 1;  // of 8 bytes
-  unsigned heartbeats = 0;
+  unsigned frames = 1;      // of 8 bytes
+  unsigned heartbeats = 0;  // that must all pass in one period besides
 };
 
 struct BusBudget {
   std::uint32_t needed_us = 0;     // worst case of a period, rounded up
   std::uint32_t available_us = 0;  // the period, rounded down
+  hal::Duration least_period{};    // that these axes fit: needed_us
   unsigned max_axes = 0;           // that fit this period
   std::uint32_t max_rate_Hz = 0;   // for these axes, rounded down
 };
+
+enum class BusFit : std::uint8_t {
+  fits,
+  axes_out_of_range,
+  period_out_of_range,
+  bit_rate_out_of_range,
+  overloaded,  // bus_budget() has the figures
+};
+
+constexpr std::string_view to_string(BusFit fit) noexcept {
+  switch (fit) {
+    case BusFit::fits:
+      return "the axes fit the bus";
+    case BusFit::axes_out_of_range:
+      return "axes must be 1 to 127";
+    case BusFit::period_out_of_range:
+      return "period must be above 0 and at most 1 hour";
+    case BusFit::bit_rate_out_of_range:
+      return "bit_rate must be 10000 to 1000000 bit/s";
+    case BusFit::overloaded:
+      return "the axes do not fit the bus: choose a longer period, a higher bit_rate, or fewer axes";
+  }
+  return "unknown fit";
+}
 
 constexpr std::uint64_t bits_per_axis() noexcept { return hal::worst_case_wire_bits(4) + hal::worst_case_wire_bits(8); }
 
@@ -33,35 +61,44 @@ constexpr std::uint64_t bits_per_period(unsigned axes, AcyclicTraffic acyclic = 
          std::uint64_t{acyclic.heartbeats} * hal::worst_case_wire_bits(1);
 }
 
-// axes: 1..127; period: above 0, up to 1 h; bit_rate in bit/s: 10'000..1'000'000. Everything else gives all zeros.
+namespace internal {
+
+// Axes, period and bit rate are in the ranges for which the figures below do not overflow and mean something.
+constexpr BusFit check_ranges(unsigned axes, hal::Duration period, std::uint32_t bit_rate) noexcept {
+  if (axes < 1 || axes > max_node_id) return BusFit::axes_out_of_range;
+  if (period <= hal::Duration::zero() || period > std::chrono::hours{1}) return BusFit::period_out_of_range;
+  if (bit_rate < 10'000 || bit_rate > 1'000'000) return BusFit::bit_rate_out_of_range;
+  return BusFit::fits;
+}
+
+}  // namespace internal
+
+// The figures for axes of 1 to 127, a period above 0 and up to an hour, and a bit_rate of 10'000 to 1'000'000 bit/s;
+// all zeros for anything else.
 constexpr BusBudget bus_budget(unsigned axes, hal::Duration period, std::uint32_t bit_rate,
                                AcyclicTraffic acyclic = {}) noexcept {
-  constexpr std::uint64_t kGiga = 1'000'000'000;
-  const bool valid = axes >= 1 && axes <= 127 && period > hal::Duration::zero() && period <= std::chrono::hours{1} &&
-                     bit_rate >= 10'000 && bit_rate <= 1'000'000;
-  if (!valid) return {};
+  constexpr std::uint64_t nanoseconds_per_second = 1'000'000'000;
+  if (internal::check_ranges(axes, period, bit_rate) != BusFit::fits) return {};
   const std::uint64_t bits = bits_per_period(axes, acyclic);
+  const auto needed_us = static_cast<std::uint32_t>((bits * 1'000'000 + bit_rate - 1) / bit_rate);
   const auto period_ns = static_cast<std::uint64_t>(period.count());
-  const std::uint64_t available_bits = period_ns * bit_rate / kGiga;
+  const std::uint64_t available_bits = period_ns * bit_rate / nanoseconds_per_second;
   const std::uint64_t fixed_bits = bits_per_period(0, acyclic);
   const std::uint64_t free_bits = available_bits > fixed_bits ? available_bits - fixed_bits : 0;
   const std::uint64_t max_axes = free_bits / bits_per_axis();
-  return {.needed_us = static_cast<std::uint32_t>((bits * 1'000'000 + bit_rate - 1) / bit_rate),
+  return {.needed_us = needed_us,
           .available_us = static_cast<std::uint32_t>(period_ns / 1000),
-          .max_axes = static_cast<unsigned>(max_axes < 127 ? max_axes : 127),
+          .least_period = std::chrono::microseconds{needed_us},
+          .max_axes = static_cast<unsigned>(max_axes < max_node_id ? max_axes : max_node_id),
           .max_rate_Hz = static_cast<std::uint32_t>(bit_rate / bits)};
 }
 
-// ok; bus_overload (detail: the microseconds needed; bus_budget has the other figures); or invalid_argument (detail 1:
-// axes, 2: period, 3: bit rate outside the ranges of bus_budget).
-constexpr hal::Status check_bus_budget(unsigned axes, hal::Duration period, std::uint32_t bit_rate,
-                                       AcyclicTraffic acyclic = {}) noexcept {
-  if (axes < 1 || axes > 127) return {hal::StatusCode::invalid_argument, 1};
-  if (period <= hal::Duration::zero() || period > std::chrono::hours{1}) return {hal::StatusCode::invalid_argument, 2};
-  if (bit_rate < 10'000 || bit_rate > 1'000'000) return {hal::StatusCode::invalid_argument, 3};
-  const BusBudget budget = bus_budget(axes, period, bit_rate, acyclic);
-  if (axes > budget.max_axes) return {hal::StatusCode::bus_overload, budget.needed_us};
-  return {};
+// Returns `fits`, `overloaded`, or which argument is outside its range.
+[[nodiscard]] constexpr BusFit check_bus_budget(unsigned axes, hal::Duration period, std::uint32_t bit_rate,
+                                                AcyclicTraffic acyclic = {}) noexcept {
+  const BusFit ranges = internal::check_ranges(axes, period, bit_rate);
+  if (ranges != BusFit::fits) return ranges;
+  return axes <= bus_budget(axes, period, bit_rate, acyclic).max_axes ? BusFit::fits : BusFit::overloaded;
 }
 
 }  // namespace breakaway::canopen

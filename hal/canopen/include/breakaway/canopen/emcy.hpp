@@ -1,4 +1,4 @@
-// Emergency messages (CiA 301, 7.2.7).
+// Emergency messages (CiA 301, 7.2.7): what a node says when an error comes or goes.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class EmcyConsumer {
  public:
   explicit constexpr EmcyConsumer(std::uint8_t node_id) noexcept : cob_id_{emcy_cob_id(node_id)} {}
 
-  // True when the frame was this node's emergency.
+  // Returns true when the frame was this node's emergency.
   constexpr bool on_frame(const hal::CanFrame& frame) noexcept {
     if (frame.id != cob_id_ || frame.remote || frame.size != 8) return false;
     last_.code = load_little_endian<std::uint16_t>(frame.data);
@@ -45,7 +45,8 @@ class EmcyConsumer {
 
   constexpr const Emcy& last() const noexcept { return last_; }
   constexpr bool active() const noexcept { return last_.code != 0; }
-  constexpr std::uint32_t count() const noexcept { return count_; }  // messages since construction, resets included
+  // Counts the messages since construction, those that say that an error is gone included.
+  constexpr std::uint32_t count() const noexcept { return count_; }
 
  private:
   std::uint16_t cob_id_;

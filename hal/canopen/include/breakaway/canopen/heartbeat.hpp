@@ -1,5 +1,5 @@
-// Heartbeats (CiA 301, 7.2.8.3.2): what a remote node says of its NMT state, and when it stopped saying it; and our
-// own.
+// Heartbeats (CiA 301, 7.2.8.3.2): a consumer that knows a remote node's NMT state and notices its silence, and a
+// producer for our own.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class HeartbeatConsumer {
 
   constexpr void on_frame(const hal::CanFrame& frame, hal::Time time) noexcept {
     if (frame.id != cob_id_ || frame.remote || frame.size != 1) return;
-    const auto value = static_cast<std::uint8_t>(frame.data[0] & 0x7FU);  // bit 7: the toggle of old node guarding
+    const auto value = static_cast<std::uint8_t>(frame.data[0] & 0x7FU);  // bit 7 is the toggle of old node guarding
     if (!is_nmt_state(value)) return;
     state_ = static_cast<NmtState>(value);
     booted_ = booted_ || state_ == NmtState::boot_up;
@@ -46,11 +46,11 @@ class HeartbeatConsumer {
     if (supervised_ && now - last_time_ > timeout_) lost_ = true;
   }
 
-  // Nothing until the node was heard.
+  // Holds nothing until the node was heard.
   constexpr std::optional<NmtState> state() const noexcept { return state_; }
-  // Silent for longer than the timeout, and still so.
+  // The node has been silent for longer than the timeout and still is.
   constexpr bool lost() const noexcept { return lost_; }
-  // True once for every boot-up: the node lost its configuration.
+  // Returns true once for every boot-up, at which the node lost its configuration.
   constexpr bool take_boot_up() noexcept { return std::exchange(booted_, false); }
   constexpr void forget_state() noexcept { state_.reset(); }
 
@@ -70,7 +70,8 @@ class HeartbeatProducer {
   constexpr HeartbeatProducer(std::uint8_t node_id, hal::Duration period) noexcept
       : node_id_{node_id}, period_{period} {}
 
-  // True, with the frame, when one is due; the first at once. A late call does not make the following ones early.
+  // Returns true and fills `frame` when a heartbeat is due; the first is due at once. A late call does not make the
+  // following ones early.
   constexpr bool next_frame(hal::CanFrame& frame, NmtState state, hal::Time now) noexcept {
     if (period_ <= hal::Duration::zero() || (due_ && now < *due_)) return false;
     due_ = now + period_;

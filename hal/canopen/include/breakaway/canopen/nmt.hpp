@@ -1,4 +1,4 @@
-// Network management (CiA 301, 7.2.8): the master's commands and the state that a node reports.
+// Network management (CiA 301, 7.2.8): the master's commands and the states that nodes report.
 #pragma once
 
 #include <array>
@@ -10,9 +10,10 @@
 
 namespace breakaway::canopen {
 
-// As a heartbeat carries it.
+// The values are those of a heartbeat's byte.
 enum class NmtState : std::uint8_t { boot_up = 0x00, stopped = 0x04, operational = 0x05, pre_operational = 0x7F };
 
+// The values are those of an NMT frame's first byte.
 enum class NmtCommand : std::uint8_t {
   start = 0x01,
   stop = 0x02,
@@ -21,11 +22,11 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
-inline constexpr std::uint8_t kAllNodes = 0;
+inline constexpr std::uint8_t all_nodes = 0;
 
-// node_id: 1..127, or kAllNodes.
+// node_id: 1..127, or all_nodes.
 constexpr hal::CanFrame nmt_frame(NmtCommand command, std::uint8_t node_id) noexcept {
-  return {.id = kNmtCobId, .size = 2, .remote = false, .data = {static_cast<std::uint8_t>(command), node_id}};
+  return {.id = nmt_cob_id, .size = 2, .remote = false, .data = {static_cast<std::uint8_t>(command), node_id}};
 }
 
 constexpr bool is_nmt_state(std::uint8_t value) noexcept {

@@ -12,17 +12,18 @@
 
 namespace breakaway::canopen {
 
-// Bit 30 of a TPDO's COB-ID entry: no remote requests. A node that does not support them refuses an entry without it.
-inline constexpr std::uint32_t kNoRemoteRequest = 0x4000'0000U;
-// Transmission type 1: acts at every SYNC.
-inline constexpr std::uint8_t kEverySync = 1;
+// Bit 30 of a TPDO's COB-ID entry says that the PDO may not be asked for by a remote frame. A node that cannot answer
+// such frames refuses an entry without it.
+inline constexpr std::uint32_t no_remote_request = 0x4000'0000U;
+// The transmission type of a PDO that acts at every SYNC.
+inline constexpr std::uint8_t every_sync = 1;
 
 struct MappedObject {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
   std::uint8_t bits = 0;  // 1..64
 
-  // As 16xxh and 1Axxh hold it.
+  // The form in which 16xxh and 1Axxh hold it.
   constexpr std::uint32_t entry() const noexcept {
     return static_cast<std::uint32_t>(index) << 16 | static_cast<std::uint32_t>(subindex) << 8 | bits;
   }
@@ -34,17 +35,17 @@ struct MappedObject {
 };
 
 struct PdoMapping {
-  static constexpr std::size_t kMaxObjects = 8;
+  static constexpr std::size_t max_objects = 8;
 
   std::uint16_t parameter_index = 0;  // 1400h.. or 1800h..
   std::uint16_t mapping_index = 0;    // 1600h.. or 1A00h..
   std::uint32_t cob_id = 0;           // with its flags, valid
-  std::uint8_t transmission_type = kEverySync;
-  std::uint8_t count = 0;  // 0..kMaxObjects
-  std::array<MappedObject, kMaxObjects> objects{};
+  std::uint8_t transmission_type = every_sync;
+  std::uint8_t count = 0;  // of objects that are mapped, 0..max_objects
+  std::array<MappedObject, max_objects> objects{};
 
   constexpr std::span<const MappedObject> mapped() const noexcept {
-    return std::span{objects}.first(count <= kMaxObjects ? count : kMaxObjects);
+    return std::span{objects}.first(count <= max_objects ? count : max_objects);
   }
   // The payload's length, rounded up to whole bytes.
   constexpr std::size_t size_bytes() const noexcept {
@@ -54,7 +55,7 @@ struct PdoMapping {
   }
 };
 
-// An expedited SDO write.
+// An object and the value that an expedited SDO transfer writes to it.
 struct ObjectWrite {
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
@@ -65,10 +66,10 @@ struct ObjectWrite {
 // The writes that remap a PDO, in the order that CiA 301 (7.5.2.36) demands: invalidate, empty, map, fill, validate.
 constexpr std::size_t remap_step_count(const PdoMapping& pdo) noexcept { return pdo.mapped().size() + 5; }
 
-// step: 0..remap_step_count(pdo) - 1.
+// Returns one of those writes; step: 0..remap_step_count(pdo) - 1.
 constexpr ObjectWrite remap_step(const PdoMapping& pdo, std::size_t step) noexcept {
   const std::size_t count = pdo.mapped().size();
-  if (step == 0) return {pdo.parameter_index, 1, 4, pdo.cob_id | kCobIdInvalid};
+  if (step == 0) return {pdo.parameter_index, 1, 4, pdo.cob_id | cob_id_invalid};
   if (step == 1) return {pdo.mapping_index, 0, 1, 0};
   if (step < count + 2)
     return {pdo.mapping_index, static_cast<std::uint8_t>(step - 1), 4, pdo.objects[step - 2].entry()};
@@ -77,8 +78,8 @@ constexpr ObjectWrite remap_step(const PdoMapping& pdo, std::size_t step) noexce
   return {pdo.parameter_index, 1, 4, pdo.cob_id};
 }
 
-// The lowest `bits` of each value, one behind the other. Missing values count as zero. Signed values are passed as
-// their two's complement. A mapping of more than 64 bits does not fit a PDO: what is beyond is not packed.
+// Packs the lowest `bits` of each value, one behind the other. Missing values count as zero. Signed values are passed
+// as their two's complement. A mapping of more than 64 bits does not fit a PDO: what is beyond is not packed.
 constexpr hal::CanFrame pack_pdo(const PdoMapping& pdo, std::span<const std::uint64_t> values) noexcept {
   std::uint64_t payload = 0;
   unsigned offset = 0;
@@ -88,16 +89,18 @@ constexpr hal::CanFrame pack_pdo(const PdoMapping& pdo, std::span<const std::uin
     payload |= (values[i] & mask) << offset;
     offset += bits;
   }
-  hal::CanFrame frame{.id = static_cast<std::uint16_t>(pdo.cob_id & 0x7FFU), .size = 0, .remote = false, .data = {}};
+  hal::CanFrame frame{
+      .id = static_cast<std::uint16_t>(pdo.cob_id & hal::CanFrame::max_id), .size = 0, .remote = false, .data = {}};
   frame.size = static_cast<std::uint8_t>(pdo.size_bytes() <= 8 ? pdo.size_bytes() : 8);
   store_little_endian(frame.data, payload);
   return frame;
 }
 
-// The inverse: values.size() of the mapped objects, unsigned. False, and nothing written, when the frame is not this
+// Unpacks values.size() of the mapped objects, unsigned. Returns false, and writes nothing, when the frame is not this
 // PDO or is shorter than its mapping.
 constexpr bool unpack_pdo(const PdoMapping& pdo, const hal::CanFrame& frame, std::span<std::uint64_t> values) noexcept {
-  if (frame.id != (pdo.cob_id & 0x7FFU) || frame.remote || frame.payload().size() < pdo.size_bytes()) return false;
+  if (frame.id != (pdo.cob_id & hal::CanFrame::max_id) || frame.remote || frame.payload().size() < pdo.size_bytes())
+    return false;
   const auto payload = load_little_endian<std::uint64_t>(frame.payload());
   unsigned offset = 0;
   for (std::size_t i = 0; i < pdo.mapped().size() && i < values.size() && offset < 64; ++i) {

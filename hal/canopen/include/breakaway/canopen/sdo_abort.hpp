@@ -1,4 +1,4 @@
-// SDO abort codes (CiA 301, 7.2.4.3.17).
+// SDO abort codes (CiA 301, 7.2.4.3.17): why a transfer was ended before it was done.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 namespace breakaway::canopen {
 
 enum class SdoAbort : std::uint32_t {
+  none = 0,  // no code of the standard: nothing was aborted
   toggle_bit = 0x0503'0000,
   timeout = 0x0504'0000,
   command_specifier = 0x0504'0001,
@@ -36,6 +37,8 @@ enum class SdoAbort : std::uint32_t {
 
 constexpr std::string_view to_string(SdoAbort code) noexcept {
   switch (code) {
+    case SdoAbort::none:
+      return "not aborted";
     case SdoAbort::toggle_bit:
       return "toggle bit not alternated";
     case SdoAbort::timeout:

@@ -6,9 +6,9 @@
 
 namespace breakaway::canopen {
 
-// Without the optional counter (1019h = 0).
-constexpr hal::CanFrame sync_frame() noexcept { return {.id = kSyncCobId, .size = 0, .remote = false, .data = {}}; }
+// The frame has no counter, which is optional (1019h = 0).
+constexpr hal::CanFrame sync_frame() noexcept { return {.id = sync_cob_id, .size = 0, .remote = false, .data = {}}; }
 
-constexpr bool is_sync(const hal::CanFrame& frame) noexcept { return frame.id == kSyncCobId && !frame.remote; }
+constexpr bool is_sync(const hal::CanFrame& frame) noexcept { return frame.id == sync_cob_id && !frame.remote; }
 
 }  // namespace breakaway::canopen

@@ -1,11 +1,28 @@
-// A CiA 402 drive in cyclic synchronous torque mode, as the control loop sees it: force in, position out.
+// Drive: a CiA 402 drive in cyclic synchronous torque mode, as the control loop sees it. Force goes in, position comes
+// out; it models hal::MotorDrive and firmware::BusDrive.
 //
-//   each period: on_frame for every received frame; update(now); feedback(); command(force);
-//                on_sync(time of the SYNC); send what next_command_frame and next_acyclic_frame hand out.
+// It puts four parts together: DriveNode sets the drive up over the bus and watches it, StateMachine walks it through
+// the states of CiA 402, TorqueScale turns newtons into per mille of the rated torque, and the two PDOs carry command
+// and sample. Drive units exist only inside. Encoder counts, too, are in the axis' direction: with invert_direction
+// they are the drive's with the sign changed.
 //
-// Drive units exist only inside. Encoder counts, too, are in the axis' direction: with invert_direction they are the
-// drive's with the sign changed. A drive that leaves Operation enabled by itself, or reboots, stays off until
-// request_enable.
+//   Drive<float> drive{{.node_id = 1, .force_per_torque_N_per_Nm = 50}, {.period = 1ms}, {1e-6F, 50}};
+//
+//   once a period:
+//     for every received frame: drive.on_frame(received);
+//     drive.update(now);
+//     drive.feedback(); drive.command(force_N);
+//     send what drive.next_command_frame() hands out, then SYNC, and say so by drive.on_sync(now);
+//     send what drive.next_acyclic_frame() hands out, as far as the bus has room.
+//
+// The RPDO leaves before its SYNC, at which the drive acts on it and takes the next sample; so a force acts one period
+// after the sample that it was computed from. A command is used up by the frame that carries it: without a new one the
+// next carries zero torque.
+//
+// A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
+// used is `unusable`, sends no command, and setup_status() says why.
+//
+// It owns no port, holds no pointers and may be copied. It never blocks or allocates, and is for one thread.
 #pragma once
 
 #include <array>
@@ -16,11 +33,15 @@
 #include <utility>
 
 #include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/canopen/nmt.hpp"
+#include "breakaway/canopen/object_address.hpp"
 #include "breakaway/canopen/pdo.hpp"
 #include "breakaway/canopen/sync.hpp"
+#include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/drive_node.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
+#include "breakaway/cia402/setup_status.hpp"
 #include "breakaway/cia402/state_machine.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/can_frame.hpp"
@@ -29,57 +50,34 @@
 namespace breakaway::cia402 {
 
 template <class Scalar>
-struct DriveConfig {
-  std::uint8_t node_id = 1;            // 1..127
-  Scalar encoder_resolution_m{};       // metres of travel a count, above 0
-  Scalar force_per_torque_N_per_Nm{};  // force at the axis for one Nm at the motor, above 0 (1 / lever)
-  Scalar max_force_N{};                // the axis' own limit, above 0; the drive's (6072h) counts besides
-  hal::Duration heartbeat_period = std::chrono::milliseconds{100};
-  hal::Duration heartbeat_timeout = std::chrono::milliseconds{250};
-  hal::Duration sdo_timeout = std::chrono::milliseconds{50};
-  hal::Duration period = std::chrono::milliseconds{1};  // of control and SYNC
-  bool invert_direction = false;                        // the drive's positive direction is the axis' negative one
-  std::uint8_t master_node_id = 127;                    // who sends the heartbeats that the drive supervises
-
-  NodeConfig node() const noexcept {
-    return {node_id, master_node_id, heartbeat_period, heartbeat_timeout, sdo_timeout, period};
-  }
-};
-
-// As check(NodeConfig), and 7: encoder_resolution_m, 8: force_per_torque_N_per_Nm, 9: max_force_N.
-template <class Scalar>
-hal::Status check(const DriveConfig<Scalar>& config) noexcept {
-  constexpr auto positive = [](Scalar value) { return value > 0 && std::isfinite(value); };
-  if (const hal::Status status = check(config.node()); !status.ok()) return status;
-  if (!positive(config.encoder_resolution_m)) return {hal::StatusCode::invalid_argument, 7};
-  if (!positive(config.force_per_torque_N_per_Nm)) return {hal::StatusCode::invalid_argument, 8};
-  if (!positive(config.max_force_N)) return {hal::StatusCode::invalid_argument, 9};
-  return {};
-}
-
-template <class Scalar>
 class Drive {
  public:
-  explicit Drive(const DriveConfig<Scalar>& config) noexcept
+  using Config = DriveConfig<Scalar>;
+
+  // A drive with what check() does not accept is unusable for good and sends nothing.
+  Drive(const Config& config, const canopen::NetworkConfig& network, const hal::AxisScale<Scalar>& scale) noexcept
       : config_{config},
-        config_status_{check(config)},
+        period_{network.period},
+        scale_{scale},
+        config_error_{check(config, network, scale)},
+        own_status_{config_error_ == DriveConfigError::none ? SetupStatus::ready : SetupStatus::config_invalid},
         sign_{config.invert_direction ? Scalar{-1} : Scalar{1}},
         command_pdo_{command_pdo(config.node_id)},
         feedback_pdo_{feedback_pdo(config.node_id)},
-        node_{config.node()} {}
+        node_{config, network} {}
 
-  // Every frame that the bus brings; those of other nodes are passed over.
+  // Takes any frame that the bus brought; those of other nodes are passed over.
   void on_frame(const hal::ReceivedFrame& received) noexcept {
     if (canopen::is_sync(received.frame)) on_sync(received.time);
     node_.on_frame(received);
     if (node_.operational()) on_feedback_pdo(received);
   }
-  // A node does not receive its own frames: whoever sends SYNC says when.
+  // SYNC was sent at `time`. A node does not receive its own frames, so whoever sends SYNC says when.
   void on_sync(hal::Time time) noexcept { sync_time_ = time; }
 
-  // Once a period, after the frames.
+  // Moves on by one period, after the frames.
   void update(hal::Time now) noexcept {
-    if (!config_status_.ok()) return;
+    if (own_status_ != SetupStatus::ready) return;
     const bool was_ready = node_.ready();
     const std::uint32_t reboots = node_.reboots();
     node_.update(now);
@@ -91,24 +89,25 @@ class Drive {
     follow_fault();
   }
 
-  // At most one NMT or SDO frame that is to be sent now; false when there is none.
+  // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent now, at most one a call. The frame
+  // must then be sent.
   bool next_acyclic_frame(hal::CanFrame& frame, hal::Time now) noexcept {
-    return config_status_.ok() && node_.next_frame(frame, now);
+    return own_status_ == SetupStatus::ready && node_.next_frame(frame, now);
   }
 
-  // The RPDO of this period; false while the node is not NMT operational. Uses the force up: without a new command()
-  // the next one carries zero torque.
+  // Returns true and fills `frame` with the RPDO of this period; false while the node is not NMT operational. Uses the
+  // force up: without a new command() the next one carries zero torque.
   bool next_command_frame(hal::CanFrame& frame) noexcept {
     const Scalar force_N = std::exchange(force_N_, Scalar{0});
     if (!usable() || !node_.operational()) return false;
     const bool follows = node_.ready() && machine_.follows();
-    const std::int16_t torque = follows ? scale_.per_mille(sign_ * force_N) : std::int16_t{0};
+    const std::int16_t torque = follows ? torque_scale_.per_mille(sign_ * force_N) : std::int16_t{0};
     const std::array<std::uint64_t, 2> values{machine_.controlword(), static_cast<std::uint16_t>(torque)};
     frame = canopen::pack_pdo(command_pdo_, values);
     return true;
   }
 
-  // MotorDrive
+  // MotorDrive; see hal/motor_drive.hpp for what the calls promise.
 
   hal::DriveFeedback<Scalar> feedback() noexcept {
     // Unsigned subtraction wraps as the drive's counter does, so an axis may travel across the end of the range.
@@ -116,7 +115,7 @@ class Drive {
     return {.state = state(),
             .position_offset_m = to_metres(offset),
             .position_m = to_metres(counts_),
-            .force_N = sign_ * scale_.force_N(torque_),
+            .force_N = sign_ * torque_scale_.force_N(torque_),
             .sample_time = sample_time_,
             .fresh = std::exchange(fresh_, false),
             .ever_valid = ever_valid_,
@@ -127,19 +126,23 @@ class Drive {
   void request_enable() noexcept { machine_.request_enable(); }
   void request_stop() noexcept { machine_.request_stop(); }
   void reset_fault() noexcept { machine_.reset_fault(); }
-  // The configured limit until the drive's own is known, then the lower of the two, in whole quanta.
+  // The axis' limit until the drive's own is known; then the lower of the two, in whole quanta.
   Scalar max_force_N() const noexcept {
-    return scale_.limit_per_mille() > 0 ? scale_.max_force_N() : config_.max_force_N;
+    return torque_scale_.limit_per_mille() > 0 ? torque_scale_.max_force_N() : scale_.max_force_N;
   }
-  // As DriveNode::status; invalid_argument as check(DriveConfig), with detail 9 also when max_force_N is less than one
-  // quantum of this drive.
-  hal::Status setup_status() const noexcept { return config_status_.ok() ? node_.status() : config_status_; }
+  SetupStatus setup_status() const noexcept { return own_status_ == SetupStatus::ready ? node_.status() : own_status_; }
 
   std::uint8_t node_id() const noexcept { return config_.node_id; }
+  Scalar encoder_resolution_m() const noexcept { return scale_.encoder_resolution_m; }
 
-  // For the supervisor and for display
+  // The rest is for the supervisor and for display.
 
-  std::uint32_t setup_object() const noexcept { return node_.setup_object(); }
+  // The field that makes setup_status() config_invalid; `none` otherwise.
+  DriveConfigError config_error() const noexcept { return config_error_; }
+  // The object at which the set-up stands, was not answered, or was refused; index 0 when none is concerned.
+  canopen::ObjectAddress setup_object() const noexcept { return node_.setup_object(); }
+  // Why the drive refuses that object, when setup_status() is object_refused; SdoAbort::none otherwise.
+  canopen::SdoAbort setup_abort_code() const noexcept { return node_.setup_abort_code(); }
   std::optional<canopen::NmtState> nmt_state() const noexcept { return node_.nmt_state(); }
   bool heartbeat_lost() const noexcept { return node_.heartbeat_lost(); }
   const canopen::Emcy& last_emcy() const noexcept { return node_.emcy().last(); }
@@ -147,14 +150,15 @@ class Drive {
   std::uint32_t reboots() const noexcept { return node_.reboots(); }
   std::uint16_t statusword() const noexcept { return statusword_; }
   std::optional<State> cia402_state() const noexcept { return machine_.state(); }
+  // The position of the newest sample.
   std::int32_t position_counts() const noexcept { return counts_; }
   const DriveRating& rating() const noexcept { return node_.rating(); }
   // Force of one per mille of the rated torque; 0 until the drive is set up.
-  Scalar torque_quantum_N() const noexcept { return scale_.quantum_N(); }
-  // The count nearest to a position, to set the datum by; saturates.
+  Scalar torque_quantum_N() const noexcept { return torque_scale_.quantum_N(); }
+  // The count nearest to a position, to set the datum by. It saturates.
   std::int32_t counts_at(Scalar position_m) const noexcept {
     constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
-    const Scalar counts = std::round(position_m / config_.encoder_resolution_m);
+    const Scalar counts = std::round(position_m / scale_.encoder_resolution_m);
     if (!(counts > static_cast<Scalar>(lowest))) return lowest;
     if (counts >= -static_cast<Scalar>(lowest)) return std::numeric_limits<std::int32_t>::max();
     return static_cast<std::int32_t>(counts);
@@ -169,17 +173,16 @@ class Drive {
     counts_ = static_cast<std::int32_t>(config_.invert_direction ? 0U - counts : counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
     machine_.on_statusword(statusword_);
-    const bool answers_sync =
-        sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= config_.period;
+    const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= period_;
     sample_time_ = answers_sync ? *sync_time_ : received.time;
     fresh_ = ever_valid_ = true;
   }
 
   void adopt_rating() noexcept {
     const DriveRating& rating = node_.rating();
-    scale_ = TorqueScale<Scalar>{rating.rated_torque_mNm, rating.max_torque_per_mille,
-                                 config_.force_per_torque_N_per_Nm, config_.max_force_N};
-    if (scale_.limit_per_mille() == 0) config_status_ = {hal::StatusCode::invalid_argument, 9};
+    torque_scale_ = TorqueScale<Scalar>{rating.rated_torque_mNm, rating.max_torque_per_mille,
+                                        config_.force_per_torque_N_per_Nm, scale_.max_force_N};
+    if (torque_scale_.limit_per_mille() == 0) own_status_ = SetupStatus::force_step_too_coarse;
   }
 
   void follow_fault() noexcept {
@@ -189,7 +192,7 @@ class Drive {
     was_faulty_ = faulty;
   }
 
-  bool usable() const noexcept { return config_status_.ok() && node_.phase() != SetupPhase::refused; }
+  bool usable() const noexcept { return own_status_ == SetupStatus::ready && node_.phase() != SetupPhase::refused; }
 
   hal::DriveState state() const noexcept {
     if (!usable()) return hal::DriveState::unusable;
@@ -218,17 +221,20 @@ class Drive {
   }
 
   Scalar to_metres(std::int32_t counts) const noexcept {
-    return static_cast<Scalar>(counts) * config_.encoder_resolution_m;
+    return static_cast<Scalar>(counts) * scale_.encoder_resolution_m;
   }
 
-  DriveConfig<Scalar> config_;
-  hal::Status config_status_;
+  Config config_;
+  hal::Duration period_;
+  hal::AxisScale<Scalar> scale_;
+  DriveConfigError config_error_;
+  SetupStatus own_status_;  // `ready`: nothing is wrong here, and the rest is for node_ to say
   Scalar sign_;
   canopen::PdoMapping command_pdo_;
   canopen::PdoMapping feedback_pdo_;
   DriveNode node_;
   StateMachine machine_;
-  TorqueScale<Scalar> scale_;
+  TorqueScale<Scalar> torque_scale_;
 
   Scalar force_N_{0};
   std::uint32_t datum_counts_ = 0;

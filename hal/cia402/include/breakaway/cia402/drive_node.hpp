@@ -1,5 +1,19 @@
-// The CANopen side of one drive: waits for the node, sets it up by SDO beside the cyclic traffic, starts it, makes sure
-// of its mode, and from then on watches heartbeat, NMT state and emergencies. A node that reboots is set up anew.
+// DriveNode: the CANopen side of one drive, from power-up to cyclic operation and back.
+//
+//   waiting -> configuring -> starting -> verifying_mode -> ready
+//                   |                          |
+//                   +--------> refused <-------+
+//
+// It waits for the node to show up in Pre-operational, and makes it do so if it must: a silent node is told to reset
+// its communication, one that runs already is taken back. Then it sets the node up by SDO beside the cyclic traffic
+// (setup_plan.hpp), starts it, and asks until 6061h shows cyclic synchronous torque. From then on it watches heartbeat,
+// NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; one that leaves NMT operational by
+// itself is started again; one that stops answering is waited for. A node that cannot be used is refused until it
+// reboots, and status() says why.
+//
+//   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
+//
+// It owns no port, holds no pointers, never blocks or allocates, and is for one thread.
 #pragma once
 
 #include <cstddef>
@@ -9,24 +23,26 @@
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/nmt.hpp"
+#include "breakaway/canopen/object_address.hpp"
 #include "breakaway/canopen/sdo_client.hpp"
+#include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
+#include "breakaway/cia402/setup_status.hpp"
 #include "breakaway/hal/can_frame.hpp"
-#include "breakaway/hal/status.hpp"
 #include "breakaway/hal/time.hpp"
 
 namespace breakaway::cia402 {
 
 enum class SetupPhase : std::uint8_t {
-  waiting,         // for the node to show up in Pre-operational
-  configuring,     // SDO transfers of the set-up plan
+  waiting,         // until the node shows up in Pre-operational
+  configuring,     // until the transfers of the set-up plan are done
   starting,        // until the node says that it is NMT operational
   verifying_mode,  // until 6061h shows cyclic synchronous torque
   ready,           // until the node reboots or leaves NMT operational
   refused,         // until the node reboots; status() says why
 };
 
-// What the drive told of itself.
+// The drive's own figures, as it told them.
 struct DriveRating {
   std::uint32_t rated_current_mA = 0;  // 0: not told
   std::uint32_t rated_torque_mNm = 0;
@@ -36,20 +52,36 @@ struct DriveRating {
 class DriveNode {
  public:
   // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
-  static constexpr hal::Duration kBootTime = std::chrono::seconds{2};
-  static constexpr unsigned kSdoAttempts = 3;  // of one transfer, before the node counts as gone
-  static constexpr hal::Duration kModePollTime = std::chrono::milliseconds{20};
-  static constexpr hal::Duration kModeRequestTime = std::chrono::milliseconds{500};
-  static constexpr hal::Duration kModeTimeout = std::chrono::seconds{10};  // drives were seen to take seconds
+  static constexpr hal::Duration boot_time = std::chrono::seconds{2};
+  // A transfer is tried so often before the node counts as gone.
+  static constexpr unsigned sdo_attempts = 3;
+  // 6061h is asked for at this interval, and 6060h written again at the longer one, until the time is over. Drives were
+  // seen to take seconds.
+  static constexpr hal::Duration mode_poll_time = std::chrono::milliseconds{20};
+  static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
+  static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};
 
-  explicit DriveNode(const NodeConfig& config) noexcept;
+  // A node with what check() does not accept is refused for good and sends nothing.
+  template <class Scalar>
+  DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
+      : node_id_{drive.node_id},
+        heartbeat_timeout_{drive.heartbeat_timeout},
+        config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
+        plan_{drive, network},
+        sdo_{drive.node_id, drive.sdo_timeout},
+        heartbeat_{drive.node_id, drive.heartbeat_timeout},
+        emcy_{drive.node_id} {
+    if (!config_valid_) refuse(SetupStatus::config_invalid);
+  }
 
+  // Takes any frame that the bus brought; those of other nodes are passed over.
   void on_frame(const hal::ReceivedFrame& received) noexcept;
+  // Moves on by one period, after the frames.
   void update(hal::Time now) noexcept;
-  // At most one NMT command or SDO frame that is to be sent now. The master's heartbeat is not among them: it is one
-  // for all its drives.
+  // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent, which must then be sent: at most
+  // one a call. The master's heartbeat is not among them, because it is one for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
-  // Reads 603Fh, once the node is ready.
+  // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
   void forget_errors() noexcept;
 
@@ -57,44 +89,52 @@ class DriveNode {
   bool ready() const noexcept { return phase_ == SetupPhase::ready; }
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept { return phase_ == SetupPhase::verifying_mode || ready(); }
-  // ok when ready; would_block while it is on the way (detail: object index << 8 | sub-index); timeout when an SDO
-  // transfer was not answered and the node is waited for again (same detail); else why the node is refused.
-  hal::Status status() const noexcept { return status_; }
-  // The object at which the set-up stands or was refused: index << 8 | sub-index.
-  std::uint32_t setup_object() const noexcept { return setup_object_; }
+
+  SetupStatus status() const noexcept { return status_; }
+  // The object at which the set-up stands, was not answered, or was refused; index 0 when none is concerned.
+  canopen::ObjectAddress setup_object() const noexcept { return setup_object_; }
+  // Why the drive aborted, when status() is object_refused; SdoAbort::none otherwise.
+  canopen::SdoAbort setup_abort_code() const noexcept {
+    return status_ == SetupStatus::object_refused ? sdo_.abort_code() : canopen::SdoAbort::none;
+  }
+
   const DriveRating& rating() const noexcept { return rating_; }
-  std::uint16_t error_code() const noexcept { return error_code_; }  // 603Fh as last read; 0: not read
+  // 603Fh as it was last read; 0 when it was not.
+  std::uint16_t error_code() const noexcept { return error_code_; }
   std::optional<canopen::NmtState> nmt_state() const noexcept { return heartbeat_.state(); }
   bool heartbeat_lost() const noexcept { return heartbeat_.lost(); }
   const canopen::EmcyConsumer& emcy() const noexcept { return emcy_; }
-  std::uint32_t reboots() const noexcept { return reboots_; }  // that nobody here asked for
+  // Counts the boot-ups that nobody here asked for.
+  std::uint32_t reboots() const noexcept { return reboots_; }
 
  private:
   void wait_for_node(hal::Time now) noexcept;
   void begin_configuration(hal::Time now) noexcept;
   void configure(hal::Time now) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
-  void on_step_done(const SetupStep& step, hal::Time now) noexcept;
-  void on_step_failed(const SetupStep& step, hal::Status result, hal::Time now) noexcept;
+  void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
+  void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
   void begin_start(hal::Time now) noexcept;
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
-  void on_mode_transfer(hal::Status result, hal::Time now) noexcept;
+  void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
   void enter(SetupPhase phase, hal::Time now) noexcept;
-  void refuse(hal::Status status) noexcept;
+  void refuse(SetupStatus status) noexcept;
 
-  NodeConfig config_;
+  std::uint8_t node_id_;
+  hal::Duration heartbeat_timeout_;
+  bool config_valid_;
   SetupPlan plan_;
   canopen::SdoClient sdo_;
   canopen::HeartbeatConsumer heartbeat_;
   canopen::EmcyConsumer emcy_;
 
   SetupPhase phase_ = SetupPhase::waiting;
-  hal::Status status_{hal::StatusCode::would_block};
-  bool config_valid_ = false;
+  SetupStatus status_ = SetupStatus::in_progress;
+  canopen::ObjectAddress setup_object_{};
   std::optional<hal::Time> since_;         // when the phase was entered
   std::optional<hal::Time> last_command_;  // when NMT was last told something in this phase
   std::optional<canopen::NmtCommand> nmt_command_;
@@ -104,7 +144,6 @@ class DriveNode {
   bool mode_write_ = false;  // the running transfer is a renewed request of the mode
   hal::Time last_mode_request_{};
   std::optional<hal::Time> last_mode_poll_;
-  std::uint32_t setup_object_ = 0;
   DriveRating rating_;
   bool error_code_wanted_ = false;
   std::uint16_t error_code_ = 0;

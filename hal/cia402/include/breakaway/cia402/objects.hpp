@@ -1,4 +1,5 @@
-// Indices of the objects of CiA 301 and CiA 402 that a torque-controlled drive is set up and run with.
+// Indices of the objects of CiA 301 and CiA 402 that a torque-controlled drive is set up and run with. The comment of
+// an index gives the object's type and unit, and those of its sub-indices where it has any.
 #pragma once
 
 #include <cstdint>
@@ -6,54 +7,58 @@
 namespace breakaway::cia402::object {
 
 // CiA 301
-inline constexpr std::uint16_t device_type = 0x1000;         // u32: device profile number in bits 0..15
-inline constexpr std::uint16_t error_register = 0x1001;      // u8
-inline constexpr std::uint16_t sync_cob_id = 0x1005;         // u32, bit 30: producer
-inline constexpr std::uint16_t sync_period_us = 0x1006;      // u32
-inline constexpr std::uint16_t sync_window_us = 0x1007;      // u32
-inline constexpr std::uint16_t emcy_cob_id = 0x1014;         // u32
-inline constexpr std::uint16_t consumer_heartbeat = 0x1016;  // :01 u32: node << 16 | milliseconds
-inline constexpr std::uint16_t producer_heartbeat = 0x1017;  // u16, milliseconds; 0: none
-inline constexpr std::uint16_t identity = 0x1018;            // :01 vendor :02 product :03 revision :04 serial number
-inline constexpr std::uint16_t rpdo1_parameter =
-    0x1400;                                             // :01 COB-ID u32, :02 transmission type u8, :05 deadline ms u16
-inline constexpr std::uint16_t rpdo1_mapping = 0x1600;  // :00 count u8, :01.. entries u32
-inline constexpr std::uint16_t tpdo1_parameter = 0x1800;
-inline constexpr std::uint16_t tpdo1_mapping = 0x1A00;
 
-// CiA 402; torques are per mille of the rated torque
-inline constexpr std::uint16_t abort_connection_option =
-    0x6007;                                                 // i16: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop
-inline constexpr std::uint16_t error_code = 0x603F;         // u16
-inline constexpr std::uint16_t controlword = 0x6040;        // u16
-inline constexpr std::uint16_t statusword = 0x6041;         // u16
-inline constexpr std::uint16_t quick_stop_option = 0x605A;  // i16, default 2
-inline constexpr std::uint16_t shutdown_option = 0x605B;    // i16, default 0
-inline constexpr std::uint16_t disable_option = 0x605C;     // i16, default 1
-inline constexpr std::uint16_t halt_option = 0x605D;        // i16, default 1
+inline constexpr std::uint16_t device_type = 0x1000;         // u32: the device profile's number is in bits 0..15
+inline constexpr std::uint16_t error_register = 0x1001;      // u8
+inline constexpr std::uint16_t sync_cob_id = 0x1005;         // u32; bit 30 is set in the node that produces SYNC
+inline constexpr std::uint16_t sync_period = 0x1006;         // u32, microseconds
+inline constexpr std::uint16_t sync_window = 0x1007;         // u32, microseconds
+inline constexpr std::uint16_t emcy_cob_id = 0x1014;         // u32
+inline constexpr std::uint16_t consumer_heartbeat = 0x1016;  // :01 u32, node id << 16 | milliseconds
+inline constexpr std::uint16_t producer_heartbeat = 0x1017;  // u16, milliseconds; 0 produces none
+inline constexpr std::uint16_t identity = 0x1018;            // :01 vendor, :02 product, :03 revision, :04 serial number
+
+// :01 COB-ID u32, :02 transmission type u8, :05 deadline u16 in milliseconds
+inline constexpr std::uint16_t rpdo1_parameter = 0x1400;
+// :00 number of mapped objects u8, :01.. one entry u32 for each
+inline constexpr std::uint16_t rpdo1_mapping = 0x1600;
+inline constexpr std::uint16_t tpdo1_parameter = 0x1800;  // sub-indices as those of rpdo1_parameter
+inline constexpr std::uint16_t tpdo1_mapping = 0x1A00;    // sub-indices as those of rpdo1_mapping
+
+// CiA 402. Torques are per mille of the rated torque.
+
+// i16: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop
+inline constexpr std::uint16_t abort_connection_option = 0x6007;
+inline constexpr std::uint16_t error_code = 0x603F;             // u16
+inline constexpr std::uint16_t controlword = 0x6040;            // u16
+inline constexpr std::uint16_t statusword = 0x6041;             // u16
+inline constexpr std::uint16_t quick_stop_option = 0x605A;      // i16, default 2
+inline constexpr std::uint16_t shutdown_option = 0x605B;        // i16, default 0
+inline constexpr std::uint16_t disable_option = 0x605C;         // i16, default 1
+inline constexpr std::uint16_t halt_option = 0x605D;            // i16, default 1
 inline constexpr std::uint16_t fault_reaction_option = 0x605E;  // i16, default 2
-inline constexpr std::uint16_t mode = 0x6060;                   // i8
-inline constexpr std::uint16_t mode_display = 0x6061;           // i8
-inline constexpr std::uint16_t position_actual = 0x6064;        // i32, counts
-inline constexpr std::uint16_t velocity_actual = 0x606C;        // i32
-inline constexpr std::uint16_t target_torque = 0x6071;          // i16
-inline constexpr std::uint16_t max_torque = 0x6072;             // u16
-inline constexpr std::uint16_t torque_demand = 0x6074;          // i16
-inline constexpr std::uint16_t rated_current_mA = 0x6075;       // u32
-inline constexpr std::uint16_t rated_torque_mNm = 0x6076;       // u32
-inline constexpr std::uint16_t torque_actual = 0x6077;          // i16
-inline constexpr std::uint16_t torque_offset = 0x60B2;          // i16
+inline constexpr std::uint16_t mode = 0x6060;                   // i8, see Mode
+inline constexpr std::uint16_t mode_display = 0x6061;           // i8, see Mode
+inline constexpr std::uint16_t position_actual = 0x6064;        // i32, encoder counts
+inline constexpr std::uint16_t velocity_actual = 0x606C;        // i32, encoder counts a second
+inline constexpr std::uint16_t target_torque = 0x6071;          // i16, per mille
+inline constexpr std::uint16_t max_torque = 0x6072;             // u16, per mille
+inline constexpr std::uint16_t torque_demand = 0x6074;          // i16, per mille
+inline constexpr std::uint16_t rated_current = 0x6075;          // u32, mA
+inline constexpr std::uint16_t rated_torque = 0x6076;           // u32, mNm
+inline constexpr std::uint16_t torque_actual = 0x6077;          // i16, per mille
+inline constexpr std::uint16_t torque_offset = 0x60B2;          // i16, per mille
 inline constexpr std::uint16_t interpolation_period = 0x60C2;   // :01 u8 x 10^(:02 i8) seconds
-inline constexpr std::uint16_t supported_modes = 0x6502;        // u32, bit 9: cyclic synchronous torque
+inline constexpr std::uint16_t supported_modes = 0x6502;        // u32; bit 9 is cyclic synchronous torque
 
 }  // namespace breakaway::cia402::object
 
 namespace breakaway::cia402 {
 
-inline constexpr std::uint16_t kDeviceProfile = 402;
-inline constexpr std::uint32_t kSupportsCyclicTorque = 1U << 9;
+inline constexpr std::uint16_t device_profile = 402;              // in the lower half of 1000h
+inline constexpr std::uint32_t supports_cyclic_torque = 1U << 9;  // in 6502h
 
-// Modes of operation (6060h, 6061h).
+// The values of 6060h and 6061h: modes of operation.
 enum class Mode : std::int8_t {
   none = 0,
   profile_position = 1,

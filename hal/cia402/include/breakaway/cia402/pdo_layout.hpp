@@ -9,22 +9,22 @@
 
 namespace breakaway::cia402 {
 
-// RPDO1: controlword, target torque.
+// RPDO1 carries controlword and target torque.
 constexpr canopen::PdoMapping command_pdo(std::uint8_t node_id) noexcept {
   return {.parameter_index = object::rpdo1_parameter,
           .mapping_index = object::rpdo1_mapping,
           .cob_id = canopen::rpdo_cob_id(1, node_id),
-          .transmission_type = canopen::kEverySync,
+          .transmission_type = canopen::every_sync,
           .count = 2,
           .objects = {{{object::controlword, 0, 16}, {object::target_torque, 0, 16}}}};
 }
 
-// TPDO1: statusword, position, torque.
+// TPDO1 carries statusword, position and torque.
 constexpr canopen::PdoMapping feedback_pdo(std::uint8_t node_id) noexcept {
   return {.parameter_index = object::tpdo1_parameter,
           .mapping_index = object::tpdo1_mapping,
-          .cob_id = canopen::tpdo_cob_id(1, node_id) | canopen::kNoRemoteRequest,
-          .transmission_type = canopen::kEverySync,
+          .cob_id = canopen::tpdo_cob_id(1, node_id) | canopen::no_remote_request,
+          .transmission_type = canopen::every_sync,
           .count = 3,
           .objects = {{{object::statusword, 0, 16}, {object::position_actual, 0, 32}, {object::torque_actual, 0, 16}}}};
 }

@@ -1,4 +1,4 @@
-// The power drive system's state machine (CiA 402-2): states as the statusword 6041h shows them, and the controlwords
+// The power drive system's state machine (CiA 402-2): the states that the statusword 6041h shows, and the controlwords
 // 6040h that ask for a transition.
 #pragma once
 
@@ -21,7 +21,7 @@ enum class State : std::uint8_t {
 
 namespace status_bit {
 inline constexpr std::uint16_t voltage_enabled = 1U << 4;
-inline constexpr std::uint16_t quick_stop = 1U << 5;  // 0: quick stop asked for
+inline constexpr std::uint16_t quick_stop = 1U << 5;  // 0 while a quick stop is asked for
 inline constexpr std::uint16_t warning = 1U << 7;
 inline constexpr std::uint16_t remote = 1U << 9;
 inline constexpr std::uint16_t target_reached = 1U << 10;
@@ -40,8 +40,8 @@ inline constexpr std::uint16_t fault_reset = 0x80;  // acts on the rising edge
 inline constexpr std::uint16_t halt = 0x100;
 }  // namespace control
 
-// Bits 0..3 (0Fh), 5 (20h) and 6 (40h) tell the states apart; bit 5 does not count where the mask is 4Fh. Nothing for
-// a combination that the profile does not define.
+// Returns the state that a statusword shows, or nothing for a combination that the profile does not define. Bits 0..3
+// (0Fh), 5 (20h) and 6 (40h) tell the states apart; bit 5 does not count where the mask is 4Fh.
 constexpr std::optional<State> state_of(std::uint16_t statusword) noexcept {
   switch (statusword & 0x4FU) {
     case 0x00:
@@ -69,7 +69,7 @@ constexpr std::optional<State> state_of(std::uint16_t statusword) noexcept {
   }
 }
 
-// The state's bits of a statusword, for a device that reports it.
+// Returns the bits by which a statusword shows the state, for a device that reports it.
 constexpr std::uint16_t status_bits(State state) noexcept {
   switch (state) {
     case State::not_ready_to_switch_on:

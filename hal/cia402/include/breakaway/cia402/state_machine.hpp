@@ -1,7 +1,8 @@
-// Walks a drive through the CiA 402 states by controlwords: the master's side of the state machine.
+// StateMachine: the master's side of the CiA 402 states. It reads statuswords and walks the drive by controlwords to
+// where it is wished to be.
 //
-// A wish to enable holds until the drive leaves Operation enabled on its own (fault, quick stop by itself, silent drop
-// to a lower state) or reboots: the drive must not be energised again without a new request_enable.
+// A wish to enable holds until the drive leaves Operation enabled on its own (by a fault, a quick stop or a silent drop
+// to a lower state) or reboots: the drive must not be energised again without a new request_enable().
 #pragma once
 
 #include <cstdint>
@@ -14,27 +15,28 @@ namespace breakaway::cia402 {
 
 class StateMachine {
  public:
-  // How long each level of the fault reset bit is shown: some drives miss changes less than 1 ms apart, and a
+  // Each level of the fault reset bit is shown for so long: some drives miss changes less than 1 ms apart, and a
   // controlword acts only at the SYNC after the one that it was sent for.
-  static constexpr hal::Duration kResetLevelTime = std::chrono::milliseconds{3};
+  static constexpr hal::Duration reset_level_time = std::chrono::milliseconds{3};
   // A drive that stays in Quick stop active (options 5..8 of 605Ah) is switched off after this.
-  static constexpr hal::Duration kQuickStopTime = std::chrono::seconds{1};
+  static constexpr hal::Duration quick_stop_time = std::chrono::seconds{1};
 
-  // enable: ignored while the drive is in Fault; reset it first. reset_fault: ignored unless in Fault.
+  // A drive in Fault ignores a request to enable: its fault is reset first. A drive that is not ignores a reset.
   void request_enable() noexcept;
   void request_stop() noexcept { enable_ = false; }
   void reset_fault() noexcept;
-  // The drive lost power or configuration: nothing is known and nothing is wished.
+  // The drive lost power or configuration, so nothing is known of it and nothing is wished any more.
   void restart() noexcept { *this = {}; }
 
   void on_statusword(std::uint16_t statusword) noexcept;
-  // Once a period: decides on the next controlword.
+  // Decides on the next controlword, once a period.
   void update(hal::Time now) noexcept;
 
   std::uint16_t controlword() const noexcept { return controlword_; }
-  std::optional<State> state() const noexcept { return state_; }  // nothing before the first defined statusword
+  // Holds nothing before the first statusword that the profile defines.
+  std::optional<State> state() const noexcept { return state_; }
   bool enable_wished() const noexcept { return enable_; }
-  // The drive is to follow its target torque.
+  // Returns true while the drive is to follow its target torque.
   bool follows() const noexcept { return enable_ && state_ == State::operation_enabled; }
 
  private:

@@ -1,4 +1,4 @@
-// What a drive emulator is told about the drive and motor that it stands for.
+// EmulatorConfig: the drive and motor that a drive emulator stands for.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,23 @@
 
 namespace breakaway::drive_emulator {
 
-// Departures from the profile that drives in the field are known for. All off by default.
+// Departures from the profile that drives in the field are known for. All are off by default.
 struct Quirks {
-  hal::Duration mode_display_delay{};        // 6061h shows -1, and no torque is made, this long after a mode request
-  bool needs_mode_to_enable = false;         // refuses to leave Switched on while 6060h is 0
-  hal::Duration min_controlword_interval{};  // misses a controlword that differs sooner than this after the last change
-  std::optional<hal::Time> silent_drop_at{};  // Operation enabled falls back to Switched on at this time, unannounced;
-                                              // the drive then waits for a controlword without `enable operation`
-  std::uint32_t sync_alarm_periods = 0;       // fault 8700h when SYNC is late by this many periods (1006h); 0: never
-  bool torque_relative_to_max = false;        // 6071h counts in per mille of 6072h's torque, not of the rated torque
-  bool interpolation_in_ms_only = false;      // 60C2h:02 accepts -3 only
+  // 6061h shows -1, and no torque is made, for so long after a mode was requested.
+  hal::Duration mode_display_delay{};
+  // The drive refuses to leave Switched on while 6060h is 0.
+  bool needs_mode_to_enable = false;
+  // The drive misses a controlword that differs sooner than this after the last change.
+  hal::Duration min_controlword_interval{};
+  // Operation enabled falls back to Switched on at this time, unannounced; the drive then waits for a controlword
+  // without `enable operation`.
+  std::optional<hal::Time> silent_drop_at{};
+  // Fault 8700h comes when SYNC is late by so many periods (1006h); 0: never.
+  std::uint32_t sync_alarm_periods = 0;
+  // 6071h counts in per mille of 6072h's torque, not of the rated torque.
+  bool torque_relative_to_max = false;
+  // 60C2h:02 accepts -3 only.
+  bool interpolation_in_ms_only = false;
 };
 
 struct EmulatorConfig {
@@ -30,11 +37,11 @@ struct EmulatorConfig {
   std::uint32_t rated_torque_mNm = 1000;      // 6076h, > 0; torques are per mille of it
   std::uint32_t rated_current_mA = 1000;      // 6075h, > 0
   std::uint16_t max_torque_per_mille = 3000;  // 6072h at power-on, per mille of the rated torque
-  double force_per_torque_N_per_Nm = 1.0;     // transmission, > 0
-  std::optional<double> peak_force_N{};       // what the motor can do at most, > 0; default: max_torque_per_mille
-  double current_loop_time_constant_s = 0.0;  // first-order lag from demand to force, >= 0; 0: ideal
+  double force_per_torque_N_per_Nm = 1.0;     // the transmission, > 0
+  std::optional<double> peak_force_N{};       // the most that the motor can do, > 0; default: max_torque_per_mille
+  double current_loop_time_constant_s = 0.0;  // of the first-order lag from demand to force, >= 0; 0: ideal
   double encoder_resolution_m = 1e-6;         // one count, > 0
-  std::uint32_t supported_modes = cia402::kSupportsCyclicTorque;  // 6502h; without bit 9 the drive makes no torque
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque;  // 6502h; without bit 9 the drive makes no torque
 
   // A TPDO leaves between min and max after the SYNC or event that asks for it, uniformly distributed.
   hal::Duration min_tpdo_delay = std::chrono::microseconds{20};
@@ -42,12 +49,12 @@ struct EmulatorConfig {
   std::uint64_t seed = 1;  // of the TPDO delays
   hal::Duration sdo_response_delay = std::chrono::microseconds{200};
   hal::Duration sdo_timeout = std::chrono::seconds{1};         // a segmented transfer that pauses longer is aborted
-  hal::Duration boot_duration = std::chrono::milliseconds{5};  // power-on or reset until the boot-up message
-  hal::Duration stop_duration = std::chrono::milliseconds{1};  // quick stop and fault reaction last this long
+  hal::Duration boot_duration = std::chrono::milliseconds{5};  // from power-on or reset until the boot-up message
+  hal::Duration stop_duration = std::chrono::milliseconds{1};  // quick stop and fault reaction last so long
   std::uint16_t producer_heartbeat_ms = 0;                     // 1017h at power-on
-  std::uint8_t error_behaviour = 0;  // 1029h:01 at power-on: on communication errors 0 enter pre-operational,
-                                     // 1 keep the state, 2 stop
-  unsigned valid_pdos = 1;           // RPDO1..n and TPDO1..n exist at power-on, 0..4
+  // 1029h:01 at power-on: on a communication error 0 enters pre-operational, 1 keeps the state, 2 stops.
+  std::uint8_t error_behaviour = 0;
+  unsigned valid_pdos = 1;  // RPDO1..n and TPDO1..n exist at power-on, 0..4
   Quirks quirks{};
 };
 

@@ -1,11 +1,11 @@
-// A CiA 402 servo drive as a CANopen node in simulated time, with a motor and an encoder on a mechanism.
+// DriveEmulator: a CiA 402 servo drive as a CANopen node in simulated time, with a motor and an encoder on a mechanism.
 //
 // The server side of the protocols is written from the standards and shares only constants with the project's client,
 // so that a mistake in one is not mirrored by the other. Time enters by the calls below only and must never decrease.
 //
-// At each SYNC, in this order: the mechanism moves to the time of the SYNC; encoder and torque are sampled; the command
-// that a synchronous RPDO brought since the SYNC before takes effect; synchronous TPDOs are filled and sent. A drive
-// that leaves NMT Operational removes its torque and goes to Switch on disabled.
+// A SYNC has this done, in this order: the mechanism moves to the time of the SYNC; encoder and torque are sampled; the
+// command that a synchronous RPDO brought since the SYNC before takes effect; synchronous TPDOs are filled and sent. A
+// drive that leaves NMT Operational removes its torque and goes to Switch on disabled.
 #pragma once
 
 #include <array>
@@ -32,35 +32,44 @@ namespace breakaway::drive_emulator {
 
 class DriveEmulator {
  public:
-  static constexpr std::size_t kPdos = 4;  // in each direction
-  // Called with each frame that the drive puts into its transmit queue, and when; must not call the drive.
+  static constexpr std::size_t pdo_count = 4;  // in each direction
+  // Called with each frame that the drive puts into its transmit queue, and when. It must not call the drive.
   using Send = std::function<void(const hal::CanFrame&, hal::Time)>;
 
-  // Powered off at first. `mechanism` must outlive the drive. Throws InputError (see validate()).
+  // The drive is powered off at first. `mechanism` must outlive it. Throws InputError (see validate()).
   DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism, Send send);
   DriveEmulator(const DriveEmulator&) = delete;
   DriveEmulator& operator=(const DriveEmulator&) = delete;
 
-  void power_on(hal::Time at);   // the boot-up message follows after boot_duration
-  void power_off(hal::Time at);  // no frames, no torque, everything forgotten
+  // The boot-up message follows after boot_duration.
+  void power_on(hal::Time time);
+  // From here on there are no frames and no torque, and everything is forgotten.
+  void power_off(hal::Time time);
 
-  void on_frame(const hal::CanFrame& frame, hal::Time at);  // at: end of the frame
-  void advance_to(hal::Time at);                            // runs everything that is due up to and including `at`
-  std::optional<hal::Time> next_event() const;              // when advance_to has something to do next
-  void advance_mechanism_to(hal::Time at);                  // for a look at the mechanism between two events
+  // time: when the frame's last bit was on the wire.
+  void on_frame(const hal::CanFrame& frame, hal::Time time);
+  // Runs everything that is due up to and including `time`.
+  void advance_to(hal::Time time);
+  // Returns when advance_to has something to do next; nothing while it has not.
+  std::optional<hal::Time> next_event() const;
+  // Brings the mechanism forward as well, for a look at it between two events.
+  void advance_mechanism_to(hal::Time time);
 
-  // Faults to order. code: what 603Fh and the EMCY show; the cause is momentary, so that a fault reset succeeds.
-  void trip_fault(std::uint16_t code, hal::Time at);
-  void set_silent(bool silent) { silent_ = silent; }  // the bus is unplugged; the drive itself runs on
+  // Has the drive fault. 603Fh and the EMCY show the code; the cause is momentary, so that a fault reset succeeds.
+  void trip_fault(std::uint16_t code, hal::Time time);
+  // Unplugs the bus. The drive itself runs on.
+  void set_silent(bool silent) { silent_ = silent; }
   void suppress_heartbeat(bool suppressed) { heartbeat_suppressed_ = suppressed; }
 
-  // What is true, whatever the bus says.
+  // These tell what is true, whatever the bus says.
   cia402::State state() const { return drive_.state(); }
-  canopen::NmtState nmt_state() const { return nmt_; }  // boot_up: off or booting
+  // boot_up: the drive is off or boots.
+  canopen::NmtState nmt_state() const { return nmt_; }
   const ObjectDictionary& objects() const { return dictionary_; }
   const model::AppliedForce& force() const { return drive_.motor().segment(); }
-  double largest_force_N(hal::Time until) const;  // largest magnitude from the beginning until `until`
-  // Called with each new force segment; the one before ends where it starts.
+  // Returns the largest magnitude of the force from the beginning until `end`.
+  double largest_force_N(hal::Time end) const;
+  // The listener is called with each new force segment; the one before ends where it starts.
   void on_force_segment(std::function<void(const model::AppliedForce&)> listener) {
     drive_.on_force_segment(std::move(listener));
   }
@@ -72,13 +81,13 @@ class DriveEmulator {
     master_heartbeat,
     sync_alarm,
     sdo_timeout,
-    rpdo_deadline,                       // kPdos timers from here
-    tpdo_event = rpdo_deadline + kPdos,  // and from here
-    timer_count = tpdo_event + kPdos,
+    rpdo_deadline,                           // the first of pdo_count timers
+    tpdo_event = rpdo_deadline + pdo_count,  // likewise
+    timer_count = tpdo_event + pdo_count,
   };
   struct TpdoState {
     unsigned syncs = 0;  // since the last transmission
-    bool event = false;  // type 0: something changed, tell it with the next SYNC
+    bool event = false;  // type 0: something changed, and the next SYNC is to tell it
     std::optional<hal::Time> sent;
   };
 
@@ -132,8 +141,8 @@ class DriveEmulator {
   canopen::NmtState nmt_ = canopen::NmtState::boot_up;
   std::optional<hal::Time> last_sync_;
   std::int64_t last_mode_display_ = 0;
-  std::array<std::optional<hal::CanFrame>, kPdos> latched_{};  // synchronous RPDOs that wait for their SYNC
-  std::array<TpdoState, kPdos> tpdo_states_{};
+  std::array<std::optional<hal::CanFrame>, pdo_count> latched_{};  // synchronous RPDOs that wait for their SYNC
+  std::array<TpdoState, pdo_count> tpdo_states_{};
 };
 
 }  // namespace breakaway::drive_emulator

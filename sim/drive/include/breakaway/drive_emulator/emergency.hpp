@@ -1,4 +1,4 @@
-// EMCY producer (CiA 301, 7.2.7) with the error register 1001h and the error history 1003h.
+// EmergencyProducer: sends EMCY (CiA 301, 7.2.7), and keeps the error register 1001h and the error history 1003h.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,10 @@ class EmergencyProducer {
   EmergencyProducer(ObjectDictionary& dictionary, std::function<void(const hal::CanFrame&)> post)
       : dictionary_(dictionary), post_(std::move(post)) {}
 
-  void raise(std::uint16_t code);  // sent once, until it is cleared
-  void clear(std::uint16_t code);  // sends 0000h with what remains in the error register
+  // Sends the code, unless it was raised already and is not cleared yet.
+  void raise(std::uint16_t code);
+  // Sends 0000h with what remains in the error register, if the code was raised.
+  void clear(std::uint16_t code);
   void reset() { active_.clear(); }
   bool any() const { return !active_.empty(); }
 

@@ -1,4 +1,4 @@
-// What a drive's force acts on, and what its encoder sits on.
+// Mechanism: what a drive's force acts on and its encoder sits on.
 #pragma once
 
 #include "breakaway/model/applied_force.hpp"
@@ -8,7 +8,7 @@ namespace breakaway::drive_emulator {
 // The drive fills constant_N and the transient only: a held command, and a current loop that settles on it.
 class Mechanism {
  public:
-  // Moves on to time_s under `force`, which holds since the time of the last call. time_s never decreases.
+  // Moves on to time_s under `force`, which has held since the time of the last call. time_s never decreases.
   virtual void advance_to(double time_s, const model::AppliedForce& force) = 0;
   virtual double position_m() const = 0;
 

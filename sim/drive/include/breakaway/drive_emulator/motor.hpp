@@ -1,4 +1,5 @@
-// The motor behind the drive's torque command: physical limit and current-loop lag; and the encoder on its axis.
+// Motor: what is behind the drive's torque command, with its physical limit and the lag of its current loop. Beside it,
+// the encoder on its axis.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +10,21 @@ namespace breakaway::drive_emulator {
 
 class Motor {
  public:
-  // peak_force_N > 0; time_constant_s >= 0, 0: the force follows at once.
+  // peak_force_N > 0; time_constant_s >= 0. With a time constant of 0 the force follows at once.
   Motor(double peak_force_N, double time_constant_s) : peak_force_N_(peak_force_N), time_constant_s_(time_constant_s) {}
 
-  double clamped(double force_N) const;  // to +-peak_force_N
+  // Returns the force inside +-peak_force_N that is nearest.
+  double clamped(double force_N) const;
   double commanded_N() const { return segment_.constant_N; }
 
-  // From time_s on the force tends to clamped(force_N), starting from what it is then.
+  // Has the force tend to clamped(force_N) from time_s on, starting from what it is then.
   void command(double force_N, double time_s);
 
   const model::AppliedForce& segment() const { return segment_; }
-  // Clamped, because the sum of the two terms may round to one unit beyond the limit that both keep.
+  // The sum of the two terms is clamped, because it may round to one unit beyond the limit that both keep.
   double force_at_N(double time_s) const { return clamped(segment_.constant_N + segment_.transient_at_N(time_s)); }
-  double largest_force_N(double time_s) const;  // largest |force| from the beginning until time_s
+  // Returns the largest |force| from the beginning until time_s.
+  double largest_force_N(double time_s) const;
   double peak_force_N() const { return peak_force_N_; }
 
  private:
@@ -31,7 +34,7 @@ class Motor {
   double largest_so_far_N_ = 0;
 };
 
-// The count nearest to position_m / resolution_m, in a 32-bit counter that wraps around.
+// Returns the count nearest to position_m / resolution_m, in a 32-bit counter that wraps around.
 std::int32_t encoder_counts(double position_m, double resolution_m);
 
 }  // namespace breakaway::drive_emulator

@@ -1,4 +1,4 @@
-// The object dictionary of a CANopen device (CiA 301, 7.4): entries by index and sub-index with type, access and range.
+// ObjectDictionary: the entries of a CANopen device (CiA 301, 7.4) by index and sub-index, with type, access and range.
 #pragma once
 
 #include <compare>
@@ -25,23 +25,25 @@ enum class Type : std::uint8_t { i8, i16, i32, u8, u16, u32, text };
 enum class Access : std::uint8_t { read_only, write_only, read_write };
 enum class Mapping : std::uint8_t { none, receive, transmit, both };
 
-std::size_t size_bytes(Type type);  // of a number; 0 for text
+// Returns the size of a number; 0 for text.
+std::size_t size_bytes(Type type);
 
 struct Entry {
   Type type = Type::u32;
   Access access = Access::read_only;
   std::int64_t value = 0;
   Mapping mapping = Mapping::none;
-  std::int64_t low = std::numeric_limits<std::int64_t>::min();  // accepted values, on top of the type's own range
+  // Values below `low` and above `high` are refused, and so are those outside the type's own range.
+  std::int64_t low = std::numeric_limits<std::int64_t>::min();
   std::int64_t high = std::numeric_limits<std::int64_t>::max();
-  std::string text{};               // value of Type::text
-  std::size_t max_text_bytes = 64;  // longest text that is accepted
+  std::string text{};               // the value of Type::text
+  std::size_t max_text_bytes = 64;  // a longer text is refused
 };
 
 class ObjectDictionary {
  public:
   using Bytes = std::vector<std::uint8_t>;
-  // Asked before a number is stored; an abort code refuses it.
+  // A rule is asked before a number is stored. An abort code refuses the number.
   using Rule = std::function<std::optional<canopen::SdoAbort>(Address, std::int64_t)>;
 
   // The entry's value becomes its power-on value. The reference stays valid as long as the dictionary lives.
@@ -49,11 +51,12 @@ class ObjectDictionary {
   void set_rule(std::uint16_t index, Rule rule) { rules_[index] = std::move(rule); }
   void on_written(std::function<void(Address)> listener) { listener_ = std::move(listener); }
 
-  // As seen from the bus: with every check. An abort code, or nothing when done.
+  // Access from the bus, with every check. An abort code is returned, or nothing when it is done.
   std::optional<canopen::SdoAbort> read(Address address, Bytes& data) const;
   std::optional<canopen::SdoAbort> write(Address address, std::span<const std::uint8_t> data);
 
-  // As seen from the device itself: unchecked, rules and listener are not asked. Throws std::out_of_range if missing.
+  // Access from the device itself, unchecked: rules and listener are not asked. Throws std::out_of_range if there is no
+  // such entry.
   std::int64_t get(Address address) const { return entries_.at(address).value; }
   void set(Address address, std::int64_t value) { entries_.at(address).value = value; }
   const Entry* find(Address address) const;

@@ -1,5 +1,5 @@
-// A process data object of the device: its communication parameter (14xxh, 18xxh), its mapping (16xxh, 1Axxh), and the
-// rules by which a client may change them (CiA 301, 7.5.2.35 to 7.5.2.38).
+// Pdo: a process data object of the device, with its communication parameter (14xxh, 18xxh), its mapping (16xxh,
+// 1Axxh), and the rules by which a client may change them (CiA 301, 7.5.2.35 to 7.5.2.38).
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,10 @@ enum class PdoDirection : std::uint8_t { receive, transmit };
 
 class Pdo {
  public:
-  static constexpr std::uint8_t kMaxEntries = 8;
+  static constexpr std::uint8_t max_entries = 8;
 
-  // Adds the PDO's objects to the dictionary, which must outlive it. number: 1..4. mapped: objects at power-on.
+  // Adds the PDO's objects to the dictionary, which must outlive it. number: 1..4. mapped: the objects that it carries
+  // at power-on.
   Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, std::uint32_t cob_id,
       std::initializer_list<Address> mapped);
   Pdo(const Pdo&) = delete;  // the dictionary's rules point here
@@ -29,11 +30,13 @@ class Pdo {
   bool synchronous() const { return transmission_type() <= 240; }
   std::int64_t inhibit_time_100us() const { return get(parameter_, 3); }
   std::int64_t event_time_ms() const { return get(parameter_, 5); }
-  std::size_t size_bytes() const;  // of the mapped objects
+  // Returns the size of the mapped objects.
+  std::size_t size_bytes() const;
 
   bool maps(std::uint16_t index) const;
   ObjectDictionary::Bytes pack() const;
-  void unpack(std::span<const std::uint8_t> data);  // size_bytes() at least; values out of range are left out
+  // Writes the mapped objects. `data` has size_bytes() at least; values out of range are left out.
+  void unpack(std::span<const std::uint8_t> data);
 
   std::uint16_t parameter_index() const { return parameter_; }
 

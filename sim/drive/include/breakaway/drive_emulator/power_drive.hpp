@@ -1,4 +1,5 @@
-// The device-profile half of the drive: state machine, modes, torque command, faults, motor and encoder (CiA 402).
+// PowerDrive: the half of the drive that the device profile describes (CiA 402): state machine, modes, torque command,
+// faults, motor and encoder.
 #pragma once
 
 #include <cstdint>
@@ -22,25 +23,30 @@ class PowerDrive {
   PowerDrive(const EmulatorConfig& config, ObjectDictionary& dictionary, EmergencyProducer& emergency,
              Mechanism& mechanism);
 
-  void restart(hal::Time at);  // as at power-on: Not ready to switch on, no fault
+  // Begins anew, as after power-on: Not ready to switch on, and no fault.
+  void restart(hal::Time time);
   void self_test_passed() { machine_.self_test_passed(); }
-  void on_written(std::uint16_t index, hal::Time at);
-  void communication_lost() { machine_.disable_voltage(); }  // nobody commands the drive any more
+  void on_written(std::uint16_t index, hal::Time time);
+  // Nobody commands the drive any more.
+  void communication_lost() { machine_.disable_voltage(); }
 
-  // A fault with its error code (603Fh). While `cause_remains`, until cause_gone(code), it cannot be reset.
+  // Has the drive fault with an error code (603Fh). If the cause remains, the fault cannot be reset until
+  // cause_gone(code).
   void trip(std::uint16_t code, bool cause_remains);
   void cause_gone(std::uint16_t code) { causes_.erase(code); }
 
-  // Reads encoder and torque into 6064h and 6077h; on a SYNC also the velocity since the SYNC before into 606Ch.
-  void sample(hal::Time at, bool on_sync);
-  // Brings torque and statusword in line with everything that was written. True: the statusword changed.
-  bool settle(hal::Time at);
+  // Reads encoder and torque into 6064h and 6077h, and on a SYNC the velocity since the SYNC before into 606Ch.
+  void sample(hal::Time time, bool on_sync);
+  // Brings torque and statusword in line with everything that was written. Returns true when the statusword changed.
+  bool settle(hal::Time time);
 
   std::optional<hal::Time> next_event() const;
-  void on_time(hal::Time at);  // handles what next_event() announced; call settle() afterwards
+  // Handles what next_event() announced. settle() must follow.
+  void on_time(hal::Time time);
 
-  void advance_mechanism_to(hal::Time at);
-  void cut_power(hal::Time at);  // the torque demand goes to zero, whatever the state
+  void advance_mechanism_to(hal::Time time);
+  // Takes the torque demand to zero, whatever the state.
+  void cut_power(hal::Time time);
 
   cia402::State state() const { return machine_.state(); }
   const Motor& motor() const { return motor_; }
@@ -51,14 +57,14 @@ class PowerDrive {
  private:
   enum Timer : std::size_t { stop, mode_change, silent_drop, timer_count };
 
-  void control(std::uint16_t controlword, hal::Time at);
+  void control(std::uint16_t controlword, hal::Time time);
   std::uint16_t as_the_drive_reads_it(std::uint16_t controlword);
-  void request_mode(hal::Time at);
+  void request_mode(hal::Time time);
   void clear_faults();
   bool makes_torque() const;
   double torque_demand_per_mille();
-  void command_torque(double demand_per_mille, hal::Time at);
-  void watch_stops(hal::Time at);
+  void command_torque(double demand_per_mille, hal::Time time);
+  void watch_stops(hal::Time time);
   std::uint16_t statusword() const;
   std::int64_t get(std::uint16_t index) const { return dictionary_.get({index, 0}); }
 

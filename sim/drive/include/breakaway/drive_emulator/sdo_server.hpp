@@ -1,4 +1,5 @@
-// SDO server (CiA 301, 7.2.4): expedited and segmented transfers in both directions; block transfer is refused.
+// SdoServer: answers SDO requests (CiA 301, 7.2.4), expedited and segmented in both directions. Block transfer is
+// refused.
 #pragma once
 
 #include <array>
@@ -16,11 +17,13 @@ class SdoServer {
   // `dictionary` must outlive the server.
   explicit SdoServer(ObjectDictionary& dictionary) : dictionary_(dictionary) {}
 
-  // What the server answers to a request; nothing when the client aborted.
+  // Returns the server's answer to a request; nothing when the client aborted.
   std::optional<Payload> answer(const Payload& request);
 
-  bool transfer_under_way() const { return direction_ != Direction::none; }  // segmented, between two frames
-  Payload abort(canopen::SdoAbort code);                                     // ends the transfer under way, if any
+  // Returns true between two frames of a segmented transfer.
+  bool transfer_under_way() const { return direction_ != Direction::none; }
+  // Ends the transfer that is under way, if any, and returns the frame that tells the client.
+  Payload abort(canopen::SdoAbort code);
   void reset() { direction_ = Direction::none; }
 
  private:
@@ -40,7 +43,7 @@ class SdoServer {
   bool toggle_ = false;  // the toggle bit that the next segment must carry
   ObjectDictionary::Bytes data_;
   std::size_t done_bytes_ = 0;                    // upload: sent so far
-  std::optional<std::uint32_t> announced_bytes_;  // download: what the client said that it will send
+  std::optional<std::uint32_t> announced_bytes_;  // download: as many as the client said that it will send
 };
 
 }  // namespace breakaway::drive_emulator

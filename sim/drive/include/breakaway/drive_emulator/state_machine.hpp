@@ -1,4 +1,5 @@
-// The power drive system's state machine as the drive runs it (CiA 402-2, figure "PDS FSA", transitions 0 to 16).
+// StateMachine: the power drive system's states as the drive runs them (CiA 402-2, figure "PDS FSA", transitions 0 to
+// 16).
 #pragma once
 
 #include <cstdint>
@@ -7,9 +8,9 @@
 
 namespace breakaway::drive_emulator {
 
-// What a controlword asks for: bits 7, 3, 2, 1, 0 of 6040h.
+// Command: what a controlword asks for by its bits 7, 3, 2, 1 and 0.
 enum class Command : std::uint8_t {
-  none,              // bit 7 set: only its rising edge means something
+  none,              // bit 7 is set, of which only the rising edge means something
   disable_voltage,   // 0xx0x
   quick_stop,        // 0x01x
   shutdown,          // 0x110
@@ -27,13 +28,13 @@ class StateMachine {
   void power_up() { state_ = State::not_ready_to_switch_on; }
   void self_test_passed();  // transitions 0 and 1
 
-  // One controlword. `may_reset`: no cause of a fault is present. quick_stop_option: 605Ah.
+  // Takes one controlword. may_reset: no cause of a fault is present. quick_stop_option: 605Ah.
   void control(std::uint16_t controlword, bool may_reset, std::int64_t quick_stop_option);
 
   void trip();                                         // transition 13, from any state but the fault states
   void stop_finished(std::int64_t quick_stop_option);  // transition 14, or 12 where 605Ah says so
-  void disable_voltage();                              // transitions 7, 9, 10, 12: as by controlword
-  void fall_back_to_switched_on();                     // Operation enabled -> Switched on, as transition 5 but unasked
+  void disable_voltage();                              // transitions 7, 9, 10, 12, as by controlword
+  void fall_back_to_switched_on();                     // transition 5, but unasked
 
  private:
   void apply(Command command, std::int64_t quick_stop_option);

@@ -1,4 +1,4 @@
-// Deadlines in simulated time, each under a name that is an enumerator counted from 0.
+// Timers: deadlines in simulated time, each under a name that is an enumerator counted from 0.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@ class Timers {
   void cancel_all() { due_ = {}; }
   std::optional<hal::Time> due(std::size_t timer) const { return due_.at(timer); }
 
-  // The timer that is due first; of several at one time the one with the lowest number. Nothing: none is set.
+  // Returns the timer that is due first, and of several at one time the one with the lowest number; nothing when none
+  // is set.
   std::optional<std::size_t> first() const {
     std::optional<std::size_t> best;
     for (std::size_t timer = 0; timer < count; ++timer)

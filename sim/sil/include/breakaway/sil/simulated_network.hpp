@@ -33,7 +33,7 @@ class SimulatedNetwork {
   void log_to(std::vector<TimedFrame>& frames) {
     bus_.set_tap(
         [](void* log, const hal::CanFrame& frame, hal::Time, hal::Time end) noexcept {
-          static_cast<std::vector<TimedFrame>*>(log)->push_back({std::chrono::duration<double>(end).count(), frame});
+          static_cast<std::vector<TimedFrame>*>(log)->push_back({hal::seconds(end), frame});
         },
         &frames);
   }

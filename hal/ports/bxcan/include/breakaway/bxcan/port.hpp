@@ -1,10 +1,10 @@
 // A CanPort on a bxCAN controller (STM32F1, F2, F4; RM0090, chapter 32).
 //
-// Three parties share it without locks: the loop (CanPort, poll) fills one ring and empties the other; the transmit
-// interrupt alone touches the mailboxes; the receive interrupt alone empties the FIFO. All interrupts have one
+// Three parties share it without locks: the loop (CanPort and poll) fills one ring and empties the other, the transmit
+// interrupt alone touches the mailboxes, and the receive interrupt alone empties the FIFO. All interrupts have one
 // priority. The controller sends in the order of request (TXFP), so that an RPDO leaves before its SYNC.
 //
-// Each period: poll(now) first.
+// start() comes once and may wait; poll(now) comes first in every period.
 #pragma once
 
 #include <algorithm>
@@ -32,9 +32,9 @@ class Port {
  public:
   explicit Port(Controller& controller) noexcept : controller_{&controller} {}
 
-  // Sets the controller up and lets it join the bus. False: it did not enter its initialisation mode, which it does
-  // within a bit or two when its clock runs, or not leave it, for which the bus must be idle for 11 bits. `polls`:
-  // register reads to wait at most, for each.
+  // Sets the controller up and lets it join the bus. Returns false when it did not enter its initialisation mode, which
+  // it does within a bit or two when its clock runs, or did not leave it, for which the bus must be idle for 11 bits.
+  // It waits for each for at most `polls` register reads.
   bool start(const hal::BitTiming& timing, std::uint32_t polls) noexcept {
     write(reg::mcr, bit::mcr_inrq | bit::mcr_txfp);
     if (!await_inak(bit::msr_inak, polls)) return false;
@@ -63,17 +63,15 @@ class Port {
     controller_->pend_transmit_interrupt();
   }
 
-  // CanPort
+  // CanPort; see hal/can_port.hpp for what the calls promise.
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-    if (off_bus()) return {hal::StatusCode::bus_off};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (off_bus()) return hal::SendResult::bus_off;
     if (!transmit_.push({frame, stamp(std::min(deadline, now_ + farthest_deadline))}))
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     controller_->pend_transmit_interrupt();
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept { return receive_.pop(received); }
   void purge_transmit_queue() noexcept {
@@ -90,9 +88,9 @@ class Port {
     return {stale_.load(std::memory_order_relaxed), overflows_.load(std::memory_order_relaxed), bus_offs_};
   }
 
-  // Interrupts
+  // Interrupts. They must not interrupt each other.
 
-  // A mailbox became empty, or the loop asked for it.
+  // The target calls this when a mailbox became empty or pend_transmit_interrupt() asked for it.
   void on_transmit_interrupt() noexcept {
     constexpr std::uint32_t completed = bit::tsr_rqcp0 | bit::tsr_rqcp0 << 8 | bit::tsr_rqcp0 << 16;
     write(reg::tsr, completed);
@@ -106,7 +104,7 @@ class Port {
     fill_mailboxes();
   }
 
-  // Frames wait in the FIFO. now: when the newest came, as exactly as the target knows.
+  // The target calls this when frames wait in the FIFO. now: when the newest came, as exactly as the target knows.
   void on_receive_interrupt(hal::Time now) noexcept {
     for (int n = 0; n < most_frames && (read(reg::rf0r) & bit::rf0r_fmp0) != 0; ++n) {
       if (const auto frame = read_frame(); frame && !receive_.push({*frame, now})) count(overflows_);
@@ -123,12 +121,13 @@ class Port {
     std::uint32_t deadline = 0;
   };
   static constexpr std::uint32_t mailboxes = 3;
-  static constexpr int most_frames = 16;  // in one interrupt: more than the FIFO holds, less than a loop without end
+  // One interrupt takes in no more: that is more than the FIFO holds, and ends when a broken FIFO never empties.
+  static constexpr int most_frames = 16;
   static constexpr hal::Duration farthest_deadline = std::chrono::seconds{1000};
 
-  // Time in units of 1024 ns, cut to what an interrupt reads at once. Comparable over 36 minutes.
+  // Counts time in units of 1024 ns, cut to what an interrupt reads at once. Stamps compare rightly over 36 minutes.
   static constexpr std::uint32_t stamp(hal::Time time) noexcept {
-    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(time.count()) >> 10);
+    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(time.time_since_epoch().count()) >> 10);
   }
   bool stale(std::uint32_t deadline) const noexcept {
     const std::uint32_t late = shared_now_.load(std::memory_order_relaxed) - deadline;
@@ -152,8 +151,8 @@ class Port {
     constexpr std::uint32_t bank0 = 1, ide = 1U << 2;
     write(reg::fmr, read(reg::fmr) | bit::fmr_finit);
     write(reg::fa1r, read(reg::fa1r) & ~bank0);
-    write(reg::fm1r, read(reg::fm1r) & ~bank0);  // identifier and mask
-    write(reg::fs1r, read(reg::fs1r) | bank0);   // of 32 bits
+    write(reg::fm1r, read(reg::fm1r) & ~bank0);  // the bank holds an identifier and a mask
+    write(reg::fs1r, read(reg::fs1r) | bank0);   // of 32 bits each
     write(reg::ffa1r, read(reg::ffa1r) & ~bank0);
     write(reg::f0r1, 0);
     write(reg::f0r1 + 4, ide);
@@ -163,7 +162,7 @@ class Port {
 
   bool mailbox_empty(std::uint32_t m) const noexcept { return (read(reg::tsr) & bit::tsr_tme0 << m) != 0; }
 
-  // A frame that is on the wire already is finished first.
+  // Asks for the mailbox back. The controller finishes a frame that is on the wire already.
   void abort(std::uint32_t m, bool because_stale) noexcept {
     if (because_stale && !aborted_[m]) count(stale_);
     aborted_[m] = true;
@@ -224,7 +223,7 @@ class Port {
   hal::SharedRing<hal::ReceivedFrame, 32> receive_;
   std::atomic<std::uint32_t> shared_now_{0}, stale_{0}, overflows_{0};
   std::atomic<bool> purge_{false};
-  std::array<std::uint32_t, mailboxes> deadlines_{};  // the transmit interrupt's own, as is the next
+  std::array<std::uint32_t, mailboxes> deadlines_{};  // this and aborted_ are the transmit interrupt's own
   std::array<bool, mailboxes> aborted_{};
   hal::Time now_{};
   std::uint32_t bus_offs_ = 0;

@@ -8,17 +8,19 @@
 
 namespace breakaway::bxcan {
 
-// How the port reaches the controller: by offset from its base address. On target these are volatile accesses; on the
-// host, a model. Also the doors to its two interrupts, which only the target knows.
+// Registers: how the port reaches the controller, by offset from its base address. On target these are volatile
+// accesses, in tests a model of the controller. The formatter would tear the requirements and their comments apart.
+// clang-format off
+
 template <class R>
 concept Registers = requires(R& registers, std::uint32_t offset, std::uint32_t value) {
-  { registers.read(offset) }
-  noexcept->std::same_as<std::uint32_t>;
-  { registers.write(offset, value) }
-  noexcept->std::same_as<void>;
-  { registers.pend_transmit_interrupt() }
-  noexcept->std::same_as<void>;  // on_transmit_interrupt() is to be called soon
+  { registers.read(offset) } noexcept -> std::same_as<std::uint32_t>;
+  { registers.write(offset, value) } noexcept -> std::same_as<void>;
+  // Has on_transmit_interrupt() called soon. Only the target knows how.
+  { registers.pend_transmit_interrupt() } noexcept -> std::same_as<void>;
 };
+
+// clang-format on
 
 namespace reg {
 
@@ -33,7 +35,7 @@ namespace bit {
 
 inline constexpr std::uint32_t mcr_inrq = 1U << 0, mcr_sleep = 1U << 1, mcr_txfp = 1U << 2;
 inline constexpr std::uint32_t msr_inak = 1U << 0;
-// Of mailbox m (0..2): shift by 8 m; TME by m.
+// These are for mailbox 0. For mailbox m they are shifted by 8 m, and TME by m.
 inline constexpr std::uint32_t tsr_rqcp0 = 1U << 0, tsr_abrq0 = 1U << 7, tsr_tme0 = 1U << 26;
 inline constexpr std::uint32_t rf0r_fmp0 = 0b11, rf0r_full0 = 1U << 3, rf0r_fovr0 = 1U << 4, rf0r_rfom0 = 1U << 5;
 inline constexpr std::uint32_t ier_tmeie = 1U << 0, ier_fmpie0 = 1U << 1;
@@ -45,7 +47,7 @@ inline constexpr std::uint32_t fmr_finit = 1U << 0;
 
 inline constexpr std::uint32_t largest_prescaler = 1024;
 
-// Of the register BTR (RM0090, 32.7.7).
+// Lays a timing out for the register BTR (RM0090, 32.7.7).
 constexpr std::uint32_t btr_value(const hal::BitTiming& timing) noexcept {
   return (timing.segment2 - 1) << 20 | (timing.segment1 - 1) << 16 | (timing.prescaler - 1);
 }

@@ -21,10 +21,10 @@ inline constexpr char bell = '\a';
 // The longest line that means anything: a frame of 8 bytes with the time stamp that some adapters append.
 inline constexpr std::size_t longest_line = 1 + 3 + 1 + 16 + 4;
 
-// A frame as a command, with its carriage return.
+// EncodedFrame: a frame as a command, with its carriage return.
 class EncodedFrame {
  public:
-  // An identifier above 7FFh is cut to 11 bits, a size above 8 to 8.
+  // An identifier above 7FFh is cut to 11 bits, and a size above 8 to 8.
   explicit EncodedFrame(const hal::CanFrame& frame) noexcept;
   std::span<const char> text() const noexcept { return std::span{text_}.first(size_); }
 
@@ -34,10 +34,10 @@ class EncodedFrame {
   std::size_t size_ = 0;
 };
 
-// The digit of CAN232's S command; nothing for a bit rate that it does not know.
+// Returns the digit of CAN232's S command, or nothing for a bit rate that it does not know.
 std::optional<char> bit_rate_digit(std::uint32_t bit_rate) noexcept;
 
-// Bits of the status flags.
+// The bits of the status flags.
 namespace status_flag {
 inline constexpr std::uint8_t receive_queue_full = 0x01;
 inline constexpr std::uint8_t transmit_queue_full = 0x02;
@@ -52,27 +52,28 @@ struct Message {
   enum class Kind : std::uint8_t {
     frame,
     taken,      // the adapter queued a frame of ours
-    done,       // a command was carried out
-    refused,    // a command or a frame was not
-    status,     // the flags
+    done,       // it carried a command out
+    refused,    // it did not take a command or a frame
+    status,     // it tells its flags
     unknown,    // well-formed, but of no use here: a version, a frame with a 29-bit identifier
-    malformed,  // noise, or bytes were lost
+    malformed,  // noise, or a line that lost bytes
   };
   Kind kind = Kind::unknown;
   std::uint8_t status = 0;
   hal::CanFrame frame{};
 };
 
-// Makes messages of characters; any bytes will do.
+// Decoder: makes messages of characters, whatever bytes come.
 class Decoder {
  public:
+  // Returns a message when the character ends one.
   std::optional<Message> take(char character) noexcept;
   void reset() noexcept { size_ = 0; }
 
  private:
   Message finish_line() noexcept;
   std::array<char, longest_line> line_{};
-  std::size_t size_ = 0;  // longest_line + 1: the line is too long already
+  std::size_t size_ = 0;  // of the line so far; longest_line + 1 for one that is too long already
 };
 
 }  // namespace breakaway::slcan

@@ -4,7 +4,7 @@
 //
 // The port opens the adapter, and opens it again whenever it stopped answering: until then bus_state() is bus_off,
 // sends are refused and what waited is forgotten. flush() asks for the status flags once a period, so that an adapter
-// which vanished is noticed. All calls are the loop's; none is safe in an interrupt.
+// which vanished is noticed. All calls are for the loop's thread; none is safe in an interrupt.
 #pragma once
 
 #include <array>
@@ -20,15 +20,20 @@
 
 namespace breakaway::slcan {
 
-// read: the oldest received byte; false when there is none. write: hands all bytes over, or none of them and false;
-// bytes that were handed over leave on their own within a fraction of a period.
+// The formatter would tear the requirements and their comments apart.
+// clang-format off
+
+// ByteStream: the serial line. Neither call waits for the other end; write() may take as long as its bytes take to leave.
 template <class S>
 concept ByteStream = requires(S& stream, char& character, std::span<const char> text) {
-  { stream.read(character) }
-  noexcept->std::same_as<bool>;
-  { stream.write(text) }
-  noexcept->std::same_as<bool>;
+  // Moves the oldest received byte to `character`; false when there is none.
+  { stream.read(character) } noexcept -> std::same_as<bool>;
+  // Hands all bytes over and returns true, or none of them and false. Bytes that were handed over leave by themselves
+  // within a fraction of a period.
+  { stream.write(text) } noexcept -> std::same_as<bool>;
 };
+
+// clang-format on
 
 struct Counters {
   std::uint32_t stale = 0;      // frames dropped at their deadline
@@ -40,16 +45,16 @@ struct Counters {
 template <ByteStream Stream>
 class Port {
  public:
-  // The adapter must answer within this, or it counts as gone. One lost byte must not do that: 20 periods of 1 ms ask
-  // 20 times.
+  // The adapter must answer within this time, or it counts as gone. One lost byte must not make it so: in 20 periods of
+  // 1 ms it is asked 20 times.
   static constexpr hal::Duration answer_timeout = std::chrono::milliseconds{20};
-  // What an adapter may still say after it was closed is over by then.
+  // An adapter that was closed has said by then whatever it still had to say.
   static constexpr hal::Duration settle_time = std::chrono::milliseconds{10};
 
-  // bit_rate: one that bit_rate_digit knows; with another the adapter is never opened.
+  // The adapter is never opened at a bit rate that bit_rate_digit does not know.
   Port(Stream& stream, std::uint32_t bit_rate) noexcept : stream_{&stream}, rate_digit_{bit_rate_digit(bit_rate)} {}
 
-  // Takes in what came. Frames get the time `now`: the serial line tells no better.
+  // Takes in what came. Frames get the time `now`, because the serial line tells no better.
   void poll(hal::Time now) noexcept {
     char character = 0;
     for (std::size_t i = 0; i < most_characters && stream_->read(character); ++i) {
@@ -78,16 +83,14 @@ class Port {
     asked_at_ = now;
   }
 
-  // CanPort
+  // CanPort; see hal/can_port.hpp for what the calls promise.
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
-    if (state_ != State::open) return {hal::StatusCode::bus_off};
-    if (transmit_.push({frame, deadline})) return {};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (state_ != State::open) return hal::SendResult::bus_off;
+    if (transmit_.push({frame, deadline})) return hal::SendResult::queued;
     ++counters_.overflows;
-    return {hal::StatusCode::queue_full};
+    return hal::SendResult::queue_full;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
     if (receive_.empty()) return false;
@@ -111,7 +114,7 @@ class Port {
  private:
   enum class State : std::uint8_t {
     closed,
-    closing,  // C was sent: what comes is passed over until settle_time is over
+    closing,  // C was sent, and what comes is passed over until settle_time is over
     rating,   // S was sent
     opening,  // O was sent
     open,
@@ -141,7 +144,7 @@ class Port {
     std::size_t first_ = 0, size_ = 0;
   };
 
-  // In one poll: what a line of 3 Mbaud brings in a millisecond; the rest waits in the stream.
+  // One poll takes in no more. A line of 3 Mbaud brings less in a millisecond; the rest waits in the stream.
   static constexpr std::size_t most_characters = 512;
 
   void on_message(const Message& message, hal::Time now) noexcept {
@@ -174,7 +177,7 @@ class Port {
     ask(State::rating, command.data(), now);
   }
 
-  // A stream that has no room for a command does not move: the answer's time-out will show it.
+  // A stream that has no room for a command does not move, which the answer's time-out will show.
   void ask(State next, const char* command, hal::Time now) noexcept {
     const std::string_view text{command};
     static_cast<void>(stream_->write({text.data(), text.size()}));

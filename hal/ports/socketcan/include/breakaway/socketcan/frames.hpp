@@ -1,4 +1,4 @@
-// Between the frames of Linux (linux/can.h, linux/can/error.h) and ours.
+// Turns the frames of Linux (linux/can.h, linux/can/error.h) into ours and back.
 #pragma once
 
 #include <linux/can.h>
@@ -13,19 +13,19 @@ namespace breakaway::socketcan {
 
 can_frame to_kernel(const hal::CanFrame& frame) noexcept;
 
-// Nothing for an error frame or one with a 29-bit identifier.
+// Returns nothing for an error frame or one with a 29-bit identifier.
 std::optional<hal::CanFrame> from_kernel(const can_frame& frame) noexcept;
 
-// What an error frame says of the controller. Errors of single bits are none of ours: the controller counts them and
-// says when its state changes.
+// ErrorReport: what an error frame says of the controller. Errors of single bits are left to the controller, which
+// counts them and says when its state changes.
 struct ErrorReport {
   std::optional<hal::BusState> state;
-  bool overflow = false;  // the controller lost frames, received or to be sent
+  bool overflow = false;  // the controller lost frames that were received or to be sent
 };
 ErrorReport error_report(const can_frame& frame) noexcept;
 
-// A time of CLOCK_REALTIME on CLOCK_MONOTONIC, given what both show now. A stamp that is in the future or older than a
-// second, as after a step of the wall clock, becomes now.
+// Brings a time of CLOCK_REALTIME to CLOCK_MONOTONIC, given what both show now. A stamp that is in the future or older
+// than a second, as after a step of the wall clock, becomes now.
 hal::Time on_monotonic_clock(hal::Time stamp, hal::Time realtime_now, hal::Time monotonic_now) noexcept;
 
 }  // namespace breakaway::socketcan

@@ -1,7 +1,8 @@
-// Receive stamps of a CAN controller's own counter, brought to the system's clock.
+// HardwareClock: brings the receive stamps of a CAN controller's own counter to the system's clock.
 //
-// A software stamp is late by the interrupt's latency, never early; a hardware stamp is exact on a clock of unknown
-// origin. So the smallest difference seen is the offset between the two, and it may grow with the clocks' drift only.
+// A software stamp is late by the interrupt's latency and never early; a hardware stamp is exact, but on a clock of
+// unknown origin. The smallest difference seen is therefore the offset between the two, and it may grow with the
+// clocks' drift only.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +13,8 @@ namespace breakaway::socketcan {
 
 class HardwareClock {
  public:
-  // software: when the kernel took the frame, on the clock that is wanted. The result is never later than that, and as
-  // even as the hardware's stamps are.
+  // Returns the hardware's stamp on the clock of the software's, which says when the kernel took the frame. The result
+  // is never later than that, and as even as the hardware's stamps are.
   hal::Time align(hal::Time hardware, hal::Time software) noexcept {
     const hal::Duration difference = software - hardware;
     const hal::Duration passed = hardware - last_;
@@ -26,7 +27,7 @@ class HardwareClock {
 
  private:
   static constexpr std::int64_t drift_divisor = 5000;  // 200 ppm: two crystals of 100 ppm each
-  // Beyond it the counter began anew, or wrapped.
+  // A difference that is longer means that the counter began anew or wrapped.
   static constexpr hal::Duration longest_latency = std::chrono::milliseconds{100};
 
   hal::Duration offset_{};

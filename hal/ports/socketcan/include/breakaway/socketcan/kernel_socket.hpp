@@ -1,4 +1,5 @@
-// KernelSocket: a CAN_RAW socket on one interface, with kernel filters, error frames and receive time stamps.
+// KernelSocket: a CAN_RAW socket on one interface, with kernel filters, error frames and receive time stamps. It models
+// RawSocket of port.hpp.
 #pragma once
 
 #include <net/if.h>
@@ -15,7 +16,7 @@
 
 namespace breakaway::socketcan {
 
-// Passes a data frame with an 11-bit identifier and (identifier & mask) == (id & mask).
+// Filter: passes a data frame with an 11-bit identifier for which (identifier & mask) == (id & mask).
 struct Filter {
   std::uint16_t id = 0;
   std::uint16_t mask = 0;
@@ -24,14 +25,14 @@ struct Filter {
 enum class OpenResult : std::uint8_t {
   done,
   no_can_support,     // the kernel lacks AF_CAN or CAN_RAW
-  no_such_interface,  // or a name that cannot be one
+  no_such_interface,  // or the name cannot be one
   not_can,
   is_down,
   no_permission,
   failed,  // error_number() says why
 };
 
-// With the remedy, to follow the interface's name.
+// The sentences tell the remedy and follow the interface's name.
 constexpr std::string_view to_string(OpenResult result) noexcept {
   switch (result) {
     case OpenResult::done:
@@ -41,8 +42,7 @@ constexpr std::string_view to_string(OpenResult result) noexcept {
              "CONFIG_CAN_RAW";
     case OpenResult::no_such_interface:
       return "there is no such interface: `ip -br link` lists those there are; a virtual one is made by `ip link add "
-             "dev "
-             "vcan0 type vcan`";
+             "dev vcan0 type vcan`";
     case OpenResult::not_can:
       return "is not a CAN interface: `ip -br link show type can` and `type vcan` list those";
     case OpenResult::is_down:
@@ -64,12 +64,14 @@ class KernelSocket {
   KernelSocket& operator=(const KernelSocket&) = delete;
   ~KernelSocket() { close(); }
 
-  // Without filters every frame is received; with more than most_filters, none is but errors. Own frames are not.
+  // Opens the interface. Without filters every frame is received; if there are more than most_filters, the first ones
+  // count. Own frames are not received.
   OpenResult open(const char* interface, std::span<const Filter> filters) noexcept;
   int error_number() const noexcept { return error_number_; }
-  int descriptor() const noexcept { return socket_; }  // for poll(2)
+  // The descriptor is for poll(2).
+  int descriptor() const noexcept { return socket_; }
 
-  // RawSocket
+  // RawSocket; see port.hpp for what the calls promise.
 
   Io write(const can_frame& frame) const noexcept;
   Io read(can_frame& frame, hal::Time& received) noexcept;

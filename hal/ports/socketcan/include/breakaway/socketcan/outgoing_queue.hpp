@@ -1,4 +1,4 @@
-// Frames that wait to be sent, first in, first out.
+// OutgoingQueue: the frames that wait to be sent, first in, first out.
 #pragma once
 
 #include <array>
@@ -16,13 +16,15 @@ struct Outgoing {
 template <std::size_t Capacity>
 class OutgoingQueue {
  public:
+  // Returns false, and keeps nothing, when the queue is full.
   bool push(const Outgoing& outgoing) noexcept {
     if (count_ == Capacity) return false;
     items_[(first_ + count_++) % Capacity] = outgoing;
     return true;
   }
   bool empty() const noexcept { return count_ == 0; }
-  const Outgoing& front() const noexcept { return items_[first_]; }  // requires !empty()
+  // The queue must not be empty for these two.
+  const Outgoing& front() const noexcept { return items_[first_]; }
   void pop() noexcept {
     first_ = (first_ + 1) % Capacity;
     --count_;

@@ -1,12 +1,12 @@
 // A CanPort on Linux SocketCAN.
 //
-// Each period: poll(now) first.
+// poll(now) comes first in every period.
 //
-// What the kernel was given cannot be taken back. So frames wait here, with their deadlines, and the kernel gets those
-// of a new period only when it has put all earlier ones on the wire: after a jam or bus-off it holds one period's
-// frames at most. While the interface is down or its controller off the bus, bus_state() is bus_off, sends are refused
-// and what waited is forgotten; how the controller joins the bus again is the interface's configuration (restart-ms) or
-// an operator's decision (ip link), and the port notices.
+// The kernel gives no frame back. Frames therefore wait here, with their deadlines, and the kernel gets those of a new
+// period only when it has put all earlier ones on the wire: after a jam or bus-off it holds one period's frames at
+// most. While the interface is down or its controller off the bus, bus_state() is bus_off, sends are refused and what
+// waited is forgotten; how the controller joins the bus again is the interface's configuration (restart-ms) or an
+// operator's decision (ip link), and the port notices.
 #pragma once
 
 #include <concepts>
@@ -27,17 +27,23 @@ enum class Io : std::uint8_t {
   refused,  // the kernel does not take this frame
 };
 
+// The formatter would tear the requirements and their comments apart.
 // clang-format off
 
-// A CAN_RAW socket. No call waits.
+// RawSocket: a CAN_RAW socket. No call waits.
 template <class S>
-concept RawSocket = requires(S& socket, const can_frame& out, can_frame& in, hal::Time& received) {
-  { socket.write(out) } noexcept -> std::same_as<Io>;
-  { socket.read(in, received) } noexcept -> std::same_as<Io>;  // received: on CLOCK_MONOTONIC
-  { socket.unsent_bytes() } noexcept -> std::same_as<std::size_t>;  // in the kernel, not yet on the wire
-  { socket.on_bus() } noexcept -> std::same_as<bool>;  // the interface is up, its controller not in bus-off
+concept RawSocket = requires(S& socket, const can_frame& to_send, can_frame& frame, hal::Time& received) {
+  { socket.write(to_send) } noexcept -> std::same_as<Io>;
+  // Reads the oldest frame, and when it was received on CLOCK_MONOTONIC.
+  { socket.read(frame, received) } noexcept -> std::same_as<Io>;
+  // Counts the bytes that are in the kernel and not yet on the wire.
+  { socket.unsent_bytes() } noexcept -> std::same_as<std::size_t>;
+  // Returns true while the interface is up and its controller not in bus-off.
+  { socket.on_bus() } noexcept -> std::same_as<bool>;
+  // Opens the interface once more, after Io::gone. Returns true when it is open.
   { socket.reopen() } noexcept -> std::same_as<bool>;
-  { socket.lost_frames() } noexcept -> std::same_as<std::uint32_t>;  // received, but the socket was full; a total
+  // Counts the frames, since the socket was opened, that were received when it was full.
+  { socket.lost_frames() } noexcept -> std::same_as<std::uint32_t>;
 };
 
 // clang-format on
@@ -63,29 +69,27 @@ class Port {
     pump();
   }
 
-  // CanPort
+  // CanPort; see hal/can_port.hpp for what the calls promise.
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > CAN_SFF_MASK) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > CAN_MAX_DLEN) return {hal::StatusCode::invalid_argument, 2};
-    if (link_ != Link::up) return {hal::StatusCode::bus_off};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
+    if (link_ != Link::up) return hal::SendResult::bus_off;
     if (!queue_.push({frame, deadline})) {
       ++counters_.overflows;
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     }
     pump();
-    return {};
+    return hal::SendResult::queued;
   }
 
   bool receive(hal::ReceivedFrame& received) noexcept {
-    can_frame in;
+    can_frame kernel_frame;
     for (int n = 0; n < most_reads; ++n) {
-      const Io result = socket_->read(in, received.time);
+      const Io result = socket_->read(kernel_frame, received.time);
       if (result != Io::done) return lose_link_on(result);
-      if ((in.can_id & CAN_ERR_FLAG) != 0) {
-        follow(error_report(in));
-      } else if (const auto frame = from_kernel(in)) {
+      if ((kernel_frame.can_id & CAN_ERR_FLAG) != 0) {
+        follow(error_report(kernel_frame));
+      } else if (const auto frame = from_kernel(kernel_frame)) {
         received.frame = *frame;
         return true;
       }
@@ -95,7 +99,7 @@ class Port {
   void purge_transmit_queue() noexcept { queue_.clear(); }
   hal::BusState bus_state() const noexcept { return link_ == Link::up ? state_ : hal::BusState::bus_off; }
 
-  // The interface itself is down or gone; otherwise bus_off means the controller.
+  // Returns true when the interface itself is down or gone; otherwise bus_off is the controller's.
   bool link_lost() const noexcept { return link_ == Link::down || link_ == Link::gone; }
   Counters counters() const noexcept {
     Counters all = counters_;
@@ -105,7 +109,7 @@ class Port {
 
  private:
   enum class Link : std::uint8_t { up, bus_off, down, gone };
-  // Error frames that one call passes over: a disturbed bus brings thousands a second.
+  // One call passes over no more error frames: a disturbed bus brings thousands a second.
   static constexpr int most_reads = 64;
   static constexpr hal::Duration reopen_interval = std::chrono::milliseconds{100};
 
@@ -123,7 +127,7 @@ class Port {
     }
   }
 
-  // Always false, for receive().
+  // Returns false always, which is what receive() is to return then.
   bool lose_link_on(Io result) noexcept {
     if (result == Io::down) lose_link(Link::down);
     if (result == Io::gone) lose_link(Link::gone);
@@ -147,7 +151,8 @@ class Port {
     queue_.clear();
   }
 
-  // At the earliest in the period after the loss: whoever supervises the port has seen it by then.
+  // A link is found again at the earliest in the period after its loss: whoever supervises the port has seen it by
+  // then.
   void look_for_link() noexcept {
     if (now_ <= lost_at_) return;
     if (link_ == Link::gone) {

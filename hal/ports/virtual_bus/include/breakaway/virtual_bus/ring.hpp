@@ -1,4 +1,4 @@
-// First in, first out, in storage that is allocated once.
+// Ring: a queue in storage that is allocated once.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class Ring {
   bool empty() const noexcept { return size_ == 0; }
   void clear() noexcept { size_ = 0; }
 
-  // False, and nothing changes, when the ring is full.
+  // Returns false, and changes nothing, when the ring is full.
   bool push(const T& item) noexcept {
     if (size_ == items_.size()) return false;
     items_[(first_ + size_) % items_.size()] = item;
@@ -23,7 +23,7 @@ class Ring {
     return true;
   }
 
-  // front, pop: only when not empty.
+  // The ring must not be empty for these two.
   const T& front() const noexcept { return items_[first_]; }
   void pop() noexcept {
     first_ = (first_ + 1) % items_.size();

@@ -3,8 +3,10 @@
 //
 // The transmit FIFO keeps the order of requests, so that an RPDO leaves before its SYNC. It gives no frame back, and
 // keeps its frames through bus-off and configuration mode: the only way to forget a frame is to reset the controller.
-// So the port resets it when a frame is still there at its deadline, on a purge, and on bus-off; with that the error
-// counters begin anew, and a frame on the wire is cut off.
+// The port therefore resets it when a frame is still there at its deadline, on a purge, and on bus-off; with that the
+// error counters begin anew, and a frame on the wire is cut off.
+//
+// start() comes once and may wait; poll(now) comes first in every period, and in between as often as can be.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +31,7 @@ struct Filter {
 struct BusSettings {
   hal::BitTiming timing{};
   std::uint32_t bit_rate = 1'000'000;
-  // What passes one of them is received; with no filter, every frame with an 11-bit identifier.
+  // A frame that passes one of them is received; without any, every frame with an 11-bit identifier is.
   std::array<std::optional<Filter>, filters> accepted{};
 };
 
@@ -44,9 +46,9 @@ class Port {
  public:
   explicit Port(Controller& controller) noexcept : controller_{&controller} {}
 
-  // Sets the controller up and lets it join the bus; it takes part once it has seen 11 recessive bits. False: it does
-  // not enter its configuration mode, as when it has no clock, or not leave it, for which the bus must be idle.
-  // `polls`: register reads to wait at most, for each.
+  // Sets the controller up and lets it join the bus; it takes part once it has seen 11 recessive bits. Returns false
+  // when it does not enter its configuration mode, as without a clock, or does not leave it, for which the bus must be
+  // idle. It waits for each for at most `polls` register reads.
   bool start(const BusSettings& settings, std::uint32_t polls) noexcept {
     settings_ = settings;
     recovering_ = false;
@@ -55,8 +57,7 @@ class Port {
     return await_config(0, polls);
   }
 
-  // As often as can be, and each period before the step: takes received frames in, with `now` as their time; drops what
-  // is stale; leads the controller back from bus-off.
+  // Takes received frames in, with `now` as their time; drops what is stale; leads the controller back from bus-off.
   void poll(hal::Time now) noexcept {
     now_ = now;
     if (recovering_) {
@@ -74,22 +75,20 @@ class Port {
     }
   }
 
-  // CanPort
+  // CanPort; see hal/can_port.hpp for what the calls promise.
 
-  // invalid_argument: not a classic frame with an 11-bit identifier; detail 1: the identifier, 2: the size.
-  hal::Status send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    if (frame.id > 0x7FF) return {hal::StatusCode::invalid_argument, 1};
-    if (frame.size > 8) return {hal::StatusCode::invalid_argument, 2};
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    if (!hal::is_sendable(frame)) return hal::SendResult::not_sendable;
     const std::uint32_t events = read(reg::isr);
-    if (recovering_ || (events & bit::isr_bsoff) != 0) return {hal::StatusCode::bus_off};
+    if (recovering_ || (events & bit::isr_bsoff) != 0) return hal::SendResult::bus_off;
     note_transmitted(events);
     // The bit in ISR stays until the FIFO was empty, so a full FIFO is emptied before more is put into it.
     if (((events & bit::isr_txfll) != 0 && pending_ > 0) || (read(reg::sr) & bit::sr_txfll) != 0)
-      return {hal::StatusCode::queue_full};
+      return hal::SendResult::queue_full;
     load(frame);
     deadline_ = pending_ == 0 ? deadline : std::min(deadline_, deadline);
     ++pending_;
-    return {};
+    return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept { return received_.pop(received); }
   void purge_transmit_queue() noexcept {
@@ -135,7 +134,7 @@ class Port {
     return true;
   }
 
-  // A filter may change while it is not in use only. Without one in use the controller would pass extended frames too.
+  // A filter may change only while it is not in use. Without one in use the controller would pass extended frames too.
   void set_filters() noexcept {
     constexpr Filter every{};
     std::uint32_t used = 0;
@@ -159,7 +158,7 @@ class Port {
     rejoin_ = now_ + hal::Duration{bits_to_rejoin * 1'000'000'000 / settings_.bit_rate};
     static_cast<void>(reset_controller(reset_polls));
   }
-  // A controller that does not even reset is tried again at the next poll, and off the bus until then.
+  // A controller that does not even reset is tried again at the next poll, and is off the bus until then.
   void rejoin() noexcept {
     recovering_ = !reset_controller(reset_polls);
     if (!recovering_) write(reg::srr, bit::srr_cen);
@@ -171,7 +170,7 @@ class Port {
     rejoin();
   }
 
-  // Since the last frame was put into it the transmit FIFO was empty: load() clears the bit.
+  // The bit says that the transmit FIFO was empty since the last frame was put into it: load() clears it.
   void note_transmitted(std::uint32_t events) noexcept {
     if ((events & bit::isr_txfemp) == 0) return;
     pending_ = 0;

@@ -8,15 +8,20 @@
 
 namespace breakaway::xilinx_can {
 
-// How the port reaches the controller: by offset from its base address. On target these are volatile accesses; on the
-// host, a model. A read may have an effect: that of the receive FIFO's identifier takes a frame out.
+// Registers: how the port reaches the controller, by offset from its base address. On target these are volatile
+// accesses, in tests a model of the controller. A read may have an effect: that of the receive FIFO's identifier takes
+// a frame out.
+
+// The formatter would tear the requirements apart.
+// clang-format off
+
 template <class R>
 concept Registers = requires(R& registers, std::uint32_t offset, std::uint32_t value) {
-  { registers.read(offset) }
-  noexcept->std::same_as<std::uint32_t>;
-  { registers.write(offset, value) }
-  noexcept->std::same_as<void>;
+  { registers.read(offset) } noexcept -> std::same_as<std::uint32_t>;
+  { registers.write(offset, value) } noexcept -> std::same_as<void>;
 };
+
+// clang-format on
 
 namespace reg {
 
@@ -40,7 +45,7 @@ inline constexpr std::uint32_t id_rtr_of_base = 1U << 20, id_ide = 1U << 19;
 
 inline constexpr std::uint32_t filters = 4, largest_prescaler = 256;
 
-// Of the registers BRPR and BTR.
+// Lay a timing out for the registers BRPR and BTR.
 constexpr std::uint32_t brpr_value(const hal::BitTiming& timing) noexcept { return timing.prescaler - 1; }
 constexpr std::uint32_t btr_value(const hal::BitTiming& timing) noexcept {
   return (timing.segment2 - 1) << 4 | (timing.segment1 - 1);

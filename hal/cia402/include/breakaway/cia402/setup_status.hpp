@@ -1,0 +1,57 @@
+// SetupStatus: how the set-up of a drive stands, and what to do when it does not come to its end.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace breakaway::cia402 {
+
+enum class SetupStatus : std::uint8_t {
+  ready,
+  in_progress,
+  no_answer,              // an SDO transfer was not answered; the drive is waited for, and set up when it comes
+  config_invalid,         // check() refuses what the drive was configured with
+  not_a_cia402_drive,     // 1000h shows another device profile
+  no_torque_mode,         // 6502h lacks cyclic synchronous torque
+  mode_refused,           // 6061h never showed cyclic synchronous torque
+  no_rated_torque,        // 6076h is 0, so there is no unit to command torque in
+  no_max_torque,          // 6072h is 0
+  object_refused,         // the drive aborted a transfer that it must not abort
+  protocol_error,         // the drive answered a transfer with what CiA 301 forbids
+  force_step_too_coarse,  // one per mille of the rated torque is more than the axis' force limit
+};
+
+constexpr std::string_view to_string(SetupStatus status) noexcept {
+  switch (status) {
+    case SetupStatus::ready:
+      return "the drive is set up";
+    case SetupStatus::in_progress:
+      return "the drive is being set up; wait";
+    case SetupStatus::no_answer:
+      return "the drive does not answer; check its power, the wiring, node_id and the bit rate";
+    case SetupStatus::config_invalid:
+      return "the drive's configuration cannot be used; cia402::check() names the field";
+    case SetupStatus::not_a_cia402_drive:
+      return "the node is not a CiA 402 drive (1000h); check node_id";
+    case SetupStatus::no_torque_mode:
+      return "the drive has no cyclic synchronous torque mode (6502h, bit 9); take a drive, or a firmware of it, that "
+             "has";
+    case SetupStatus::mode_refused:
+      return "the drive refuses the cyclic synchronous torque mode (6061h never showed 10); end what else commands it, "
+             "its commissioning software, say, and look for an interlock on the mode in its manual";
+    case SetupStatus::no_rated_torque:
+      return "the drive states no rated torque (6076h is 0); set up the motor's data in the drive first";
+    case SetupStatus::no_max_torque:
+      return "the drive allows no torque (6072h is 0); set up the motor's data in the drive first";
+    case SetupStatus::object_refused:
+      return "the drive refuses an object of the set-up; its manual says why";
+    case SetupStatus::protocol_error:
+      return "the drive answers the set-up with what CiA 301 forbids; look for a second node with its node_id";
+    case SetupStatus::force_step_too_coarse:
+      return "the drive moves in steps of force larger than max_force_N; raise max_force_N, or take a drive of a lower "
+             "rated torque (6076h)";
+  }
+  return "unknown set-up status";
+}
+
+}  // namespace breakaway::cia402

@@ -1,0 +1,44 @@
+// What a user reads when a drive cannot be used.
+#include <gtest/gtest.h>
+
+#include "../explained_enum.hpp"
+#include "breakaway/cia402/drive_config.hpp"
+#include "breakaway/cia402/setup_status.hpp"
+
+namespace breakaway::cia402 {
+namespace {
+
+TEST(DriveConfigError, NamesTheFieldAndWhatItMustBe) {
+  using E = DriveConfigError;
+  test::expect_sentences<E>(
+      {{E::none, {"can be used"}},
+       {E::node_id, {"drive's node_id must be 1 to 127"}},
+       {E::master_node_id, {"master's node_id must be 1 to 127", "another than the drive's"}},
+       {E::heartbeat_period, {"heartbeat_period must be 1 to 65535 ms"}},
+       {E::heartbeat_timeout, {"heartbeat_timeout must be longer than", "heartbeat_period", "at most 65535 ms"}},
+       {E::sdo_timeout, {"sdo_timeout must be above 0"}},
+       {E::period, {"period must be 1 to 255 times 1 us"}},
+       {E::encoder_resolution, {"encoder_resolution_m must be a finite number above 0"}},
+       {E::force_per_torque, {"force_per_torque_N_per_Nm must be a finite number above 0"}},
+       {E::max_force, {"max_force_N must be a finite number above 0"}}});
+}
+
+TEST(SetupStatus, NamesWhatIsWrongAndTheRemedy) {
+  using S = SetupStatus;
+  test::expect_sentences<S>(
+      {{S::ready, {"is set up"}},
+       {S::in_progress, {"is being set up", "wait"}},
+       {S::no_answer, {"does not answer", "check its power", "wiring", "node_id", "bit rate"}},
+       {S::config_invalid, {"configuration cannot be used", "cia402::check()"}},
+       {S::not_a_cia402_drive, {"not a CiA 402 drive", "1000h", "check node_id"}},
+       {S::no_torque_mode, {"no cyclic synchronous torque mode", "6502h", "take a drive"}},
+       {S::mode_refused, {"refuses the cyclic synchronous torque mode", "6061h", "end what else commands it"}},
+       {S::no_rated_torque, {"no rated torque", "6076h", "set up the motor's data"}},
+       {S::no_max_torque, {"no torque", "6072h", "set up the motor's data"}},
+       {S::object_refused, {"refuses an object", "its manual says why"}},
+       {S::protocol_error, {"CiA 301 forbids", "look for a second node"}},
+       {S::force_step_too_coarse, {"steps of force larger than max_force_N", "raise max_force_N", "6076h"}}});
+}
+
+}  // namespace
+}  // namespace breakaway::cia402
