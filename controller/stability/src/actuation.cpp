@@ -1,27 +1,24 @@
 #include "actuation.hpp"
 
-#include <Eigen/SVD>
 #include <cstdio>
+
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::stability {
 
 using Eigen::MatrixXd;
 
 Actuation::Actuation(const MatrixXd& actuators) {
-  Eigen::JacobiSVD<MatrixXd, Eigen::FullPivHouseholderQRPreconditioner> svd(actuators,
-                                                                            Eigen::ComputeFullU | Eigen::ComputeFullV);
-  svd.setThreshold(rounding);
-  const Eigen::Index rank = svd.rank();
-  reached = svd.matrixU().leftCols(rank);
-  unreached = svd.matrixU().rightCols(actuators.rows() - rank);
-  inverse =
-      svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() * reached.transpose();
+  const dense::Span span = dense::span(actuators, rounding);
+  reached = span.basis;
+  unreached = span.complement;
+  inverse = dense::solution(actuators, MatrixXd::Identity(actuators.rows(), actuators.rows()), rounding);
 }
 
 MatrixXd Actuation::symmetric_base(const MatrixXd& open) const {
-  const MatrixXd coupling = unreached * (unreached.transpose() * open * reached) * reached.transpose();
-  const MatrixXd fixed = unreached * (unreached.transpose() * open * unreached) * unreached.transpose();
-  return coupling + coupling.transpose() + (fixed + fixed.transpose()) / 2;
+  const MatrixXd onto_reached = reached * reached.transpose(), onto_unreached = unreached * unreached.transpose();
+  const MatrixXd kept = onto_unreached * open, coupling = kept * onto_reached;
+  return coupling + coupling.transpose() + dense::symmetric_part(kept * onto_unreached);
 }
 
 std::vector<MatrixXd> Actuation::symmetric_terms(const MatrixXd& levers) {

@@ -7,7 +7,8 @@
 
 namespace breakaway::stability {
 
-// S = reached * diag(sigma) * V^T, and Z its complement: G + S F has the rows Z^T G whatever F is, and any other rows.
+// The actuators S span `reached`, and Z is its complement: G + S F has the rows Z^T G whatever F is, and any other
+// rows.
 struct Actuation {
   explicit Actuation(const Eigen::MatrixXd& actuators);
 
@@ -27,7 +28,7 @@ struct Actuation {
   Eigen::MatrixXd inverse;    // k x n: the pseudoinverse of S
 };
 
-// Of the size of the matrix: what rounding may make of an entry that is 0.
+// What rounding may make of an entry that is 0, as a share of the matrix's size.
 constexpr double rounding = 1e-12;
 
 // "(0.70711, -0.70711)", of unit length and with its largest entry positive.

@@ -1,11 +1,10 @@
 #include "breakaway/stability/attractivity.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/energy_level.hpp"
 #include "eigencolumns.hpp"
 #include "infinite.hpp"
@@ -21,7 +20,7 @@ using Eigen::VectorXd;
 // lambda^T H lambda / 2 is V at the equilibrium K^-1 W Lambda lambda, |lambda_i| <= 1.
 MatrixXd rest_energy_form(const LinearMachine<>& system) {
   const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
-  return pushes.transpose() * system.stiffness.llt().solve(pushes);
+  return pushes.transpose() * dense::Cholesky(system.stiffness).solve(pushes);
 }
 
 // Largest lambda^T H lambda / 2 over |lambda_i| <= 1: at a corner, for H is positive semidefinite. Goes from corner
@@ -85,9 +84,9 @@ double rho_J(double beta, double eigenvalue, double mobility) {
 
 // Conditions 2 and 3, given condition 1 and a list of corners that is not too long.
 void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes, Attractivity& a) {
-  Eigencolumns basis = eigencolumns((system.damping + system.damping.transpose()) / 2);
+  Eigencolumns basis = eigencolumns(dense::symmetric_part(system.damping));
   a.unstable = (basis.values.array() <= 0).count();
-  const MatrixXd inverse_mass = system.mass.llt().solve(MatrixXd::Identity(system.mass.rows(), system.mass.rows()));
+  const MatrixXd inverse_mass = dense::Cholesky(system.mass).inverse();
   const double outside = (space.complement.transpose() * basis.columns.leftCols(a.unstable)).norm();
   const bool spanned = a.unstable == 0 || outside <= 1e-9;
   if (spanned && a.unstable > 0) {

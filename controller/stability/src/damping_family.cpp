@@ -1,9 +1,8 @@
 #include "damping_family.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <utility>
 
+#include "breakaway/stability/dense.hpp"
 #include "gain_search.hpp"
 
 namespace breakaway::stability {
@@ -55,13 +54,11 @@ void DampingFamily::keep_invariant() {
   for (Index k = 0; k < count(); ++k)
     equations.col(k) = (p.transpose() * terms_[static_cast<std::size_t>(k)] * n).reshaped();
   const VectorXd right = -(p.transpose() * base_ * n).reshaped();
-  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver(equations);
-  const VectorXd particular = solver.solve(right);
+  const VectorXd particular = dense::solution(equations, right);
   exists_ = (equations * particular - right).norm() <= 1e-10;
-  const MatrixXd free =
-      solver.rank() == count() ? MatrixXd(count(), 0) : MatrixXd{Eigen::FullPivLU<MatrixXd>(equations).kernel()};
+  const MatrixXd free = dense::span(equations.transpose()).complement;
   std::vector<MatrixXd> left;
-  for (const auto& direction : free.colwise()) left.push_back(combined(direction.normalized()));
+  for (const auto& direction : free.colwise()) left.push_back(combined(direction));
   base_ += combined(particular);
   terms_ = std::move(left);
 }
@@ -74,9 +71,9 @@ MatrixXd DampingFamily::combined(const VectorXd& weights) const {
 
 // U^T C_cl U - least I >= 0.
 MatrixInequality DampingFamily::above(const MatrixXd& basis, double least) const {
-  MatrixInequality inequality{basis.transpose() * base_ * basis - least * identity(basis.cols()), {}};
+  MatrixInequality inequality{dense::congruence(basis, base_) - least * identity(basis.cols()), {}};
   for (Index k = 0; k < count(); ++k)
-    inequality.terms.emplace_back(k, basis.transpose() * terms_[static_cast<std::size_t>(k)] * basis);
+    inequality.terms.emplace_back(k, dense::congruence(basis, terms_[static_cast<std::size_t>(k)]));
   return inequality;
 }
 

@@ -1,9 +1,10 @@
 #include "eigencolumns.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -52,8 +53,8 @@ MatrixXd turned(MatrixXd columns, Index i, Index j, double angle) {
 }  // namespace
 
 Eigencolumns eigencolumns(const MatrixXd& damping) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(damping);
-  Eigencolumns basis{eigen.eigenvectors(), eigen.eigenvalues()};
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(damping);
+  Eigencolumns basis{eigen.vectors, eigen.values};
   const double rounding = 1e-15 * static_cast<double>(damping.rows()) * damping.norm();
   for (Index i = 0; i < basis.values.size(); ++i) {
     double& value = basis.values[i];

@@ -1,22 +1,18 @@
 #include "breakaway/stability/energy_level.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 
+#include "breakaway/stability/dense.hpp"
 #include "infinite.hpp"
 #include "zonotope.hpp"
 
 namespace breakaway::stability {
 namespace {
 
+using dense::Cholesky;
+using dense::symmetric_part;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using SymmetricEigen = Eigen::SelfAdjointEigenSolver<MatrixXd>;
-using GeneralEigen = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>;
-
-MatrixXd symmetric_part(const MatrixXd& matrix) { return (matrix + matrix.transpose()) / 2; }
 
 // Those below zero, without what rounding may have made negative.
 VectorXd negative(const VectorXd& values) {
@@ -33,11 +29,10 @@ double level_J(const MatrixXd& roots, const MatrixXd& corners) {
 // With the negative part of C in its own eigenbasis, where that is in span W, as condition 2 demands.
 double level_in_eigenbasis_J(const LinearMachine<>& system, const MatrixXd& damping, const SpannedSpace& space,
                              const MatrixXd& corners) {
-  const SymmetricEigen eigen(damping);
-  const MatrixXd part =
-      eigen.eigenvectors() * negative(eigen.eigenvalues()).asDiagonal() * eigen.eigenvectors().transpose();
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(damping);
+  const MatrixXd part = eigen.vectors * negative(eigen.values).asDiagonal() * eigen.vectors.transpose();
   if ((part * space.complement).norm() > 1e-9 * part.norm()) return 0;
-  return level_J(system.mass.llt().matrixL().solve(part), corners);
+  return level_J(Cholesky(system.mass).solve_lower(part), corners);
 }
 
 // With C reduced to the velocities that friction acts on, and its negative part in the basis in which the mass that is
@@ -45,15 +40,14 @@ double level_in_eigenbasis_J(const LinearMachine<>& system, const MatrixXd& damp
 double level_in_mass_basis_J(const LinearMachine<>& system, const MatrixXd& damping, const SpannedSpace& space,
                              const MatrixXd& corners) {
   const MatrixXd &held = space.basis, &free = space.complement;
-  MatrixXd reduced = held.transpose() * damping * held;
+  MatrixXd reduced = dense::congruence(held, damping);
   if (free.cols() > 0) {
     const MatrixXd coupling = free.transpose() * damping * held;
-    reduced -= coupling.transpose() * (free.transpose() * damping * free).llt().solve(coupling);
+    reduced -= coupling.transpose() * Cholesky(dense::congruence(free, damping)).solve(coupling);
   }
-  const MatrixXd felt = symmetric_part((held.transpose() * system.mass.llt().solve(held)).inverse());
-  const GeneralEigen eigen(symmetric_part(reduced), felt);
-  return level_J(
-      negative(eigen.eigenvalues()).asDiagonal() * eigen.eigenvectors().transpose() * felt * held.transpose(), corners);
+  const MatrixXd felt = symmetric_part(dense::inverse(held.transpose() * Cholesky(system.mass).solve(held)));
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(symmetric_part(reduced), felt);
+  return level_J(negative(eigen.values).asDiagonal() * eigen.vectors.transpose() * felt * held.transpose(), corners);
 }
 
 }  // namespace
@@ -64,8 +58,8 @@ double dissipated_level_J(const LinearMachine<>& system) {
   if (facet_candidates(space) > most_facet_candidates) return 0;
   const MatrixXd damping = symmetric_part(system.damping);
   if (space.complement.cols() > 0) {
-    const SymmetricEigen on_free(symmetric_part(space.complement.transpose() * damping * space.complement));
-    if (!(on_free.eigenvalues()[0] > 1e-12 * damping.norm())) return 0;
+    const MatrixXd on_free = symmetric_part(dense::congruence(space.complement, damping));
+    if (!(dense::symmetric_eigenvalues(on_free)[0] > 1e-12 * damping.norm())) return 0;
   }
   if (space.basis.cols() == 0) return infinite;
   const MatrixXd corners = unit_corners(space, pushes);
@@ -74,9 +68,9 @@ double dissipated_level_J(const LinearMachine<>& system) {
 }
 
 double parting_rate_per_s(const LinearMachine<>& system) {
-  const GeneralEigen eigen(symmetric_part(system.damping), system.mass, Eigen::EigenvaluesOnly);
-  const double rounding = 1e-13 * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  return std::max(0.0, rounding - eigen.eigenvalues()[0]);
+  const VectorXd rates = dense::symmetric_eigenvalues(symmetric_part(system.damping), system.mass);
+  const double rounding = 1e-13 * rates.cwiseAbs().maxCoeff();
+  return std::max(0.0, rounding - rates[0]);
 }
 
 }  // namespace breakaway::stability

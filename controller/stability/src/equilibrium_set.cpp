@@ -1,8 +1,8 @@
 #include "breakaway/stability/equilibrium_set.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 
+#include "breakaway/stability/dense.hpp"
 #include "infinite.hpp"
 #include "zonotope.hpp"
 #include "zonotope_vertices.hpp"
@@ -61,12 +61,12 @@ EquilibriumSet EquilibriumSet::make(const LinearMachine<>& system) {
   set.unheld_row_ = set.unheld_.rowwise().norm();
   set.stiffness_ = system.stiffness;
   set.pushes_ = pushes;
-  const Eigen::FullPivLU<Eigen::MatrixXd> stiffness(system.stiffness);
-  if (stiffness.isInvertible()) {
-    set.reach_ = stiffness.solve(pushes);
+  const Eigen::MatrixXd slack = dense::span(system.stiffness.transpose()).complement;
+  if (slack.cols() == 0) {
+    set.reach_ = dense::inverse(system.stiffness) * pushes;
     set.extent_ = set.reach_.cwiseAbs().rowwise().sum();
   } else {
-    set.slack_ = stiffness.kernel().col(0).stableNormalized();
+    set.slack_ = slack.col(0);
     set.extent_ = Eigen::VectorXd::Constant(pushes.rows(), infinite);
   }
   return set;
@@ -111,8 +111,7 @@ Eigen::MatrixXd EquilibriumSet::vertices() const {
 
 double EquilibriumSet::support(const Eigen::VectorXd& u) const {
   if (slack_.size() == 0) return (u.transpose() * reach_).cwiseAbs().sum();
-  const Eigen::FullPivLU<Eigen::MatrixXd> transposed(stiffness_.transpose());
-  const Eigen::VectorXd force = transposed.solve(u);
+  const Eigen::VectorXd force = dense::solution(stiffness_.transpose(), u);
   if (!(stiffness_.transpose() * force).isApprox(u, 1e-12)) return infinite;
   return (force.transpose() * pushes_).cwiseAbs().sum();
 }

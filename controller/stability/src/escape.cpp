@@ -1,10 +1,10 @@
 #include "breakaway/stability/escape.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -35,20 +35,20 @@ double farthest(const Eigen::VectorXcd& c) {
 
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system) {
   const Eigen::Index n = system.mass.rows();
-  const Eigen::LLT<Eigen::MatrixXd> mass(system.mass);
+  const dense::Cholesky mass(system.mass);
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
   a.topRightCorner(n, n).setIdentity();
   a.bottomLeftCorner(n, n) = -mass.solve(system.stiffness);
   a.bottomRightCorner(n, n) = -mass.solve(system.damping);
   const Eigen::MatrixXd pushes = mass.solve(system.directions * system.friction_N.asDiagonal());
 
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(a.transpose());
-  const double standing_still = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  const dense::GeneralEigen eigen = dense::general_eigen(a.transpose());
+  const double standing_still = 1e-12 * eigen.values.cwiseAbs().maxCoeff();
   std::vector<EscapeLevel> levels;
   for (Eigen::Index i = 0; i < 2 * n; ++i) {
-    const std::complex<double> s = eigen.eigenvalues()[i];
+    const std::complex<double> s = eigen.values[i];
     if (!(s.real() > standing_still) || s.imag() < 0) continue;  // of a conjugate pair one is enough
-    const Eigen::VectorXcd w = eigen.eigenvectors().col(i);
+    const Eigen::VectorXcd w = eigen.vectors.col(i);
     const double push = farthest(pushes.transpose() * w.tail(n));
     levels.push_back({w.real(), w.imag(), s.real(), (1 + 1e-9) * push / s.real()});
   }

@@ -1,10 +1,10 @@
 #include "breakaway/stability/linear_machine.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <string>
 
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -23,12 +23,15 @@ void require_finite(const char* name, const MatrixXd& matrix) {
   if (!matrix.allFinite()) throw InputError{name, "has an entry that is not a finite number: correct it"};
 }
 
+// D A D, where D scales lengths and masses.
+MatrixXd with_unit_diagonal(const MatrixXd& matrix) {
+  const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  return scale.asDiagonal() * matrix * scale.asDiagonal();
+}
+
 void require_positive_mass(const MatrixXd& mass) {
   if (mass != mass.transpose()) throw InputError{"mass", "is not symmetric: use (M + M^T) / 2, the matrix of v^T M v"};
-  const VectorXd scale = mass.diagonal().cwiseSqrt().cwiseInverse();
-  if ((mass.diagonal().array() > 0).all() &&
-      Eigen::LLT<MatrixXd>(scale.asDiagonal() * mass * scale.asDiagonal()).info() == Eigen::Success)
-    return;
+  if ((mass.diagonal().array() > 0).all() && dense::Cholesky(with_unit_diagonal(mass)).succeeded()) return;
   throw InputError{"mass", "is not positive definite: give every coordinate a mass of its own, or drop it"};
 }
 
@@ -40,9 +43,7 @@ bool symmetric(const MatrixXd& matrix) {
 
 double definiteness(const MatrixXd& matrix) {
   if (const double least = matrix.diagonal().minCoeff(); !(least > 0)) return least;
-  const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-  const MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return dense::symmetric_eigenvalues(with_unit_diagonal(matrix))[0];
 }
 
 void require_valid_statics(const LinearMachine<>& machine) {

@@ -1,13 +1,12 @@
 #include "breakaway/stability/lmi.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 #include <sstream>
 #include <string>
 #include <string_view>
 
+#include "breakaway/stability/dense.hpp"
 #include "sdpa_program.hpp"
 
 namespace breakaway::stability {
@@ -85,10 +84,9 @@ VectorXd minimised(const LmiProblem& problem) {
 
 double proven_least_eigenvalue(const MatrixXd& symmetric) {
   const double n = static_cast<double>(symmetric.rows()), size = symmetric.norm();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(symmetric, Eigen::EigenvaluesOnly);
-  const double shift = eigen.eigenvalues()[0] - 16 * n * epsilon * size;
+  const double shift = dense::symmetric_eigenvalues(symmetric)[0] - 16 * n * epsilon * size;
   const MatrixXd shifted = symmetric - shift * MatrixXd::Identity(symmetric.rows(), symmetric.rows());
-  if (Eigen::LLT<MatrixXd>(shifted).info() != Eigen::Success) return -std::numeric_limits<double>::infinity();
+  if (!dense::Cholesky(shifted).succeeded()) return -std::numeric_limits<double>::infinity();
   // The factors' product differs from `shifted` by less than (n + 1) epsilon times its trace (Higham, Accuracy and
   // Stability of Numerical Algorithms, Theorem 10.3), and the shift has been rounded.
   return shift - 2 * (n + 2) * epsilon * (shifted.trace() + size);

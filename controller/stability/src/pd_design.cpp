@@ -1,8 +1,5 @@
 #include "breakaway/stability/pd_design.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <complex>
 #include <limits>
@@ -11,6 +8,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
 #include "breakaway/stability/attractivity.hpp"
+#include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/lmi.hpp"
 #include "zonotope.hpp"
 
@@ -18,7 +16,6 @@ namespace breakaway::stability {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -40,13 +37,13 @@ Condition unreached_symmetric(const char* name, const MatrixXd& block, double sc
 Condition unreached_stiffness_positive(const Actuation& actuation, const MatrixXd& stiffness) {
   Condition condition{"stiffness_positive", true, std::numeric_limits<double>::infinity(), ""};
   if (actuation.unreached.cols() == 0) return condition;
-  const MatrixXd block = actuation.unreached.transpose() * stiffness * actuation.unreached;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((block + block.transpose()) / 2);
-  condition.margin = eigen.eigenvalues()[0] - rounding * largest(stiffness);
+  const dense::SymmetricEigen eigen =
+      dense::symmetric_eigen(dense::symmetric_part(dense::congruence(actuation.unreached, stiffness)));
+  condition.margin = eigen.values[0] - rounding * largest(stiffness);
   condition.holds = condition.margin > 0;
   if (!condition.holds) {
-    condition.reason = "the direction " + direction_text(actuation.unreached * eigen.eigenvectors().col(0)) +
-                       " has the stiffness " + to_text(eigen.eigenvalues()[0]) +
+    condition.reason = "the direction " + direction_text(actuation.unreached * eigen.vectors.col(0)) +
+                       " has the stiffness " + to_text(eigen.values[0]) +
                        " N/m and no actuator acts on it: add one, or a spring";
   }
   return condition;
@@ -63,31 +60,56 @@ MatrixXd acting_directions(const LinearMachine<>& machine) {
   return machine.directions * (machine.friction_N.array() > 0).cast<double>().matrix().asDiagonal();
 }
 
+// Directions that friction or an actuator acts on.
+MatrixXd acted_on(const ActuatedSystem& system) {
+  const MatrixXd frictions = unit_columns(acting_directions(system.machine));
+  MatrixXd both(frictions.rows(), frictions.cols() + system.actuators.cols());
+  both << frictions, unit_columns(system.actuators);
+  return both;
+}
+
+// The complex matrix [C - mu I, D] as a real one of twice the size, [Re, -Im; Im, Re]: it has the same singular values,
+// each of them twice.
+MatrixXd hautus_matrix(const MatrixXd& damping, std::complex<double> mu, const MatrixXd& directions) {
+  const Index n = damping.rows(), m = directions.cols();
+  MatrixXd hautus = MatrixXd::Zero(2 * n, 2 * (n + m));
+  for (const Index half : {0, 1}) {
+    hautus.block(half * n, half * (n + m), n, n) = damping;
+    hautus.block(half * n, half * (n + m), n, n).diagonal().array() -= mu.real();
+    hautus.block(half * n, half * (n + m) + n, n, m) = directions;
+  }
+  hautus.block(0, n + m, n, n).diagonal().setConstant(mu.imag());
+  hautus.block(n, 0, n, n).diagonal().setConstant(-mu.imag());
+  return hautus;
+}
+
+// The direction in which the matrix of hautus_matrix() is least.
+VectorXd least_direction(const MatrixXd& hautus) {
+  const Index n = hautus.rows() / 2;
+  const VectorXd both = dense::symmetric_eigen(hautus * hautus.transpose()).vectors.col(0);
+  Eigen::VectorXcd left(n);
+  left.real() = both.head(n);
+  left.imag() = both.tail(n);
+  // A complex vector is one of a conjugate pair: it is turned so that its real part is the larger one.
+  const std::complex<double> turn = std::sqrt((left.array() * left.array()).sum());
+  return std::abs(turn) > 0 ? VectorXd{(left * (std::abs(turn) / turn)).real()} : VectorXd{left.real()};
+}
+
 // Hautus: for every eigenvalue mu of C with Re mu <= 0 the matrix [C - mu I, W, S] must have the rank n. Its least
 // singular value, C being scaled to the size 1, is the margin.
 Condition stabilizable(const ActuatedSystem& system) {
-  const LinearMachine<>& machine = system.machine;
-  const Index n = machine.damping.rows();
-  const double scale = std::max(machine.damping.norm(), std::numeric_limits<double>::min());
-  const MatrixXd damping = machine.damping / scale;
-  MatrixXcd hautus(n, n + machine.directions.cols() + system.actuators.cols());
-  hautus.rightCols(hautus.cols() - n) << unit_columns(acting_directions(machine)), unit_columns(system.actuators);
-
+  const double scale = std::max(system.machine.damping.norm(), std::numeric_limits<double>::min());
+  const MatrixXd damping = system.machine.damping / scale, directions = acted_on(system);
   Condition condition{"stabilizable", true, std::numeric_limits<double>::infinity(), ""};
-  for (const std::complex<double> mu : damping.eigenvalues()) {
+  for (const std::complex<double> mu : dense::general_eigen(damping).values) {
     if (mu.real() > rounding) continue;
-    hautus.leftCols(n) = damping.cast<std::complex<double>>() - mu * MatrixXcd::Identity(n, n);
-    const Eigen::JacobiSVD<MatrixXcd> svd(hautus, Eigen::ComputeThinU);
-    if (const double least = svd.singularValues()[n - 1]; least < condition.margin) {
-      condition.margin = least;
-      // A complex vector is one of a conjugate pair: turned so that its real part is the larger one.
-      const Eigen::VectorXcd left = svd.matrixU().col(n - 1);
-      const std::complex<double> turn = std::sqrt((left.array() * left.array()).sum());
-      const VectorXd direction = std::abs(turn) > 0 ? VectorXd{(left * (std::abs(turn) / turn)).real()} : left.real();
-      condition.reason = "the direction " + direction_text(direction) + " has the damping " +
-                         to_text(mu.real() * scale) +
-                         " N s/m, and neither friction nor an actuator acts on it: add one of them";
-    }
+    const MatrixXd hautus = hautus_matrix(damping, mu, directions);
+    const double least = dense::least_singular_value(hautus);
+    if (!(least < condition.margin)) continue;
+    condition.margin = least;
+    condition.reason = "the direction " + direction_text(least_direction(hautus)) + " has the damping " +
+                       to_text(mu.real() * scale) +
+                       " N s/m, and neither friction nor an actuator acts on it: add one of them";
   }
   condition.holds = condition.margin > rounding;
   if (condition.holds) condition.reason.clear();
@@ -110,9 +132,7 @@ LinearMachine<> closed_loop(const ActuatedSystem& system, const PdGains& gains) 
 
 std::vector<Condition> machine_conditions(const ActuatedSystem& system) {
   const Actuation actuation{system.actuators};
-  const auto unreached = [&](const MatrixXd& matrix) {
-    return MatrixXd{actuation.unreached.transpose() * matrix * actuation.unreached};
-  };
+  const auto unreached = [&](const MatrixXd& matrix) { return dense::congruence(actuation.unreached, matrix); };
   const MatrixXd &stiffness = system.machine.stiffness, &damping = system.machine.damping;
   return {unreached_symmetric("stiffness_symmetric", unreached(stiffness), largest(stiffness)),
           unreached_stiffness_positive(actuation, stiffness),
@@ -122,21 +142,21 @@ std::vector<Condition> machine_conditions(const ActuatedSystem& system) {
 std::vector<Condition> loop_conditions(const LinearMachine<>& closed_loop) {
   Condition stiffness = symmetry("K_cl symmetric", closed_loop.stiffness);
   Condition positive{"K_cl positive definite", false, 0, ""};
-  positive.margin = proven_least_eigenvalue((closed_loop.stiffness + closed_loop.stiffness.transpose()) / 2);
+  positive.margin = proven_least_eigenvalue(dense::symmetric_part(closed_loop.stiffness));
   positive.holds = positive.margin > 0;
   if (!positive.holds) positive.reason = "its least eigenvalue is not positive: add feedback of position";
 
   Condition span{"eigencolumns in span W", true, std::numeric_limits<double>::infinity(), ""};
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((closed_loop.damping + closed_loop.damping.transpose()) / 2);
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(dense::symmetric_part(closed_loop.damping));
   const MatrixXd complement = spanned_space(acting_directions(closed_loop)).complement;
   const double zero = 1e-15 * static_cast<double>(complement.rows()) * closed_loop.damping.norm();
-  for (Index i = 0; i < complement.rows() && eigen.eigenvalues()[i] <= zero; ++i) {
-    const double outside = (complement.transpose() * eigen.eigenvectors().col(i)).norm();
+  for (Index i = 0; i < complement.rows() && eigen.values[i] <= zero; ++i) {
+    const double outside = (complement.transpose() * eigen.vectors.col(i)).norm();
     span.margin = std::min(span.margin, 1e-9 - outside);
     if (span.margin >= 0) continue;
     span.holds = false;
-    span.reason = "the direction " + direction_text(eigen.eigenvectors().col(i)) + " with the damping " +
-                  to_text(eigen.eigenvalues()[i]) + " N s/m is not a sum of friction directions: damp it by feedback";
+    span.reason = "the direction " + direction_text(eigen.vectors.col(i)) + " with the damping " +
+                  to_text(eigen.values[i]) + " N s/m is not a sum of friction directions: damp it by feedback";
   }
   return {stiffness, positive, span, symmetry("C_cl symmetric", closed_loop.damping)};
 }
@@ -145,12 +165,10 @@ Theorem2 verify_theorem_2(const ActuatedSystem& system, const MatrixXd& position
   const MatrixXd& stiffness = system.machine.stiffness;
   const MatrixXd closed = stiffness + system.actuators * position_gain_N_per_m;
   Theorem2 result;
-  const MatrixXd inverse = closed.inverse();
-  result.A = -(inverse + inverse.transpose()) / 2;
+  result.A = -dense::symmetric_part(dense::inverse(closed));
   result.Y = position_gain_N_per_m * result.A;
-  const MatrixXd half = stiffness * result.A + system.actuators * result.Y;
   result.hurwitz = proven_least_eigenvalue(-result.A);
-  result.lmi = proven_least_eigenvalue(-(half + half.transpose()));
+  result.lmi = proven_least_eigenvalue(-2 * dense::symmetric_part(stiffness * result.A + system.actuators * result.Y));
   return result;
 }
 

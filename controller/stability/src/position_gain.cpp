@@ -3,12 +3,11 @@
 // In the basis [S_r, Z] of what the actuators reach and what they do not, K_cl = [X, B; B^T, D] with any symmetric X.
 // With Y = (X - B D^-1 B^T)^-1 its inverse is Q = Z D^-1 Z^T + L Y L^T, L = S_r - Z D^-1 B^T, and K_cl is positive
 // definite just when D and Y are: Q, and with it every resting position Q W lambda, is linear in Y.
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <utility>
 
 #include "actuation.hpp"
+#include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/lmi.hpp"
 #include "gain_search.hpp"
 
@@ -35,8 +34,8 @@ class ComplianceProgram {
     unit_ = error_m / force_N;
     pushes_ /= force_N;
     const MatrixXd& z = actuation.unreached;
-    const MatrixXd unreached_compliance = z * (z.transpose() * base_ * z).inverse() * z.transpose();
-    fixed_ = (unreached_compliance + unreached_compliance.transpose()) / (2 * unit_);
+    const MatrixXd unreached_compliance = z * dense::inverse(dense::congruence(z, base_)) * z.transpose();
+    fixed_ = dense::symmetric_part(unreached_compliance) / unit_;
     levers_ = reached_ - unreached_compliance * base_ * reached_;
     terms_ = Actuation::symmetric_terms(levers_);
     most_compliant_ = std::min(1e4, 1 / (least_stiffness * system.machine.stiffness.norm() * unit_));
@@ -121,14 +120,12 @@ class ComplianceProgram {
   MatrixXd compliance(const VectorXd& x) const { return fixed_ + levers_ * free_compliance(x) * levers_.transpose(); }
 
   MatrixXd stiffness(const VectorXd& x) const {
-    const Eigen::LLT<MatrixXd> y(free_compliance(x));
-    if (y.info() != Eigen::Success)
-      throw InputError{"the solver sdpa returned gains that do not make K_cl positive definite"};
-    const MatrixXd identity = MatrixXd::Identity(reached_.cols(), reached_.cols());
-    const MatrixXd coupling = base_ * reached_;                              // Z B^T
-    const MatrixXd held = coupling.transpose() * fixed_ * coupling * unit_;  // B D^-1 B^T
-    const MatrixXd x_block = held + y.solve(identity) / unit_;
-    return MatrixXd{base_ + reached_ * ((x_block + x_block.transpose()) / 2) * reached_.transpose()};
+    const dense::Cholesky y(free_compliance(x));
+    if (!y.succeeded()) throw InputError{"the solver sdpa returned gains that do not make K_cl positive definite"};
+    const MatrixXd coupling = base_ * reached_;                                // Z B^T
+    const MatrixXd held = dense::congruence(coupling, fixed_) * unit_;         // B D^-1 B^T
+    const MatrixXd block = dense::symmetric_part(held + y.inverse() / unit_);  // X
+    return base_ + dense::congruence(reached_.transpose(), block);
   }
 
   MatrixXd reached_, base_, pushes_, fixed_, levers_;

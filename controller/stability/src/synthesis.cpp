@@ -1,12 +1,10 @@
 #include "breakaway/stability/synthesis.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/equilibrium_set.hpp"
 #include "gain_search.hpp"
 #include "infinite.hpp"
@@ -21,9 +19,7 @@ constexpr double resting_tolerance = 1e-9;
 
 // Of positions at rest: |q| = r has at most the energy lambda_max(K) r^2 / 2.
 double reach_m(const LinearMachine<>& closed, double level_J) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((closed.stiffness + closed.stiffness.transpose()) / 2,
-                                                      Eigen::EigenvaluesOnly);
-  return std::sqrt(2 * level_J / eigen.eigenvalues().maxCoeff());
+  return std::sqrt(2 * level_J / dense::symmetric_eigenvalues(dense::symmetric_part(closed.stiffness)).maxCoeff());
 }
 
 bool meets(const LinearMachine<>& closed, const PdWants& wants) {
@@ -84,8 +80,8 @@ MatrixXd velocity_gain(const ActuatedSystem& system, const PdWants& wants, GainS
 
 double resting_error_m(const LinearMachine<>& system) {
   if (!symmetric(system.stiffness)) return infinite;
-  const Eigen::LLT<MatrixXd> factors(system.stiffness);
-  if (factors.info() != Eigen::Success || factors.rcond() < 1e-14) return infinite;
+  const dense::Cholesky factors(system.stiffness);
+  if (!factors.succeeded() || factors.reciprocal_condition() < 1e-14) return infinite;
   return factors.solve(system.directions * system.friction_N.asDiagonal()).cwiseAbs().rowwise().sum().maxCoeff();
 }
 
@@ -114,7 +110,7 @@ PdDesign synthesize(const ActuatedSystem& system, const PdWants& wants, GainStru
 
 std::vector<GainSweepRow> sweep_velocity_gain(const ActuatedSystem& system, const PdGains& gains,
                                               const std::vector<double>& norms_Ns_per_m) {
-  const double norm = Eigen::JacobiSVD<MatrixXd>(gains.velocity_Ns_per_m).singularValues()[0];
+  const double norm = dense::spectral_norm(gains.velocity_Ns_per_m);
   std::vector<GainSweepRow> rows;
   for (const double wanted : norms_Ns_per_m) {
     const PdGains scaled{gains.position_N_per_m, gains.velocity_Ns_per_m * (wanted / norm)};

@@ -1,11 +1,11 @@
 // F2 by linear matrix inequalities, and by Theorem 1 itself where it is no such inequality.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "actuation.hpp"
+#include "breakaway/stability/dense.hpp"
 #include "damping_family.hpp"
 #include "gain_search.hpp"
 #include "zonotope.hpp"
@@ -20,9 +20,9 @@ using Eigen::MatrixXd;
 std::vector<Split> candidates(const LinearMachine<>& machine) {
   const SpannedSpace space = spanned_space(machine.directions * machine.friction_N.asDiagonal());
   std::vector<Split> splits{{space.basis, space.complement}};
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((machine.damping + machine.damping.transpose()) / 2);
-  const Index unstable = (eigen.eigenvalues().array() <= 0).count();
-  const MatrixXd &columns = eigen.eigenvectors(), unheld = columns.leftCols(unstable);
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(dense::symmetric_part(machine.damping));
+  const Index unstable = (eigen.values.array() <= 0).count();
+  const MatrixXd &columns = eigen.vectors, unheld = columns.leftCols(unstable);
   if (unstable > 0 && unstable < space.basis.cols() && (space.complement.transpose() * unheld).norm() <= 1e-9) {
     splits.push_back({unheld, columns.rightCols(columns.cols() - unstable)});
   }
@@ -67,7 +67,7 @@ class Search {
   bool found() const { return !found_.empty(); }
 
   MatrixXd result() const {
-    if (found()) return *std::ranges::min_element(found_, {}, [](const MatrixXd& gain) { return gain.operatorNorm(); });
+    if (found()) return *std::ranges::min_element(found_, {}, dense::spectral_norm);
     if (best_J_ == 0) throw unheld_ ? *unheld_ : failure_;
     throw InputError{"the region is out of reach: with these actuators the best found is " + to_text(best_J_) +
                      " J; ask for less, or add actuators or frictions"};
@@ -89,13 +89,12 @@ class Search {
   bool unheld_by_actuators() {
     const MatrixXd& z = actuation_.unreached;
     if (z.cols() == 0) return false;
-    const MatrixXd fixed = z.transpose() * system_.machine.damping * z;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((fixed + fixed.transpose()) / 2);
-    if (eigen.eigenvalues()[0] >= 2 * damping_reserve * unit_Ns_per_m_) return false;
-    unheld_ =
-        InputError{"the region is out of reach: the direction " + direction_text(z * eigen.eigenvectors().col(0)) +
-                   " has the damping " + to_text(eigen.eigenvalues()[0]) +
-                   " N s/m and no actuator acts on it; friction could hold it in a finite region at most"};
+    const dense::SymmetricEigen eigen =
+        dense::symmetric_eigen(dense::symmetric_part(dense::congruence(z, system_.machine.damping)));
+    if (eigen.values[0] >= 2 * damping_reserve * unit_Ns_per_m_) return false;
+    unheld_ = InputError{"the region is out of reach: the direction " + direction_text(z * eigen.vectors.col(0)) +
+                         " has the damping " + to_text(eigen.values[0]) +
+                         " N s/m and no actuator acts on it; friction could hold it in a finite region at most"};
     return true;
   }
 

@@ -8,12 +8,10 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/motion/constant_friction_motion.hpp"
 #include "breakaway/motion/roots.hpp"
+#include "breakaway/motion/tie.hpp"
 
 namespace breakaway::motion {
 namespace {
-
-// An axis whose push equals its friction level to rounding would stick and slip for ever: break away a little above it.
-constexpr double tie = 1 + 1e-12;
 
 void require_finite(const char* name, double value) {
   if (!std::isfinite(value)) throw InputError{std::string(name) + " must be finite"};
@@ -35,7 +33,11 @@ constexpr int scan_depth = 24;
 }  // namespace
 
 Slide::Slide(double mass_kg, model::FrictionLaw friction, SlideState initial)
-    : mass_kg_(mass_kg), friction_(std::move(friction)), state_(initial), direction_(sign(initial.velocity_m_s)) {
+    : mass_kg_(mass_kg),
+      friction_(std::move(friction)),
+      time_{initial.time_s},
+      state_(initial),
+      direction_(sign(initial.velocity_m_s)) {
   require_finite("time_s", initial.time_s);
   require_finite("position_m", initial.position_m);
   require_finite("velocity_m_s", initial.velocity_m_s);
@@ -51,9 +53,9 @@ StopReason Slide::advance_to(double time_s, const model::AppliedForce& force, bo
   require_valid(force);
   force_ = force;
   if (state_.velocity_m_s == 0) release_if_pushed();
-  while (until(time_s) > 0) {
+  while (time_.until(time_s) > 0) {
     const double end_s = std::min(time_s, next_change_s_);
-    const double duration_s = until(end_s);
+    const double duration_s = time_.until(end_s);
     const auto sticks_before = counters_.sticks;
     if (direction_ == 0) {
       stick(duration_s, end_s);
@@ -110,7 +112,7 @@ void Slide::release_if_pushed() {
   }
   const double push_N = force_.at_N(state_.time_s, state_.position_m, 0);
   const int direction = sign(push_N);
-  if (direction != 0 && std::abs(push_N) > rest_level_N_[direction > 0] * tie) slip(direction, push_N);
+  if (direction != 0 && std::abs(push_N) > widened(rest_level_N_[direction > 0])) slip(direction, push_N);
 }
 
 void Slide::slip(int direction, double push_N) {
@@ -120,7 +122,7 @@ void Slide::slip(int direction, double push_N) {
   friction_.face(state_.position_m, direction);
   const double after_N = friction_.level_N(state_.time_s, state_.position_m, 0);
   // A law that is drawn anew at the slip may hold the axis after all.
-  if (after_N > before_N && std::abs(push_N) <= after_N * tie) return face_law();
+  if (after_N > before_N && std::abs(push_N) <= widened(after_N)) return face_law();
   direction_ = direction;
   ++counters_.slips;
   if (last_direction_ == -direction) ++counters_.reversals;
@@ -154,7 +156,7 @@ double Slide::breakaway_after_s(double duration_s, int& direction) {
   // The push is monotone in time: only the level on the side that it moves towards can be crossed.
   direction = transient_N > 0 ? -1 : 1;
   const double push_N = force_.at_N(state_.time_s, state_.position_m, 0);
-  const double missing_N = direction * rest_level_N_[direction > 0] * tie - push_N;
+  const double missing_N = direction * widened(rest_level_N_[direction > 0]) - push_N;
   const double fraction = missing_N / -transient_N;  // of the change still to come
   return fraction < 1 ? -force_.time_constant_s * std::log1p(-fraction) : never;
 }
@@ -171,10 +173,10 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
     window_s = std::min(window_s, force_.time_constant_s);
   }
   const auto excess_N = [&](double tau_s) {
-    const double time_s = state_.time_s + (time_rest_s_ + tau_s);
+    const double time_s = time_.after(tau_s);
     const double push_N = force_.at_N(time_s, state_.position_m, 0);
     direction = push_N < 0 ? -1 : 1;
-    return std::abs(push_N) - friction_.breakaway_N(time_s, state_.position_m, direction) * tie;
+    return std::abs(push_N) - widened(friction_.breakaway_N(time_s, state_.position_m, direction));
   };
   double start_s = 0, start_N = excess_N(0);
   while (start_s < duration_s) {
@@ -269,15 +271,13 @@ void Slide::come_to_rest() {
 
 void Slide::pass_time(double duration_s) {
   since_event_s_ += duration_s;
-  const double step_s = duration_s + time_rest_s_;
-  const double sum_s = state_.time_s + step_s;
-  time_rest_s_ = step_s - (sum_s - state_.time_s);
-  state_.time_s = sum_s;
+  time_.pass(duration_s);
+  state_.time_s = time_.sum_s;
 }
 
 void Slide::set_time(double time_s) {
+  time_ = {time_s};
   state_.time_s = time_s;
-  time_rest_s_ = 0;
 }
 
 void Slide::face_law() {
@@ -298,8 +298,7 @@ void Slide::observe_now() const {
 
 // Reports the state that lies this far ahead in the present motion.
 void Slide::observe_at(double tau_s, double distance_m, double speed_m_s) const {
-  const SlideState state{state_.time_s + (time_rest_s_ + tau_s), state_.position_m + direction_ * distance_m,
-                         direction_ * speed_m_s};
+  const SlideState state{time_.after(tau_s), state_.position_m + direction_ * distance_m, direction_ * speed_m_s};
   observer_(state, friction_.level_N(state.time_s, state.position_m, speed_m_s));
 }
 

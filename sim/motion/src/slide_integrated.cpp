@@ -24,11 +24,11 @@ constexpr std::size_t distance = 0, speed = 1;
 class TravelEquation {
  public:
   TravelEquation(const model::FrictionLaw& friction, const model::AppliedForce& force, const SlideState& start,
-                 double time_rest_s, int direction, double mass_kg)
+                 const SummedTime& time, int direction, double mass_kg)
       : friction_(friction),
         force_(force),
         start_(start),
-        time_rest_s_(time_rest_s),
+        time_(time),
         direction_(direction),
         mass_kg_(mass_kg),
         offset_m_(start.position_m - force.reference_m),
@@ -51,8 +51,7 @@ class TravelEquation {
     double force_N = force_.constant_N - force_.stiffness_N_per_m * (offset_m_ + moved_m) -
                      force_.damping_Ns_per_m * direction_ * speed_m_s;
     if (transient_N_ != 0) force_N += transient_N_ * std::exp(-tau_s / force_.time_constant_s);
-    const double level_N =
-        friction_.level_N(start_.time_s + (time_rest_s_ + tau_s), start_.position_m + moved_m, speed_m_s);
+    const double level_N = friction_.level_N(time_.after(tau_s), start_.position_m + moved_m, speed_m_s);
     return (direction_ * force_N - level_N) / mass_kg_;
   }
 
@@ -73,7 +72,7 @@ class TravelEquation {
   const model::FrictionLaw& friction_;
   const model::AppliedForce& force_;
   const SlideState& start_;
-  double time_rest_s_;
+  SummedTime time_;
   int direction_;
   double mass_kg_;
   double offset_m_;
@@ -208,7 +207,7 @@ class Flight {
 }  // namespace
 
 Slide::Segment Slide::slide_by_integration(double duration_s) {
-  const TravelEquation equation(friction_, force_, state_, time_rest_s_, direction_, mass_kg_);
+  const TravelEquation equation(friction_, force_, state_, time_, direction_, mass_kg_);
   const double longest_s = observer_ ? std::min(duration_s, observer_interval_s_) : duration_s;
   Flight flight(equation, std::abs(state_.velocity_m_s), duration_s, edge_distance_m(), longest_s);
   double step_s = next_step_s_ > 0 ? next_step_s_ : first_step_s(duration_s);

@@ -26,7 +26,7 @@ void require_valid(const LinearMachine<>& machine, std::size_t laws, const Adapt
   require(laws == static_cast<std::size_t>(machine.frictions()),
           "there are " + std::to_string(laws) + " friction laws for " + std::to_string(machine.frictions()) +
               " columns of directions: give one for each");
-  require(machine.frictions() <= Adaptive::most_directions,
+  require(machine.frictions() <= most_directions,
           "directions has " + std::to_string(machine.frictions()) +
               " columns: the adaptive method takes at most 16, so use time stepping");
   require(options.tolerance >= 1e-14 && options.tolerance <= 1e-2,
@@ -89,7 +89,7 @@ Adaptive::Result Adaptive::resume(Laws& laws, const State& start, double end_tim
     if (!found) found = std::make_shared<const HeldSet>(make_held_set(machine_, sticking));
     return *found;
   };
-  AdaptiveRun run{{machine_, laws, held_set, {}, {}, 0, 0, {}, {}, nullptr, 0}, columns_, options_, log};
+  AdaptiveRun run{{machine_, laws, held_set, {}, {}, {}, {}, {}, nullptr, 0}, columns_, options_, log};
   run.begin(start);
   return run.go_on(end_time_s, decision_, observer);
 }

@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // At the walk's present place.
 double AdaptiveStep::value(const Guard& guard, double tau_s, const Vector& force) {
   if (guard.is_edge) return sign(guard.direction) * (guard.edge_m - walk_.position_m(guard.direction));
-  return walk_.margin_N(guard.limit, force, walk_.time_after(tau_s));
+  return walk_.margin_N(guard.limit, force, walk_.time.after(tau_s));
 }
 
 // Whether a static limit was so near at a stage that it may have been exceeded in between.

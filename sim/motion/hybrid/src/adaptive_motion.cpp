@@ -173,7 +173,7 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
   }
   const auto accept = [&](const Trial& trial, Ending ending) {
     move_to(trial.path, trial.speeds);
-    walk_.pass_time(trial.duration_s);
+    walk_.time.pass(trial.duration_s);
     return ending;
   };
   const Index stopping = next_to_stop();

@@ -1,12 +1,12 @@
 #include "adaptive_run.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/motion/roots.hpp"
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::hybrid {
 namespace {
@@ -18,9 +18,8 @@ constexpr int scan_depth = 24;
 
 // The shortest of the machine's own scales of time.
 double first_step_s(const AdaptiveWalk& walk) {
-  const auto solver = walk.machine.mass.llt();
-  const double rate =
-      solver.solve(walk.machine.damping).norm() + std::sqrt(solver.solve(walk.machine.stiffness).norm());
+  const stability::dense::Cholesky mass(walk.machine.mass);
+  const double rate = mass.solve(walk.machine.damping).norm() + std::sqrt(mass.solve(walk.machine.stiffness).norm());
   double step_s = 1 / rate;
   for (const auto& law : walk.laws) step_s = std::min(step_s, law.time_scale_s());
   return step_s;
@@ -31,7 +30,7 @@ double first_step_s(const AdaptiveWalk& walk) {
 void AdaptiveRun::begin(const Adaptive::State& start) {
   walk_.q = start.q;
   walk_.v = start.v;
-  walk_.time_s = start.time_s;
+  walk_.time = {start.time_s};
   const Index m = walk_.machine.frictions();
   walk_.signs.assign(static_cast<std::size_t>(m), 0);
   walk_.shift_m = Eigen::VectorXd::Zero(m);
@@ -51,7 +50,7 @@ void AdaptiveRun::begin(const Adaptive::State& start) {
 Adaptive::Result AdaptiveRun::finish(Verdict verdict) {
   outcome_.verdict = verdict;
   outcome_.end = state();
-  outcome_.settling_time_s = walk_.time_s;
+  outcome_.settling_time_s = walk_.time.sum_s;
   return outcome_;
 }
 
@@ -83,7 +82,7 @@ Ending AdaptiveRun::wait(double duration_s) {
     double margin_N = unlimited;
     for (std::size_t k = 0; k < walk_.held->facets.size(); ++k) {
       for (const int side : {-1, 1}) {
-        const double here_N = walk_.margin_N({k, side}, force, walk_.time_after(tau_s));
+        const double here_N = walk_.margin_N({k, side}, force, walk_.time.after(tau_s));
         if (here_N < margin_N) least = {k, side};
         margin_N = std::min(margin_N, here_N);
       }
@@ -92,16 +91,16 @@ Ending AdaptiveRun::wait(double duration_s) {
   };
   for (double low_s = 0; steepest_N_per_s > 0 && low_s < duration_s;) {
     const double high_s = std::min(low_s + window_s, duration_s);
-    const double at_s = motion::first_excess(excess_N, {low_s, excess_N(low_s)}, {high_s, excess_N(high_s)},
-                                             steepest_N_per_s, scan_depth);
-    if (at_s < unlimited) {
-      excess_N(at_s);  // leaves the limit of this instant
-      walk_.pass_time(at_s);
+    const double excess_s = motion::first_excess(excess_N, {low_s, excess_N(low_s)}, {high_s, excess_N(high_s)},
+                                                 steepest_N_per_s, scan_depth);
+    if (excess_s < unlimited) {
+      excess_N(excess_s);  // leaves the limit of this instant
+      walk_.time.pass(excess_s);
       return {Ending::Kind::limit, 0, least, 0, 0};
     }
     low_s = high_s;
   }
-  walk_.pass_time(duration_s);
+  walk_.time.pass(duration_s);
   return {Ending::Kind::time, 0, {}, 0, 0};
 }
 
@@ -120,8 +119,7 @@ void AdaptiveRun::handle(const Ending& ending, double end_s) {
     case Ending::Kind::none:
       return;
     case Ending::Kind::time:
-      walk_.time_s = end_s;
-      walk_.time_rest_s = 0;
+      walk_.time = {end_s};
       change_laws();
       break;
     case Ending::Kind::stop:
@@ -140,7 +138,7 @@ void AdaptiveRun::handle(const Ending& ending, double end_s) {
 
 void AdaptiveRun::change_laws() {
   for (auto& law : walk_.laws) {
-    if (law.next_time_change_s() <= walk_.time_s) law.on_time(walk_.time_s);
+    if (law.next_time_change_s() <= walk_.time.sum_s) law.on_time(walk_.time.sum_s);
   }
   walk_.choose_mode(walk_.held->sticking);
 }
@@ -152,7 +150,7 @@ void AdaptiveRun::record(const std::vector<int>& before) {
     ++outcome_.events;
     if (log_ == nullptr) continue;
     const EventKind kind = now == 0 ? EventKind::stick : before[i] == 0 ? EventKind::slip : EventKind::reversal;
-    log_->push_back({walk_.time_s, kind, columns_[i]});
+    log_->push_back({walk_.time.sum_s, kind, columns_[i]});
   }
 }
 
@@ -166,12 +164,12 @@ Adaptive::Result AdaptiveRun::go_on(double end_s, const EarlyDecision<Eigen::Dyn
     if (decision) {
       if (const Verdict verdict = decision(state()); verdict != Verdict::undecided) return finish(verdict);
     }
-    if (!(walk_.until(end_s) > 0)) return finish(Verdict::undecided);
-    const double before_s = walk_.time_s, before_rest_s = walk_.time_rest_s;
+    if (!(walk_.time.until(end_s) > 0)) return finish(Verdict::undecided);
+    const motion::SummedTime before = walk_.time;
     const double next_s = std::min(end_s, walk_.next_change_s());
-    const Ending ending = move(walk_.until(next_s));
+    const Ending ending = move(walk_.time.until(next_s));
     handle(ending, next_s);
-    at_once = walk_.time_s == before_s && walk_.time_rest_s == before_rest_s ? at_once + 1 : 0;
+    at_once = walk_.time == before ? at_once + 1 : 0;
   }
   throw InputError{"the friction directions switch without end at one instant: the machine is too ill-scaled"};
 }

@@ -18,7 +18,7 @@ class AdaptiveRun {
                          const Observer<Eigen::Dynamic>& observer);
 
  private:
-  Adaptive::State state() const { return {walk_.time_s, walk_.q, walk_.v}; }
+  Adaptive::State state() const { return {walk_.time.sum_s, walk_.q, walk_.v}; }
   Adaptive::Result finish(Verdict verdict);
   bool stands_still() const;
   Ending wait(double duration_s);

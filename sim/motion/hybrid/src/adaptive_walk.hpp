@@ -1,4 +1,4 @@
-// What Adaptive knows on its way: the state at the last step, and which directions stick.
+// AdaptiveWalk holds what Adaptive knows on its way: the state at the last step, and which directions stick.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,8 @@
 
 #include "breakaway/hybrid/adaptive.hpp"
 #include "breakaway/hybrid/stick_set.hpp"
+#include "breakaway/hybrid/stop_problem.hpp"
+#include "breakaway/motion/summed_time.hpp"
 
 namespace breakaway::hybrid {
 
@@ -37,28 +39,24 @@ struct AdaptiveWalk {
   std::function<const HeldSet&(DirectionSet)> held_set;
 
   Vector q, v;
-  double time_s = 0, time_rest_s = 0;  // the exact time is their sum
-  std::vector<int> signs;              // of sliding; 0 while sticking
-  Vector shift_m;                      // position in the law = w_i^T q + shift_m: what rounding lacks at an edge
+  motion::SummedTime time;
+  std::vector<int> signs;  // of sliding; 0 while sticking
+  Vector shift_m;          // position in the law = w_i^T q + shift_m: what rounding lacks at an edge
   const HeldSet* held = nullptr;
   double step_s = 0;  // suggested for the next step
 
-  double time_after(double tau_s) const { return time_s + (time_rest_s + tau_s); }
-  double until(double end_s) const { return (end_s - time_s) - time_rest_s; }
   double position_m(Eigen::Index i) const { return machine.directions.col(i).dot(q) + shift_m[i]; }
   bool all_stick() const;
   double next_change_s() const;
 
-  // All forces but those of sticking directions and of inertia, at the present place and tau_s later. `exchanged` >= 0
-  // slides at exactly speed_m_s.
+  // The sum of all forces but those of sticking directions and of inertia, at the present place and tau_s later. The
+  // direction `exchanged`, if it is not -1, slides at exactly speed_m_s.
   Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
-  // What static friction bears beyond this force; negative once it gives way. `for_ever`: whatever the laws do with
-  // time.
-  double margin_N(Limit limit, const Vector& force, double at_s, bool for_ever = false);
+  // What static friction bears beyond this force at time_s; negative once it gives way. With `for_ever` it is what
+  // friction bears whatever the laws do with time.
+  double margin_N(Limit limit, const Vector& force, double time_s, bool for_ever = false);
   // Whether static friction bears what the sticking directions need.
   bool holds(bool for_ever = false);
-
-  void pass_time(double duration_s);
 
   // Decides which of the stopped directions stick and which slide, and how, and tells the laws.
   void choose_mode(DirectionSet stopped);
@@ -68,6 +66,7 @@ struct AdaptiveWalk {
  private:
   void face_laws();
   DirectionSet release(DirectionSet stopped, DirectionSet told);
+  void ask_for_levels(StopProblem& problem, const std::vector<Eigen::Index>& index, DirectionSet told);
 };
 
 }  // namespace breakaway::hybrid

@@ -1,8 +1,5 @@
 #include "breakaway/hybrid/flow.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-
 namespace breakaway::hybrid {
 namespace {
 
@@ -32,7 +29,7 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
       generator_{ExtendedMatrix::Zero(2 * k_, 2 * k_)} {
   if (k_ == 0) return;
   if (!decouple(damping, stiffness) && !diagonalise(damping, stiffness)) keep_dense(damping, stiffness);
-  inverse_ = modes_.partialPivLu().inverse();  // which looks at no scale
+  inverse_ = stability::extended::inverse(modes_);
   dense_ = generator_.cast<double>();
   for (const Block& block : blocks_) {
     const double turns = block.kind == Block::Kind::dense ? 1 : 0.25;
@@ -85,7 +82,7 @@ bool Flow::decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffne
     ExtendedMatrix sum = ExtendedMatrix::Zero(k_, k_);
     if (k_norm > 0) sum += stiffness / k_norm;
     if (c_norm > 0) sum += 0.6180339887498949L * damping / c_norm;
-    vectors = Eigen::SelfAdjointEigenSolver<ExtendedMatrix>((sum + sum.transpose()) / 2).eigenvectors();
+    vectors = stability::extended::symmetric_eigenvectors((sum + sum.transpose()) / 2);
   }
   if (!diagonal_in(damping, c_norm) || !diagonal_in(stiffness, k_norm)) return false;
   for (Eigen::Index i = 0; i < k_; ++i) {
@@ -130,14 +127,14 @@ void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Ei
   }
 }
 
-void Flow::add_real(Eigen::Index at, Extended value) {
-  generator_(at, at) = value;
-  blocks_.push_back({Block::Kind::real, at, 1, static_cast<double>(value)});
+void Flow::add_real(Eigen::Index first, Extended value) {
+  generator_(first, first) = value;
+  blocks_.push_back({Block::Kind::real, first, 1, static_cast<double>(value)});
 }
 
-void Flow::add_complex(Eigen::Index at, Extended rate, Extended frequency) {
-  generator_.block(at, at, 2, 2) << rate, frequency, -frequency, rate;
-  Block block{Block::Kind::complex, at, 2, static_cast<double>(rate)};
+void Flow::add_complex(Eigen::Index first, Extended rate, Extended frequency) {
+  generator_.block(first, first, 2, 2) << rate, frequency, -frequency, rate;
+  Block block{Block::Kind::complex, first, 2, static_cast<double>(rate)};
   block.frequency = static_cast<double>(frequency);
   const Extended square = rate * rate + frequency * frequency;
   block.inverse_re = static_cast<double>(rate / square);
@@ -147,18 +144,17 @@ void Flow::add_complex(Eigen::Index at, Extended rate, Extended frequency) {
 
 bool Flow::diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
   const Extended time = time_scale(damping, stiffness);
-  const Eigen::EigenSolver<ExtendedMatrix> solver(companion(damping, stiffness, time));
-  if (solver.info() != Eigen::Success) return false;
+  const auto eigen = stability::extended::general_eigen(companion(damping, stiffness, time));
+  if (!eigen.found) return false;
   ExtendedMatrix vectors(2 * k_, 2 * k_);
-  const auto& values = solver.eigenvalues();
-  const auto complex_vectors = solver.eigenvectors();
+  const auto& values = eigen.values;
   for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {
-    vectors.col(i) = complex_vectors.col(i).real();
-    if (values[i].imag() != 0) vectors.col(i + 1) = complex_vectors.col(i).imag();
+    vectors.col(i) = eigen.vectors.col(i).real();
+    if (values[i].imag() != 0) vectors.col(i + 1) = eigen.vectors.col(i).imag();
   }
   // What the change of coordinates can cost: 1e-16 times this, relative to the largest coordinate.
-  const Extended condition = vectors.norm() * vectors.fullPivLu().inverse().norm();
-  if (!(condition < 1e4L)) return false;
+  const auto inverse = stability::extended::inverse_if_regular(vectors);
+  if (!inverse || !(vectors.norm() * inverse->norm() < 1e4L)) return false;
   for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {
     if (values[i].imag() == 0) {
       add_real(i, values[i].real() / time);

@@ -1,8 +1,5 @@
 #include "breakaway/hybrid/stick_set.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,21 +7,15 @@
 namespace breakaway::hybrid {
 namespace {
 
+namespace extended = stability::extended;
 using Extended = long double;
 
 // Columns told apart from dependent ones; entries are rounded to double, so 1e-16 is as good as zero.
 constexpr Extended rank_threshold = 1e-13L;
 
-Eigen::ColPivHouseholderQR<ExtendedMatrix> ranked(ExtendedMatrix columns) {
+extended::Span span(ExtendedMatrix columns) {
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i).stableNormalize();
-  Eigen::ColPivHouseholderQR<ExtendedMatrix> qr(columns.rows(), columns.cols());
-  qr.setThreshold(rank_threshold);
-  qr.compute(columns);
-  return qr;
-}
-
-ExtendedMatrix orthogonal(const Eigen::ColPivHouseholderQR<ExtendedMatrix>& qr) {
-  return qr.householderQ() * ExtendedMatrix::Identity(qr.rows(), qr.rows());
+  return extended::span(columns, rank_threshold);
 }
 
 // Calls back with every choice of `count` out of the given indices.
@@ -55,10 +46,9 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const
   line.second_bound = line.third_bound = line.settled_bound = Eigen::RowVectorXd::Zero(width);
   for (const Block& block : flow.blocks()) {
     const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
-    const Eigen::FullPivLU<ExtendedMatrix> factors(part);
     const ExtendedMatrix slope = first.middleCols(block.first, block.size);
-    if (factors.isInvertible()) {
-      settled.middleCols(block.first, block.size) = slope * factors.inverse();
+    if (const auto inverse = extended::inverse_if_regular(part)) {
+      settled.middleCols(block.first, block.size) = slope * *inverse;
     } else if (slope.cwiseAbs().maxCoeff() > 0) {
       line.drifts = true;
     }
@@ -82,28 +72,23 @@ struct Extension {
   explicit Extension(const LinearMachine<>& machine)
       : mass{machine.mass.cast<Extended>()},
         damping{machine.damping.cast<Extended>()},
-        stiffness{machine.stiffness.cast<Extended>()} {
-    const ExtendedMatrix factor = mass.llt().matrixL();
-    inverse_factor = factor.triangularView<Eigen::Lower>().solve(ExtendedMatrix::Identity(mass.rows(), mass.rows()));
-    directions = inverse_factor * machine.directions.cast<Extended>();
-  }
+        stiffness{machine.stiffness.cast<Extended>()},
+        inverse_factor{extended::inverse_cholesky_factor(mass)},
+        directions{inverse_factor * machine.directions.cast<Extended>()} {}
 };
 
 // An orthonormal basis of the motions that are left, in the same coordinates; adds to `sticking` what they cannot
 // slide.
-ExtendedMatrix free_motions(const Extension& extended, DirectionSet& sticking) {
-  const Eigen::Index n = extended.directions.rows(), m = extended.directions.cols();
+ExtendedMatrix free_motions(const Extension& extension, DirectionSet& sticking) {
+  const Eigen::Index n = extension.directions.rows(), m = extension.directions.cols();
   ExtendedMatrix free = ExtendedMatrix::Identity(n, n), chosen = ExtendedMatrix::Zero(n, m);
   for (Eigen::Index i = 0; i < m; ++i) {
-    if (contains(sticking, i)) chosen.col(i) = extended.directions.col(i);
+    if (contains(sticking, i)) chosen.col(i) = extension.directions.col(i);
   }
-  if (sticking != 0) {
-    const auto qr = ranked(chosen);
-    free = orthogonal(qr).rightCols(n - qr.rank()).eval();
-  }
+  if (sticking != 0) free = span(chosen).complement;
   for (Eigen::Index i = 0; i < m; ++i) {
-    const Extended left = (free.transpose() * extended.directions.col(i)).norm();
-    if (left <= rank_threshold * extended.directions.col(i).norm()) sticking |= only(i);
+    const Extended left = (free.transpose() * extension.directions.col(i)).norm();
+    if (left <= rank_threshold * extension.directions.col(i).norm()) sticking |= only(i);
   }
   return free;
 }
@@ -118,9 +103,9 @@ std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
   for_each_choice(all, static_cast<std::size_t>(rank - 1), [&](const std::vector<Eigen::Index>& chosen) {
     ExtendedVector normal = ExtendedVector::Unit(rank, 0);
     if (rank > 1) {
-      const auto face = ranked(reduced(Eigen::all, chosen));
+      const extended::Span face = span(reduced(Eigen::all, chosen));
       if (face.rank() < rank - 1) return;
-      normal = orthogonal(face).col(rank - 1);
+      normal = face.complement.col(0);
     }
     const bool known = std::any_of(normals.begin(), normals.end(), [&](const ExtendedVector& other) {
       return std::abs(std::abs(other.dot(normal)) - 1) < 1e-12L;
@@ -130,10 +115,10 @@ std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
   return normals;
 }
 
-Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extended, const ExtendedVector& normal,
+Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extension, const ExtendedVector& normal,
                                                  const Eigen::VectorXd& friction_N, DirectionSet sticking,
                                                  const Flow& flow, const ExtendedMatrix& velocities) {
-  const ExtendedVector shares = extended.directions.transpose() * normal;
+  const ExtendedVector shares = extension.directions.transpose() * normal;
   Extended largest = 0;
   for (Eigen::Index i = 0; i < shares.size(); ++i) {
     if (contains(sticking, i)) largest = std::max(largest, std::abs(shares[i]));
@@ -143,13 +128,13 @@ Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extended, cons
   Extended limit = 0;
   for (Eigen::Index i = 0; i < shares.size(); ++i) {
     if (!contains(sticking, i)) continue;
-    if (std::abs(shares[i]) <= rank_threshold * extended.directions.col(i).norm()) continue;
+    if (std::abs(shares[i]) <= rank_threshold * extension.directions.col(i).norm()) continue;
     facet.share[i] = static_cast<double>(shares[i] / largest);
     limit += std::abs(shares[i] / largest) * friction_N[i];
   }
   facet.limit_N = static_cast<double>(limit);
-  const ExtendedVector d = extended.inverse_factor.transpose() * normal / largest;
-  const ExtendedVector stiffness = extended.stiffness.transpose() * d, damping = extended.damping.transpose() * d;
+  const ExtendedVector d = extension.inverse_factor.transpose() * normal / largest;
+  const ExtendedVector stiffness = extension.stiffness.transpose() * d, damping = extension.damping.transpose() * d;
   facet.normal = d.cast<double>();
   facet.stiffness = stiffness.cast<double>();
   facet.damping = damping.cast<double>();
@@ -160,18 +145,19 @@ Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extended, cons
 }  // namespace
 
 StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions) {
-  const Extension extended(machine);
+  const Extension extension(machine);
   StickSet<> set;
   set.sticking = directions;
-  const ExtendedMatrix basis = extended.inverse_factor.transpose() * free_motions(extended, set.sticking);
-  set.flow = Flow(basis.transpose() * extended.damping * basis, basis.transpose() * extended.stiffness * basis);
+  const ExtendedMatrix basis = extension.inverse_factor.transpose() * free_motions(extension, set.sticking);
+  set.flow = Flow(basis.transpose() * extension.damping * basis, basis.transpose() * extension.stiffness * basis);
 
   const ExtendedMatrix velocities = basis * set.flow.velocity();
   const Eigen::Index n = machine.coordinates();
   set.velocity = padded(velocities, n, 2 * n);
-  set.from_velocity = padded(set.flow.from_velocity() * basis.transpose() * extended.mass, 2 * n, n);
+  set.from_velocity = padded(set.flow.from_velocity() * basis.transpose() * extension.mass, 2 * n, n);
   set.from_force = padded(set.flow.from_acceleration() * basis.transpose(), 2 * n, n);
-  set.mobility = (basis * basis.transpose()).cast<double>();
+  const ExtendedMatrix rates = machine.directions.transpose().cast<Extended>() * basis;
+  set.coupling = (rates * rates.transpose()).cast<double>();
 
   std::vector<Eigen::Index> stuck;
   for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
@@ -180,12 +166,12 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
     if (contains(set.sticking, i)) stuck.push_back(i);
   }
   if (stuck.empty()) return set;
-  const ExtendedMatrix columns = extended.directions(Eigen::all, stuck);
-  const auto qr = ranked(columns);
-  if (qr.rank() == 0) return set;
-  const ExtendedMatrix span = orthogonal(qr).leftCols(qr.rank());
-  for (const ExtendedVector& normal : face_normals(span.transpose() * columns)) {
-    set.facets.push_back(make_facet(extended, span * normal, machine.friction_N, set.sticking, set.flow, velocities));
+  const ExtendedMatrix columns = extension.directions(Eigen::all, stuck);
+  const ExtendedMatrix basis_of_stuck = span(columns).basis;
+  if (basis_of_stuck.cols() == 0) return set;
+  for (const ExtendedVector& normal : face_normals(basis_of_stuck.transpose() * columns)) {
+    set.facets.push_back(
+        make_facet(extension, basis_of_stuck * normal, machine.friction_N, set.sticking, set.flow, velocities));
   }
   return set;
 }

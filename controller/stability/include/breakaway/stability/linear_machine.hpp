@@ -9,8 +9,9 @@
 // Friction".
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::stability {
 
@@ -92,7 +93,7 @@ LinearMachine<N, M> with_feedback(LinearMachine<N, M> machine, const Actuators& 
 template <int N, int M>
 MachineState<N> after_impulse(const LinearMachine<N, M>& machine, MachineState<N> state,
                               const Eigen::Matrix<double, N, 1>& impulse_Ns) {
-  state.v += machine.mass.llt().solve(impulse_Ns);
+  state.v += dense::Cholesky(machine.mass).solve(impulse_Ns);
   return state;
 }
 

@@ -61,8 +61,8 @@ double first_excess(Function&& function, Sample low, Sample high, double steepes
     if (high.value <= 0) return never;
     return first_true([&](double argument) { return function(argument) > 0; }, low.argument, high.argument);
   }
-  const double at = 0.5 * (low.argument + high.argument);
-  const Sample middle{at, function(at)};
+  const double argument = 0.5 * (low.argument + high.argument);
+  const Sample middle{argument, function(argument)};
   const double first = first_excess(function, low, middle, steepest, depth - 1);
   return first < never || middle.value > 0 ? first : first_excess(function, middle, high, steepest, depth - 1);
 }

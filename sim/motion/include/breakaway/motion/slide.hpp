@@ -17,6 +17,7 @@
 #include "breakaway/model/applied_force.hpp"
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/motion/constant_friction_motion.hpp"
+#include "breakaway/motion/summed_time.hpp"
 
 namespace breakaway::motion {
 
@@ -76,7 +77,6 @@ class Slide {
     Ending ending;
   };
 
-  double until(double time_s) const { return (time_s - state_.time_s) - time_rest_s_; }
   double edge_distance_m() const;
   bool motion_is_closed_form() const;
 
@@ -100,11 +100,11 @@ class Slide {
 
   double mass_kg_;
   model::FrictionLaw friction_;
-  SlideState state_;
+  SummedTime time_;
+  SlideState state_;  // at time_.sum_s
   model::AppliedForce force_;
   int direction_ = 0;       // of motion; 0 at rest
   int last_direction_ = 0;  // of the motion that ended at this very instant; 0 if there was none
-  double time_rest_s_ = 0;  // what state_.time_s lacks of the exact time
   double since_event_s_ = 0;
   double next_step_s_ = 0;  // the integrator's suggestion; 0 before the first step
   SlideCounters counters_;

@@ -37,8 +37,6 @@ class Adaptive {
   using State = MachineState<Eigen::Dynamic>;
   using Result = Outcome<Eigen::Dynamic>;
 
-  static constexpr Eigen::Index most_directions = 16;
-
   // One law for each direction, in newtons (for a rotary direction newton metres) over t, w_i^T q and |w_i^T q'|;
   // machine.friction_N is not used. Throws InputError for a machine that require_valid() refuses, another number
   // of laws, more than 16 directions, and options out of range.

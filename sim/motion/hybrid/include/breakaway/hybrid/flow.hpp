@@ -12,17 +12,18 @@
 //   dense     x' = A x, where the eigenvectors are too ill-conditioned to be used: summed as Taylor series.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "breakaway/stability/extended.hpp"
+
 namespace breakaway::hybrid {
 
 // Factorisations are done once a mode and in extended precision, so that they lose nothing in double.
-using ExtendedMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-using ExtendedVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+using ExtendedMatrix = stability::extended::Matrix;
+using ExtendedVector = stability::extended::Vector;
 
 struct Block {
   enum class Kind { real, pair, complex, critical, free, dense };
@@ -121,8 +122,8 @@ class Flow {
 
   bool decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Eigen::Index first);
-  void add_real(Eigen::Index at, Extended value);
-  void add_complex(Eigen::Index at, Extended rate, Extended frequency);
+  void add_real(Eigen::Index first, Extended value);
+  void add_complex(Eigen::Index first, Extended rate, Extended frequency);
   bool diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void propagate_dense(double h, double* x, double* sum) const;

@@ -3,7 +3,6 @@
 // problems, so that simultaneous stops and dependent directions need no special case.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,8 +12,10 @@
 
 #include "breakaway/hybrid/lcp.hpp"
 #include "breakaway/hybrid/stick_set.hpp"
+#include "breakaway/hybrid/stop_problem.hpp"
 #include "breakaway/hybrid/types.hpp"
-#include "breakaway/input/input_error.hpp"
+#include "breakaway/motion/tie.hpp"
+#include "breakaway/stability/dense.hpp"
 
 namespace breakaway::hybrid {
 
@@ -30,46 +31,40 @@ struct HybridState {
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 class HybridModes {
  public:
-  static constexpr Eigen::Index most_directions = 16;
-
   using Vector = Eigen::Matrix<double, N, 1>;
   using Set = StickSet<N, M>;
   using State = HybridState<N, M>;
   using Coordinates = typename Set::Coordinates;
 
   // `machine` passes require_valid(), has its constant force in force_N and at most 16 directions.
-  explicit HybridModes(LinearMachine<N, M> machine)
-      : machine_{std::move(machine)},
-        delassus_{machine_.directions.transpose() * machine_.mass.llt().solve(machine_.directions)},
-        sets_(std::size_t{1} << machine_.frictions()) {}
+  explicit HybridModes(LinearMachine<N, M> machine);
 
   const LinearMachine<N, M>& machine() const { return machine_; }
   const Set& set(DirectionSet directions) const;
-  bool frictionless(Eigen::Index i) const { return machine_.friction_N[i] == 0 || delassus_(i, i) == 0; }
+  bool frictionless(Eigen::Index i) const { return machine_.friction_N[i] == 0 || coupling_(i, i) == 0; }
 
   // All forces but those of springs, dampers and sticking directions.
-  Vector force(const State& at) const;
+  Vector force(const State& state) const;
   // The state in the coordinates of a stick set, and the rounding in them.
-  Coordinates coordinates(const State& at, const Set& in) const;
-  Coordinates rounding(const State& at, const Set& in) const;
+  Coordinates coordinates(const State& state, const Set& held) const;
+  Coordinates rounding(const State& state, const Set& held) const;
   // Neither velocity nor acceleration, to rounding.
-  bool resting(const State& at, const Set& in) const;
+  bool resting(const State& state, const Set& held) const;
   // Slower than 1e-12 of what the energy in the springs could drive: what is left of a motion that dies out in ever
   // smaller slips.
-  bool lost_in_rounding(const State& at) const;
+  bool lost_in_rounding(const State& state) const;
 
   // Decides which of the stopped directions stick and which slide, and how. Throws InputError for a machine so
   // ill-scaled that no friction forces can be found. `keep`: what friction can bear sticks, even at its very limit,
   // where rounding may say that it slides one way and, once sliding, that it stops again.
-  void choose(State& at, DirectionSet stopped, bool keep = false) const;
+  void choose(State& state, DirectionSet stopped, bool keep = false) const;
   // Directions at the very limit of static friction: the same problem one derivative later. A force that moves inward
   // keeps the direction stuck, one that moves outward lets it slide. `forced_facet`: the face that is being crossed, or
   // -1.
-  void release(State& at, int forced_facet) const;
+  void release(State& state, int forced_facet) const;
 
  private:
   using Signs = Eigen::Matrix<double, M, 1>;
-  static constexpr int pairs = twice(M);
 
   // A few directions, off the heap.
   struct Indices {
@@ -78,26 +73,45 @@ class HybridModes {
 
     void add(Eigen::Index i) { direction[static_cast<std::size_t>(size++)] = i; }
     Eigen::Index operator[](Eigen::Index i) const { return direction[static_cast<std::size_t>(i)]; }
-    const Eigen::Index* begin() const { return direction.data(); }
-    const Eigen::Index* end() const { return direction.data() + size; }
   };
 
-  bool all_stick(const State& at) const { return (at.signs.array() == 0).all(); }
-  bool holds(const State& at, const Set& in) const;
-  DirectionSet release_by_acceleration(State& at, DirectionSet stopped) const;
+  // Sticking directions at their limit, and the signs with which they would slide.
+  struct Limited {
+    Signs slide;
+    DirectionSet all = 0;
+    DirectionSet forced = 0;  // those of the face that is being crossed
+  };
+
+  bool all_stick(const State& state) const { return (state.signs.array() == 0).all(); }
+  // What static friction must bear in this face so that the sticking directions stick.
+  double needed_N(const State& state, const Facet<N, M>& facet, const Vector& applied) const {
+    return facet.stiffness.dot(state.q) + facet.damping.dot(state.v) - facet.normal.dot(applied);
+  }
+  bool holds(const State& state, const Set& held) const;
+  DirectionSet slide_after_stop(State& state, DirectionSet stopped) const;
+  Limited limited(const State& state, const Set& held, int forced_facet) const;
+  DirectionSet leaving(const State& state, const Limited& limited) const;
 
   LinearMachine<N, M> machine_;
-  Eigen::Matrix<double, M, M> delassus_;
+  Eigen::Matrix<double, N, N> inverse_mass_;
+  Eigen::Matrix<double, M, M> coupling_;  // W^T M^-1 W: accelerations of directions by forces in directions
+  Vector greatest_force_N_;               // |f| + |W| p
   mutable std::vector<std::shared_ptr<const Set>> sets_;
 };
+
+template <int N, int M>
+HybridModes<N, M>::HybridModes(LinearMachine<N, M> machine)
+    : machine_{std::move(machine)},
+      inverse_mass_{stability::dense::Cholesky(machine_.mass).inverse()},
+      coupling_{stability::dense::congruence(machine_.directions, inverse_mass_)},
+      greatest_force_N_{machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs() * machine_.friction_N},
+      sets_(std::size_t{1} << machine_.frictions()) {}
 
 template <int N, int M>
 const StickSet<N, M>& HybridModes<N, M>::set(DirectionSet directions) const {
   auto& found = sets_[directions];
   if (!found) {
-    const auto made = make_stick_set({machine_.mass, machine_.damping, machine_.stiffness, machine_.directions,
-                                      machine_.friction_N, machine_.force_N},
-                                     directions);
+    const auto made = make_stick_set(stability::unsized(machine_), directions);
     // Directions that cannot slide while the others stick make two names for one set.
     auto& closed = sets_[made.sticking];
     if (!closed) closed = std::make_shared<const Set>(fixed<N, M>(made));
@@ -107,147 +121,152 @@ const StickSet<N, M>& HybridModes<N, M>::set(DirectionSet directions) const {
 }
 
 template <int N, int M>
-typename HybridModes<N, M>::Vector HybridModes<N, M>::force(const State& at) const {
+typename HybridModes<N, M>::Vector HybridModes<N, M>::force(const State& state) const {
   Vector force = machine_.force_N;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (at.signs[i] != 0) force -= machine_.directions.col(i) * (at.signs[i] * machine_.friction_N[i]);
+    if (state.signs[i] != 0) force -= machine_.directions.col(i) * (state.signs[i] * machine_.friction_N[i]);
   }
   return force;
 }
 
 template <int N, int M>
-typename HybridModes<N, M>::Coordinates HybridModes<N, M>::coordinates(const State& at, const Set& in) const {
-  const Vector balance = force(at) - machine_.stiffness * at.q - machine_.damping * at.v;
-  return in.from_velocity.lazyProduct(at.v) + in.from_force.lazyProduct(balance);
+typename HybridModes<N, M>::Coordinates HybridModes<N, M>::coordinates(const State& state, const Set& held) const {
+  const Vector balance = force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
+  return held.from_velocity.lazyProduct(state.v) + held.from_force.lazyProduct(balance);
 }
 
 template <int N, int M>
-typename HybridModes<N, M>::Coordinates HybridModes<N, M>::rounding(const State& at, const Set& in) const {
-  const Vector terms = machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs().lazyProduct(machine_.friction_N) +
-                       machine_.stiffness.cwiseAbs().lazyProduct(at.q.cwiseAbs()) +
-                       machine_.damping.cwiseAbs().lazyProduct(at.v.cwiseAbs());
+typename HybridModes<N, M>::Coordinates HybridModes<N, M>::rounding(const State& state, const Set& held) const {
+  const Vector terms = greatest_force_N_ + machine_.stiffness.cwiseAbs().lazyProduct(state.q.cwiseAbs()) +
+                       machine_.damping.cwiseAbs().lazyProduct(state.v.cwiseAbs());
   const Coordinates sizes =
-      in.from_velocity.cwiseAbs().lazyProduct(at.v.cwiseAbs()) + in.from_force.cwiseAbs().lazyProduct(terms);
+      held.from_velocity.cwiseAbs().lazyProduct(state.v.cwiseAbs()) + held.from_force.cwiseAbs().lazyProduct(terms);
   return 8 * std::numeric_limits<double>::epsilon() * sizes;
 }
 
 template <int N, int M>
-bool HybridModes<N, M>::resting(const State& at, const Set& in) const {
-  if (!all_stick(at)) return false;
-  if (in.flow.size() == 0) return true;
-  if ((at.v.array() != 0).any()) return false;
-  return (coordinates(at, in).array().abs() <= rounding(at, in).array()).all();
+bool HybridModes<N, M>::resting(const State& state, const Set& held) const {
+  if (!all_stick(state)) return false;
+  if (held.flow.size() == 0) return true;
+  if ((state.v.array() != 0).any()) return false;
+  return (coordinates(state, held).array().abs() <= rounding(state, held).array()).all();
 }
 
 template <int N, int M>
-bool HybridModes<N, M>::lost_in_rounding(const State& at) const {
-  return at.v.dot(machine_.mass * at.v) <= 1e-24 * at.q.dot(machine_.stiffness * at.q);
+bool HybridModes<N, M>::lost_in_rounding(const State& state) const {
+  return state.v.dot(machine_.mass * state.v) <= 1e-24 * state.q.dot(machine_.stiffness * state.q);
 }
 
 // Whether static friction can bear what sticking needs. At the very limit it can: whether it then gives way is for
 // release() to say.
 template <int N, int M>
-bool HybridModes<N, M>::holds(const State& at, const Set& in) const {
-  const Vector applied = force(at);
-  for (const auto& facet : in.facets) {
-    const double needed = facet.stiffness.dot(at.q) + facet.damping.dot(at.v) - facet.normal.dot(applied);
-    if (!(std::abs(needed) <= facet.limit_N * (1 + 1e-12))) return false;
+bool HybridModes<N, M>::holds(const State& state, const Set& held) const {
+  const Vector applied = force(state);
+  for (const auto& facet : held.facets) {
+    if (!(std::abs(needed_N(state, facet, applied)) <= motion::widened(facet.limit_N))) return false;
   }
   return true;
 }
 
 template <int N, int M>
-void HybridModes<N, M>::choose(State& at, DirectionSet stopped, bool keep) const {
+void HybridModes<N, M>::choose(State& state, DirectionSet stopped, bool keep) const {
   if (stopped != 0) stopped = set(stopped).sticking;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (contains(stopped, i)) at.signs[i] = 0;
+    if (contains(stopped, i)) state.signs[i] = 0;
   }
-  at.sticking = stopped;
-  if (!holds(at, set(at.sticking))) {
-    stopped &= ~release_by_acceleration(at, stopped);
-    at.sticking = set(stopped).sticking;
+  state.sticking = stopped;
+  if (!holds(state, set(state.sticking))) {
+    stopped &= ~slide_after_stop(state, stopped);
+    state.sticking = set(stopped).sticking;
   }
-  if (!keep) release(at, -1);
+  if (!keep) release(state, -1);
 }
 
-// The accelerations at a stop: gamma = A lambda + b with lambda_i in -f_i Sign(gamma_i). With lambda = f (z1 - 1) and
-// gamma = w1 - z2 this is a linear complementarity problem of twice the size; each row and force in its own unit.
+// Those of the stopped directions that do not stick begin to slide, and are returned.
 template <int N, int M>
-DirectionSet HybridModes<N, M>::release_by_acceleration(State& at, DirectionSet stopped) const {
+DirectionSet HybridModes<N, M>::slide_after_stop(State& state, DirectionSet stopped) const {
   Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (contains(stopped, i) && !frictionless(i)) index.add(i);
   }
-  const auto count = index.size;
-  const Vector acceleration =
-      machine_.mass.llt().solve(Vector{force(at) - machine_.stiffness * at.q - machine_.damping * at.v});
+  const Vector balance = force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
+  const Vector acceleration = inverse_mass_.lazyProduct(balance);
+  const Eigen::Index count = index.size;
   if (count == 1) {  // static friction does not hold it, so it slides
-    at.signs[index[0]] = machine_.directions.col(index[0]).dot(acceleration) > 0 ? 1 : -1;
+    state.signs[index[0]] = machine_.directions.col(index[0]).dot(acceleration) > 0 ? 1 : -1;
     return only(index[0]);
   }
-  LcpMatrix<pairs> a = LcpMatrix<pairs>::Zero(2 * count, 2 * count);
-  LcpVector<pairs> b(2 * count);
+  StopProblem problem;
+  problem.coupling.resize(count, count);
+  problem.acceleration.resize(count);
+  problem.forward_N.resize(count);
   for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::Index i = index[r];
-    const double weight = 1 / (delassus_(i, i) * machine_.friction_N[i]);
-    b[r] = weight * machine_.directions.col(i).dot(acceleration);
-    for (Eigen::Index c = 0; c < count; ++c) {
-      const Eigen::Index j = index[c];
-      a(r, c) = weight * delassus_(i, j) * machine_.friction_N[j];
-      b[r] -= a(r, c);
-    }
-    a(r, count + r) = 1;
-    a(count + r, r) = -1;
-    b[count + r] = 2;
+    problem.acceleration[r] = machine_.directions.col(index[r]).dot(acceleration);
+    problem.forward_N[r] = machine_.friction_N[index[r]];
+    for (Eigen::Index c = 0; c < count; ++c) problem.coupling(r, c) = coupling_(index[r], index[c]);
   }
-  const auto z = solve_lcp<pairs>(a, b);
-  if (!z) throw InputError{"the friction forces at a stop could not be found: directions and mass are too ill-scaled"};
+  problem.backward_N = problem.forward_N;
+  const DirectionVector sliding = sliding_after_stop(problem);
   DirectionSet released = 0;
   for (Eigen::Index r = 0; r < count; ++r) {
-    const double slide = a.row(r).head(count).dot(z->head(count)) + b[r];
-    const double scale = a.row(r).head(count).cwiseAbs().sum() + std::abs(b[r]);
-    if (std::abs(slide) <= significance * scale) continue;
-    const Eigen::Index i = index[r];
-    at.signs[i] = slide > 0 ? 1 : -1;
-    released |= only(i);
+    if (sliding[r] == 0) continue;
+    state.signs[index[r]] = sliding[r];
+    released |= only(index[r]);
   }
   return released;
 }
 
 template <int N, int M>
-void HybridModes<N, M>::release(State& at, int forced_facet) const {
-  if (at.sticking == 0) return;
-  const Set& held = set(at.sticking);
-  const Vector applied = force(at);
-  Signs slide = Signs::Zero(machine_.frictions());
-  DirectionSet limited = 0, forced = 0;
+void HybridModes<N, M>::release(State& state, int forced_facet) const {
+  if (state.sticking == 0) return;
+  const Limited limited = this->limited(state, set(state.sticking), forced_facet);
+  if (limited.all == 0) return;
+  DirectionSet released = leaving(state, limited);
+  if ((released & limited.forced) == 0) released |= limited.forced;
+  const DirectionSet sticking = set(state.sticking & ~released).sticking;
+  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
+    if (contains(released, i)) state.signs[i] = limited.slide[i];
+    if (contains(sticking, i)) state.signs[i] = 0;
+  }
+  state.sticking = sticking;
+}
+
+template <int N, int M>
+typename HybridModes<N, M>::Limited HybridModes<N, M>::limited(const State& state, const Set& held,
+                                                               int forced_facet) const {
+  const Vector applied = force(state);
+  Limited limited{Signs::Zero(machine_.frictions())};
   for (std::size_t k = 0; k < held.facets.size(); ++k) {
     const auto& facet = held.facets[k];
-    const double needed = facet.stiffness.dot(at.q) + facet.damping.dot(at.v) - facet.normal.dot(applied);
+    const double needed = needed_N(state, facet, applied);
     const bool crossed = static_cast<int>(k) == forced_facet;
-    if (!crossed && std::abs(needed) < facet.limit_N * (1 - 1e-13)) continue;
+    if (!crossed && std::abs(needed) < facet.limit_N * (1 - 0.1 * motion::tie)) continue;
     for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
       if (facet.share[i] == 0) continue;
-      slide[i] = (needed > 0) == (facet.share[i] > 0) ? -1 : 1;
-      limited |= only(i);
-      if (crossed) forced |= only(i);
+      limited.slide[i] = (needed > 0) == (facet.share[i] > 0) ? -1 : 1;
+      limited.all |= only(i);
+      if (crossed) limited.forced |= only(i);
     }
   }
-  if (limited == 0) return;
+  return limited;
+}
 
-  State freed = at;
+// Those of the directions at their limit that the change of the forces drives beyond it: the jerks outward = A z + b
+// with z the rates at which their friction gives in, if all slid that can.
+template <int N, int M>
+DirectionSet HybridModes<N, M>::leaving(const State& state, const Limited& limited) const {
+  State freed = state;
   Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (!contains(limited, i)) continue;
+    if (!contains(limited.all, i)) continue;
     index.add(i);
-    freed.signs[i] = slide[i];
+    freed.signs[i] = limited.slide[i];
   }
-  const DirectionSet rest = at.sticking & ~limited;
-  const Set& left = set(rest);
+  const Set& left = set(state.sticking & ~limited.all);
   const Coordinates x = coordinates(freed, left), noise = rounding(freed, left);
-  const auto count = index.size;
-  LcpMatrix<pairs> a(count, count);
-  LcpVector<pairs> b(count);
+  const Eigen::Index count = index.size;
+  LcpMatrix a(count, count);
+  LcpVector b(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Eigen::Index i = index[r];
     const auto& row = left.sliding[static_cast<std::size_t>(i)].second;
@@ -256,29 +275,25 @@ void HybridModes<N, M>::release(State& at, int forced_facet) const {
       jerk += row[j] * x[j];
       scale += significance * std::abs(row[j] * x[j]) + std::abs(row[j]) * noise[j];
     }
-    b[r] = std::abs(jerk) <= scale ? 0 : slide[i] * jerk;
+    b[r] = std::abs(jerk) <= scale ? 0 : limited.slide[i] * jerk;
     for (Eigen::Index c = 0; c < count; ++c) {
-      const Eigen::Index j = index[c];
-      a(r, c) = slide[i] * slide[j] * machine_.directions.col(i).dot(left.mobility * machine_.directions.col(j));
+      a(r, c) = limited.slide[i] * limited.slide[index[c]] * left.coupling(i, index[c]);
     }
   }
-  const auto z = solve_lcp<pairs>(a, b);
-  DirectionSet released = 0;
-  if (z) {
-    for (Eigen::Index r = 0; r < count; ++r) {
-      const double outward = a.row(r).dot(*z) + b[r];
-      const double scale = a.row(r).cwiseAbs().dot(*z) + std::abs(b[r]);
-      if (outward > significance * scale) released |= only(index[r]);
+  const auto z = solve_lcp(a, b);
+  DirectionSet leaving = 0;
+  for (Eigen::Index r = 0; z && r < count; ++r) {
+    double outward = b[r], scale = std::abs(b[r]);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      outward += a(r, c) * (*z)[c];
+      scale += std::abs(a(r, c)) * (*z)[c];
     }
+    if (outward > significance * scale) leaving |= only(index[r]);
   }
-  if ((released & forced) == 0) released |= forced;
-  for (const Eigen::Index i : index) {
-    if (contains(released, i)) at.signs[i] = slide[i];
-  }
-  at.sticking = set(at.sticking & ~released).sticking;
-  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (contains(at.sticking, i)) at.signs[i] = 0;
-  }
+  return leaving;
 }
+
+extern template class HybridModes<2, 2>;
+extern template class HybridModes<>;
 
 }  // namespace breakaway::hybrid

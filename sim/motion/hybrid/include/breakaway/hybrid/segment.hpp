@@ -255,4 +255,7 @@ bool Segment<N, M>::eventless() const {
   return true;
 }
 
+extern template class Segment<2, 2>;
+extern template class Segment<Eigen::Dynamic, Eigen::Dynamic>;
+
 }  // namespace breakaway::hybrid

@@ -12,6 +12,9 @@ namespace breakaway::hybrid {
 
 using DirectionSet = std::uint32_t;  // bit i: column i of W_T
 
+// Each of the 2^16 sets of sticking directions may have to be factorised.
+inline constexpr int most_directions = 16;
+
 constexpr bool contains(DirectionSet set, Eigen::Index i) { return (set >> i & 1U) != 0; }
 constexpr DirectionSet only(Eigen::Index i) { return DirectionSet{1} << i; }
 
@@ -53,7 +56,7 @@ struct StickSet {
   Flow flow;
   Wide velocity;                         // v = velocity x, q = q0 + velocity Y
   Tall from_velocity, from_force;        // x = from_velocity v + from_force (F - K q - C v)
-  Eigen::Matrix<double, N, N> mobility;  // accelerations by forces: B B^T
+  Eigen::Matrix<double, M, M> coupling;  // accelerations of directions by forces in directions: W^T B B^T W
   std::vector<Line<N>> sliding;          // by direction: g_i; empty for sticking ones
   std::vector<Facet<N, M>> facets;
 };
@@ -69,7 +72,7 @@ Line<N> fixed(const Line<Eigen::Dynamic>& line) {
 
 template <int N, int M>
 StickSet<N, M> fixed(const StickSet<>& set) {
-  StickSet<N, M> result{set.sticking, set.flow, set.velocity, set.from_velocity, set.from_force, set.mobility, {}, {}};
+  StickSet<N, M> result{set.sticking, set.flow, set.velocity, set.from_velocity, set.from_force, set.coupling, {}, {}};
   for (const auto& line : set.sliding) result.sliding.push_back(fixed<N>(line));
   for (const auto& facet : set.facets) {
     result.facets.push_back(

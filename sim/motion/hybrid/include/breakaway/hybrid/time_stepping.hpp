@@ -8,10 +8,6 @@
 // theta is, and does not depend on how many directions stick at once.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -19,7 +15,7 @@
 #include <vector>
 
 #include "breakaway/hybrid/types.hpp"
-#include "breakaway/input/input_error.hpp"
+#include "breakaway/motion/tie.hpp"
 
 namespace breakaway::hybrid {
 
@@ -31,59 +27,27 @@ struct TimeSteppingOptions {
 // What to tell the user of a choice of theta; empty if there is nothing to tell. theta != 1/2 acts as additional
 // damping of about (theta - 1/2) h K. A machine whose own damping is not positive semidefinite may be unstable;
 // implicit steps then bring to rest what in truth never rests, at any h, and say nothing.
-template <int N, int M>
-std::string theta_warning(const LinearMachine<N, M>& machine, double theta) {
-  if (theta == 0.5) return {};
-  const Eigen::Matrix<double, N, N> symmetric = (machine.damping + machine.damping.transpose()) / 2;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> modes{symmetric, Eigen::EigenvaluesOnly};
-  const double rounding = 1e-14 * modes.eigenvalues().cwiseAbs().maxCoeff();
-  if (theta < 0.5) {
-    return "theta below 1/2 feeds energy into every oscillation: use theta = 0.5 unless the step is very short";
-  }
-  if (modes.eigenvalues().minCoeff() >= -rounding) return {};
-  return "theta above 1/2 can give wrong answers here: damping is not positive semidefinite (least eigenvalue " +
-         std::to_string(modes.eigenvalues().minCoeff()) +
-         " N s/m), and the damping that such a scheme adds may bring an unstable machine to rest; use theta = 0.5 or "
-         "the event-driven method";
-}
+std::string theta_warning(const LinearMachine<>& machine, double theta);
+
+// The matrices of a step: without friction it ends at the velocity from_v v0 + from_q q0 + free.
+struct SteppingScheme {
+  Eigen::MatrixXd from_v, from_q;  // n x n
+  Eigen::VectorXd free;            // n
+  Eigen::MatrixXd to_v;            // n x m: velocities by impulses, (M + h theta C + h^2 theta^2 K)^-1 W
+  Eigen::MatrixXd coupling;        // m x m: W^T to_v
+  bool friction_holds_all;         // the directions span all coordinates
+};
+
+// Throws InputError for a machine that require_valid() refuses, a step or theta out of range, and a step so long that
+// the matrix of the scheme is not positive definite.
+SteppingScheme make_stepping_scheme(const LinearMachine<>& machine, const TimeSteppingOptions& options);
 
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 class TimeStepping {
  public:
-  // Throws InputError for a machine that require_valid() refuses, a step or theta out of range, and a step so
-  // long that the matrix of the scheme is not positive definite.
+  // Throws as make_stepping_scheme() does.
   explicit TimeStepping(const LinearMachine<N, M>& machine, TimeSteppingOptions options = {},
-                        EarlyDecision<N> decision = {})
-      : step_s_{options.step_s},
-        before_s_{options.step_s * (1 - options.theta)},
-        after_s_{options.step_s * options.theta},
-        warning_{theta_warning(checked(machine, options), options.theta)},
-        decision_{std::move(decision)} {
-    const double h = step_s_, theta = options.theta;
-    const Square scheme = machine.mass + h * theta * machine.damping + h * h * theta * theta * machine.stiffness;
-    const Square symmetric = (scheme + scheme.transpose()) / 2;
-    if (Eigen::LLT<Square>(symmetric).info() != Eigen::Success) {
-      throw InputError{"step_s = " + std::to_string(h) +
-                       " is too long for this machine: its negative damping or stiffness outweighs the "
-                       "mass within one step; choose a shorter step"};
-    }
-    const Eigen::PartialPivLU<Square> solver{scheme};
-    const double rest = 1 - theta;
-    from_v_ = solver.solve(machine.mass - h * rest * machine.damping - h * h * theta * rest * machine.stiffness);
-    from_q_ = solver.solve(-h * machine.stiffness);
-    free_ = solver.solve(h * stability::constant_force(machine));
-    to_v_ = solver.solve(machine.directions);
-    directions_ = machine.directions;
-    coupling_ = machine.directions.transpose() * to_v_;
-    // A direction that moves nothing has no mass and takes no impulse.
-    own_mass_kg_ = coupling_.diagonal().unaryExpr([](double own) { return own > 0 ? 1 / own : 0; });
-    sliding_from_v_ = machine.directions.transpose() * from_v_;
-    sliding_from_q_ = machine.directions.transpose() * from_q_;
-    sliding_free_ = machine.directions.transpose() * free_;
-    limit_Ns_ = h * machine.friction_N;
-    friction_holds_all_ = machine.frictions() > 0 &&
-                          Eigen::ColPivHouseholderQR<Directions>(machine.directions).rank() == machine.coordinates();
-  }
+                        EarlyDecision<N> decision = {});
 
   // Empty, or why the results for this theta may be wrong.
   const std::string& warning() const { return warning_; }
@@ -97,46 +61,12 @@ class TimeStepping {
   Memory memory() const { return {Eigen::Matrix<double, M, 1>::Zero(limit_Ns_.size()), false}; }
 
   // One step.
-  void step(MachineState<N>& state, Memory& memory) const {
-    Vector v = from_v_ * state.v + from_q_ * state.q + free_;
-    solve(sliding_from_v_ * state.v + sliding_from_q_ * state.q + sliding_free_, memory);
-    v += to_v_ * memory.impulse_Ns;
-    // Where friction holds every coordinate, sticking is rest, without a rest of rounding.
-    if (memory.sticks && friction_holds_all_) v.setZero();
-    state.q += before_s_ * state.v + after_s_ * v;
-    state.v = v;
-    state.time_s += step_s_;
-  }
+  void step(MachineState<N>& state, Memory& memory) const;
 
   // Until rest, an early decision or end_time_s, which the last step may pass by less than a step. Events are logged at
   // the end of the step in which they fall.
   Outcome<N> run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log = nullptr,
-                 const Observer<N>& observer = {}) const {
-    Outcome<N> outcome;
-    outcome.end = start;
-    Memory memory = this->memory();
-    const double begin_s = outcome.end.time_s;
-    bool stood = outcome.end.v.isZero(0);
-    if (observer) observer(outcome.end);
-    while (outcome.verdict == Verdict::undecided && outcome.end.time_s < end_time_s) {
-      if (decision_) outcome.verdict = decision_(outcome.end);
-      if (outcome.verdict != Verdict::undecided) break;
-      const Vector before = outcome.end.v;
-      step(outcome.end, memory);
-      ++outcome.steps;
-      outcome.end.time_s = begin_s + static_cast<double>(outcome.steps) * step_s_;  // h summed up would drift
-      if (log != nullptr) note_events(before, outcome, *log);
-      if (observer) observer(outcome.end);
-      const bool stands = memory.sticks && outcome.end.v.isZero(0);
-      if (stood && stands) {
-        outcome.verdict = Verdict::at_rest;
-        outcome.settling_time_s = outcome.end.time_s - step_s_;
-      }
-      stood = stands;
-    }
-    if (outcome.verdict != Verdict::at_rest) outcome.settling_time_s = outcome.end.time_s;
-    return outcome;
-  }
+                 const Observer<N>& observer = {}) const;
 
  private:
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -144,38 +74,7 @@ class TimeStepping {
   using Directions = Eigen::Matrix<double, N, M>;
   using Impulses = Eigen::Matrix<double, M, 1>;
 
-  static const LinearMachine<N, M>& checked(const LinearMachine<N, M>& machine, const TimeSteppingOptions& options) {
-    stability::require_valid(stability::unsized(machine));
-    if (!(options.step_s > 0) || !std::isfinite(options.step_s))
-      throw InputError{"step_s is " + std::to_string(options.step_s) + ": give a finite time above 0"};
-    if (!(options.theta >= 0 && options.theta <= 1))
-      throw InputError{"theta is " + std::to_string(options.theta) +
-                       ": give 0.5 for the midpoint rule, or another number from 0 to 1"};
-    return machine;
-  }
-
-  // Projected Gauss-Seidel on p_i in -limit_i Sign(sliding_i + (G p)_i), from the impulses of the step before. G is
-  // close to W^T M^-1 W; a sweep that changes no impulse by more than rounding ends it. While all directions slide on,
-  // the impulses are not written at all, so that a processor need not wait for them.
-  void solve(const Impulses& sliding_m_s, Memory& memory) const {
-    Impulses& p = memory.impulse_Ns;
-    if (slides_on(sliding_m_s, p)) {
-      memory.sticks = p.size() == 0;
-      return;
-    }
-    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
-      bool changed = false;
-      memory.sticks = true;
-      for (Eigen::Index i = 0; i < p.size(); ++i) {
-        const double wanted = wanted_Ns(sliding_m_s, p, i);
-        const double next = std::clamp(wanted, -limit_Ns_[i], limit_Ns_[i]);
-        changed |= std::fabs(next - p[i]) > 4e-16 * limit_Ns_[i];
-        memory.sticks &= std::fabs(wanted) <= tie * limit_Ns_[i];
-        p[i] = next;
-      }
-      if (!changed) return;
-    }
-  }
+  void solve(const Impulses& sliding_m_s, Memory& memory) const;
 
   // That which would stop direction i.
   double wanted_Ns(const Impulses& sliding_m_s, const Impulses& p, Eigen::Index i) const {
@@ -187,32 +86,17 @@ class TimeStepping {
     bool on = true;
     for (Eigen::Index i = 0; i < p.size(); ++i) {
       const double along = p[i] < 0 ? -wanted_Ns(sliding_m_s, p, i) : wanted_Ns(sliding_m_s, p, i);
-      on &= std::fabs(p[i]) == limit_Ns_[i] && along > tie * limit_Ns_[i];
+      on &= std::fabs(p[i]) == limit_Ns_[i] && along > motion::widened(limit_Ns_[i]);
     }
     return on;
   }
 
-  void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const {
-    const auto sign = [](double rate, double scale) {
-      return std::fabs(rate) <= 1e-14 * scale ? 0 : rate > 0 ? 1 : -1;
-    };
-    for (Eigen::Index i = 0; i < limit_Ns_.size(); ++i) {
-      const auto direction = directions_.col(i);
-      const int was = sign(direction.dot(before), direction.norm() * before.norm());
-      const int is = sign(direction.dot(outcome.end.v), direction.norm() * outcome.end.v.norm());
-      if (was == is) continue;
-      const EventKind kind = is == 0 ? EventKind::stick : was == 0 ? EventKind::slip : EventKind::reversal;
-      log.push_back({outcome.end.time_s, kind, static_cast<int>(i)});
-      ++outcome.events;
-    }
-  }
+  void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const;
 
-  // A force that equals friction but for rounding would else creep to and fro for ever.
-  static constexpr double tie = 1 + 1e-12;
   static constexpr int max_sweeps = 1000;  // reached by nearly dependent directions only
 
   double step_s_, before_s_, after_s_;  // h, h (1 - theta), h theta
-  std::string warning_;
+  std::string warning_;                 // of theta_warning()
   EarlyDecision<N> decision_;
   Square from_v_, from_q_;
   Vector free_;
@@ -220,7 +104,112 @@ class TimeStepping {
   Eigen::Matrix<double, M, M> coupling_;  // G = W^T (M + h theta C + h^2 theta^2 K)^-1 W
   Impulses limit_Ns_, own_mass_kg_, sliding_free_;
   Eigen::Matrix<double, M, N> sliding_from_v_, sliding_from_q_;  // of the end of the step without friction
-  bool friction_holds_all_ = false;
+  bool friction_holds_all_;
 };
+
+template <int N, int M>
+TimeStepping<N, M>::TimeStepping(const LinearMachine<N, M>& machine, TimeSteppingOptions options,
+                                 EarlyDecision<N> decision)
+    : step_s_{options.step_s},
+      before_s_{options.step_s * (1 - options.theta)},
+      after_s_{options.step_s * options.theta},
+      decision_{std::move(decision)} {
+  const LinearMachine<> unsized = stability::unsized(machine);
+  const SteppingScheme scheme = make_stepping_scheme(unsized, options);
+  warning_ = theta_warning(unsized, options.theta);
+  from_v_ = scheme.from_v;
+  from_q_ = scheme.from_q;
+  free_ = scheme.free;
+  to_v_ = scheme.to_v;
+  directions_ = machine.directions;
+  coupling_ = scheme.coupling;
+  limit_Ns_ = step_s_ * machine.friction_N;
+  own_mass_kg_ = coupling_.diagonal();
+  // A direction that moves nothing has no mass and takes no impulse.
+  for (double& own : own_mass_kg_) own = own > 0 ? 1 / own : 0;
+  sliding_from_v_ = directions_.transpose() * from_v_;
+  sliding_from_q_ = directions_.transpose() * from_q_;
+  sliding_free_ = directions_.transpose() * free_;
+  friction_holds_all_ = scheme.friction_holds_all;
+}
+
+template <int N, int M>
+void TimeStepping<N, M>::step(MachineState<N>& state, Memory& memory) const {
+  Vector v = from_v_ * state.v + from_q_ * state.q + free_;
+  solve(sliding_from_v_ * state.v + sliding_from_q_ * state.q + sliding_free_, memory);
+  v += to_v_ * memory.impulse_Ns;
+  // Where friction holds every coordinate, sticking leaves no speed, not even one of rounding.
+  if (memory.sticks && friction_holds_all_) v.setZero();
+  state.q += before_s_ * state.v + after_s_ * v;
+  state.v = v;
+  state.time_s += step_s_;
+}
+
+template <int N, int M>
+Outcome<N> TimeStepping<N, M>::run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log,
+                                   const Observer<N>& observer) const {
+  Outcome<N> outcome;
+  outcome.end = start;
+  Memory memory = this->memory();
+  const double begin_s = outcome.end.time_s;
+  bool stood = outcome.end.v.isZero(0);
+  if (observer) observer(outcome.end);
+  while (outcome.verdict == Verdict::undecided && outcome.end.time_s < end_time_s) {
+    if (decision_) outcome.verdict = decision_(outcome.end);
+    if (outcome.verdict != Verdict::undecided) break;
+    const Vector before = outcome.end.v;
+    step(outcome.end, memory);
+    ++outcome.steps;
+    outcome.end.time_s = begin_s + static_cast<double>(outcome.steps) * step_s_;  // h summed up would drift
+    if (log != nullptr) note_events(before, outcome, *log);
+    if (observer) observer(outcome.end);
+    const bool stands = memory.sticks && outcome.end.v.isZero(0);
+    if (stood && stands) {
+      outcome.verdict = Verdict::at_rest;
+      outcome.settling_time_s = outcome.end.time_s - step_s_;
+    }
+    stood = stands;
+  }
+  if (outcome.verdict != Verdict::at_rest) outcome.settling_time_s = outcome.end.time_s;
+  return outcome;
+}
+
+template <int N, int M>
+void TimeStepping<N, M>::solve(const Impulses& sliding_m_s, Memory& memory) const {
+  Impulses& p = memory.impulse_Ns;
+  if (slides_on(sliding_m_s, p)) {
+    memory.sticks = p.size() == 0;
+    return;
+  }
+  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    bool changed = false;
+    memory.sticks = true;
+    for (Eigen::Index i = 0; i < p.size(); ++i) {
+      const double wanted = wanted_Ns(sliding_m_s, p, i);
+      const double next = std::clamp(wanted, -limit_Ns_[i], limit_Ns_[i]);
+      changed |= std::fabs(next - p[i]) > 4e-16 * limit_Ns_[i];
+      memory.sticks &= std::fabs(wanted) <= motion::widened(limit_Ns_[i]);
+      p[i] = next;
+    }
+    if (!changed) return;
+  }
+}
+
+template <int N, int M>
+void TimeStepping<N, M>::note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const {
+  const auto sign = [](double rate, double scale) { return std::fabs(rate) <= 1e-14 * scale ? 0 : rate > 0 ? 1 : -1; };
+  for (Eigen::Index i = 0; i < limit_Ns_.size(); ++i) {
+    const auto direction = directions_.col(i);
+    const int was = sign(direction.dot(before), direction.norm() * before.norm());
+    const int is = sign(direction.dot(outcome.end.v), direction.norm() * outcome.end.v.norm());
+    if (was == is) continue;
+    const EventKind kind = is == 0 ? EventKind::stick : was == 0 ? EventKind::slip : EventKind::reversal;
+    log.push_back({outcome.end.time_s, kind, static_cast<int>(i)});
+    ++outcome.events;
+  }
+}
+
+extern template class TimeStepping<2, 2>;
+extern template class TimeStepping<>;
 
 }  // namespace breakaway::hybrid

@@ -1,0 +1,15 @@
+// The sizes that are compiled once: two coordinates with two frictions, as in the example of van de Wouw & Leine, and
+// any size. Whoever needs another one compiles it from the header.
+#include "breakaway/hybrid/event_driven.hpp"
+
+namespace breakaway::hybrid {
+
+template class Segment<2, 2>;
+template class HybridModes<2, 2>;
+template class EventDriven<2, 2>;
+
+template class Segment<Eigen::Dynamic, Eigen::Dynamic>;
+template class HybridModes<>;
+template class EventDriven<>;
+
+}  // namespace breakaway::hybrid
