@@ -60,11 +60,11 @@ void add_options(CLI::App& app, Options& o) {
 
 void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
   // What tells which other nodes are there, SYNC, SDO answers and heartbeats, and the frames of our drives.
-  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, canopen::whole_cob_id},
-                                        {canopen::sdo_response_cob_id(0), canopen::function_code},
-                                        {canopen::heartbeat_cob_id(0), canopen::function_code}};
+  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, hal::CanFrame::max_id},
+                                        {canopen::sdo_response_function_code, canopen::function_code_mask},
+                                        {canopen::heartbeat_function_code, canopen::function_code_mask}};
   for (std::size_t place = 0; place < c.node.count; ++place)
-    wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_bits});
+    wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_mask});
   const std::span<const socketcan::Filter> all;
   const auto result = socket.open(o.interface.c_str(), o.readonly ? all : wanted);
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};

@@ -40,7 +40,7 @@ class NodeRun {
     Loop::AxisId id;
     std::size_t visit = 0;
     bool heard = false;  // anything, of its drive
-    std::optional<hal::Time> enabled_since;
+    std::optional<hal::Time> enabled_since{};
     bool reached = false;
     bool confirmed = false;  // stopped, as its drive says
     firmware::AxisFault last_fault = firmware::AxisFault::none;
