@@ -9,6 +9,7 @@
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
@@ -201,8 +202,10 @@ void check_limits(const Section& section, const Axis& axis) {
   };
   const Limits& l = axis.limits;
   const Controller& c = axis.controller;
-  if (c.max_force_N < unlimited)
-    require(l.force_N >= c.max_force_N, "force_N", l.force_N, "[controller] max_force_N", c.max_force_N);
+  const double force_N = max_force_N(axis);
+  const bool by_drive = force_N < c.max_force_N;
+  require(l.force_N >= force_N, "force_N", l.force_N, by_drive ? "what the [drive] gives" : "[controller] max_force_N",
+          force_N);
   if (c.max_approach_speed_m_s < unlimited)
     require(l.speed_m_s >= c.max_approach_speed_m_s, "speed_m_s", l.speed_m_s, "[controller] max_approach_speed_m_s",
             c.max_approach_speed_m_s);
@@ -273,6 +276,18 @@ void check_node_ids(const Section& section, const Node& node) {
   }
 }
 
+// Drive and node watch each other with one timeout.
+void check_heartbeats(const Section& section, const Node& node) {
+  if (!node.loop) return;
+  for (const Axis& axis : node.axes) {
+    if (!axis.drive || axis.drive->heartbeat_timeout > node.loop->heartbeat_period) continue;
+    section.fail("loop", fmt::format("has heartbeat_period_s = {}, not below heartbeat_timeout_s = {} of the [drive] "
+                                     "of axis {}; lower the one or raise the other",
+                                     hal::seconds(node.loop->heartbeat_period),
+                                     hal::seconds(axis.drive->heartbeat_timeout), axis.name));
+  }
+}
+
 void check_period(const Section& section, const Loop& loop) {
   if (cia402::interpolation_period(loop.period)) return;
   section.fail("period_s", "is not 1 to 255 times 1 s, 0.1 s, ... or 1 us, which drives need (60C2h); round it");
@@ -329,6 +344,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   read_axes(root, node, alone, others);
   read_bus(bus, node, others.bus);
   check_node_ids(root, node);
+  check_heartbeats(root, node);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
   return node;
 }
@@ -358,6 +374,17 @@ FileRows passed_over() {
           }};
 }
 
+namespace {
+
+// The least period that is at least this long and that drives can be told.
+hal::Duration rounded_up(hal::Duration period) {
+  hal::Duration step = std::chrono::microseconds{1};
+  while (period > 255 * step) step *= 10;
+  return (period + step - hal::Duration{1}) / step * step;
+}
+
+}  // namespace
+
 void require_fitting_bus(const Node& node) {
   if (!node.loop || !node.bit_rate) return;
   const auto axes = static_cast<unsigned>(node.axes.size());
@@ -366,9 +393,10 @@ void require_fitting_bus(const Node& node) {
   if (axes <= budget.max_axes) return;
   throw InputError{fmt::format("{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on "
                                "the bus and has {} us; "
-                               "choose a period_s of at least {:.6f}",
+                               "choose a period_s of at least {}",
                                axes, axes == 1 ? "axis" : "axes", node.period_s(), axes == 1 ? "does" : "do",
-                               *node.bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6)}
+                               *node.bit_rate, budget.needed_us, budget.available_us,
+                               hal::seconds(rounded_up(budget.least_period)))}
       .in_file(node.file);
 }
 
