@@ -13,10 +13,11 @@ constexpr const char* refused = "\a";
 }  // namespace
 
 SlcanWorld::SlcanWorld(const scenario::Scenario& s)
-    : period_{bench::period_of(s)},
-      mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
+    : period_{s.node.loop->period},
+      mechanism_{
+          {s.node.axes[0].mass_kg, s.worlds[0].friction, {0.0, s.worlds[0].position_m, s.worlds[0].velocity_m_s}}},
       network_{*s.bus},
-      drive_{network_.add_drive(*s.drive, mechanism_)} {
+      drive_{network_.add_drive(*s.worlds[0].drive, mechanism_)} {
   network_.log_to(frames_);
 }
 
