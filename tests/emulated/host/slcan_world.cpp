@@ -14,8 +14,7 @@ constexpr const char* refused = "\a";
 
 SlcanWorld::SlcanWorld(const scenario::Scenario& s)
     : period_{s.node.loop->period},
-      mechanism_{
-          {s.node.axes[0].mass_kg, s.worlds[0].friction, {0.0, s.worlds[0].position_m, s.worlds[0].velocity_m_s}}},
+      mechanism_{sil::braked_slide(s.node.axes[0], s.worlds[0])},
       network_{*s.bus},
       drive_{network_.add_drive(*s.worlds[0].drive, mechanism_)} {
   network_.log_to(frames_);
