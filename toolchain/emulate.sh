@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds targets' images and runs them on emulated machines against the simulated axis.
+# Builds targets' images and runs them on emulated machines against simulated axes.
 set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -10,13 +10,13 @@ Usage: toolchain/emulate.sh TARGET... [--costs]
 Installs what is needed and missing (Debian packages, as root or by sudo), builds the images for each target and runs, on
 QEMU and beside it on this host:
   proofs       no heap, no double arithmetic, a bounded stack, and a size
-  closed loop  the controller node moves the simulated axis over a tour of targets: every frame equal to the same node's on
+  closed loop  the controller node moves the simulated axes over a tour of targets: every frame equal to the same node's on
                the host
   replay       5000 recorded steps and 20000 hostile ones: equal to the host's bit for bit, and no step above its bound of
                instructions
 
-  stm32f405    Cortex-M4F over slcan, the world on this host
-  zynqmp_r5    Cortex-R5F on CAN at 1 kHz for 10 s, the world on the other core of the emulated machine
+  stm32f405    Cortex-M4F over slcan with one axis, the world on this host
+  zynqmp_r5    Cortex-R5F on CAN with two axes at 1 kHz for 10 s, the world on the other core of the emulated machine
   linux        breakaway-node in a guest with CAN interfaces; on its own, see toolchain/emulate.sh linux --help
   --costs      also write firmware/targets/COSTS.md, for which both targets must be named
 
@@ -47,11 +47,11 @@ fail() {
   exit 1
 }
 
-# build_target <target>: its images, in $images, and those of its tests, in $tests.
+# build_target <target>: its images with the node of $scenario, in $images, and those of its tests, in $tests.
 build_target() {
   images=$root/build/$1/firmware/targets/$1
   tests=$root/build/$1/tests/emulated/$1
-  cmake --preset "$1" -DBREAKAWAY_AXIS_FOLDER="$host/axis" --log-level=WARNING
+  cmake --preset "$1" -DBREAKAWAY_NODE_FOLDER="$host/node/$scenario" --log-level=WARNING
   cmake --build --preset "$1"
 }
 
@@ -86,8 +86,8 @@ run_target() (
   mkdir -p -- "$work/emulated"
   cp -- "$tapes"/*.tape "$work/emulated"
   cp -- "$tapes"/*.results "$work"
-  build_target "$1"
   source "$toolchain/emulated/$1.sh"
+  build_target "$1"
   printf '\n=== %s: proofs\n' "$1"
   prove_images
   printf '\n=== %s: closed loop\n' "$1"

@@ -2,47 +2,60 @@
 #pragma once
 
 #include <chrono>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
+#include <string>
 
 #include "breakaway/canopen/bus_budget.hpp"
-#include "breakaway/cia402/drive.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/flash.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
-#include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/pid_controller.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 
 namespace breakaway::bench {
 
-// At the shortest whole number of milliseconds in which so many axes fit the bus.
+// So many of it on one bus, at the shortest whole number of milliseconds in which they fit.
 inline scenario::Scenario axis_scenario(std::size_t axes = 1) {
   scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
-  s.plant.velocity_m_s = 0;
+  s.worlds[0].velocity_m_s = 0;
+  for (std::size_t i = 1; i < axes; ++i) {
+    s.node.axes.push_back(s.node.axes[0]);
+    s.worlds.push_back(s.worlds[0]);
+    const auto node_id = static_cast<std::uint8_t>(i + 1);
+    s.node.axes[i].name += std::to_string(i);
+    s.node.axes[i].drive->node_id = s.worlds[i].drive->node_id = node_id;
+  }
   auto period = std::chrono::milliseconds{1};
-  while (canopen::check_bus_budget(static_cast<unsigned>(axes), period, s.bus->bit_rate) != canopen::BusFit::fits) {
+  while (canopen::check_bus_budget(static_cast<unsigned>(axes), period, *s.node.bit_rate) != canopen::BusFit::fits) {
     if (++period > std::chrono::seconds{1}) throw std::runtime_error("the axes do not fit the bus of can_axis.toml");
   }
-  s.loop->period_s = hal::seconds(period);
+  s.node.loop->period = period;
   return s;
 }
 
+template <class Real>
+law::AxisParameters<Real> parameters(const scenario::Scenario& s) {
+  return config::axis_parameters<Real>(s.node, s.node.axes[0]);
+}
+
 inline design::KickPlant<double> kick_plant(const scenario::Scenario& s) {
-  return {s.plant.mass_kg, s.controller.impulsive->stiffness_N_per_m, s.controller.impulsive->kick_damping_Ns_per_m,
-          s.friction.lower_N};
+  const config::Axis& axis = s.node.axes[0];
+  return {axis.mass_kg, axis.controller.impulsive->stiffness_N_per_m, axis.controller.impulsive->kick_damping_Ns_per_m,
+          axis.friction.bounds.lower_N};
 }
 
 template <class Real>
 design::BuiltK3Table<Real> build_table(const scenario::Scenario& s) {
-  const double range_m = static_cast<double>(scenario::axis_parameters<Real>(s).stick_radius_upper_m());
-  return design::build_k3_table<Real>(kick_plant(s), range_m);
+  return design::build_k3_table<Real>(kick_plant(s), static_cast<double>(parameters<Real>(s).stick_radius_upper_m()));
 }
 
 // Gains of the switching law's approach and an integrator beside them: what is compared is the work, not the result.
 template <class Real>
 law::PidController<Real> pid_controller(const scenario::Scenario& s) {
-  const law::AxisParameters<Real> p = scenario::axis_parameters<Real>(s);
+  const law::AxisParameters<Real> p = parameters<Real>(s);
   law::PidParameters<Real> pid;
   pid.proportional_N_per_m = p.stiffness_N_per_m;
   pid.integral_N_per_ms = 5 * p.stiffness_N_per_m;
@@ -55,35 +68,6 @@ law::PidController<Real> pid_controller(const scenario::Scenario& s) {
   return law::PidController<Real>{pid};
 }
 
-inline hal::Duration period_of(const scenario::Scenario& s) {
-  return hal::Duration{std::llround(s.loop->period_s * 1e9)};
-}
-
-template <class Real>
-cia402::DriveConfig<Real> drive_config(const scenario::Scenario& s, std::uint8_t node_id) {
-  cia402::DriveConfig<Real> c;
-  c.node_id = node_id;
-  c.force_per_torque_N_per_Nm = static_cast<Real>(s.drive->force_per_torque_N_per_Nm);
-  return c;
-}
-
-inline canopen::NetworkConfig network_config(const scenario::Scenario& s) {
-  return {.period = period_of(s), .bit_rate = s.bus->bit_rate};
-}
-
-template <class Real>
-hal::AxisScale<Real> axis_scale(const scenario::Scenario& s) {
-  return {static_cast<Real>(s.drive->encoder_resolution_m), static_cast<Real>(s.controller.max_force_N)};
-}
-
-template <class Real>
-firmware::AxisLimits<Real> limits(const scenario::Scenario& s) {
-  firmware::AxisLimits<Real> l;
-  l.position_min_m = static_cast<Real>(-s.limits.position_m);
-  l.position_max_m = static_cast<Real>(s.limits.position_m);
-  l.speed_m_s = static_cast<Real>(s.limits.speed_m_s);
-  l.feedback_timeout = 5 * period_of(s) / 2;
-  return l;
-}
+inline double resolution_m(const scenario::Scenario& s) { return s.node.axes[0].drive->encoder_resolution_m; }
 
 }  // namespace breakaway::bench

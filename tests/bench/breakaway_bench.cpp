@@ -8,7 +8,7 @@
 
 #include "breakaway/design/k3.hpp"
 #include "breakaway/model/shapes.hpp"
-#include "breakaway/sil/run_bus_scenario.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 
@@ -22,7 +22,7 @@ void report_each(benchmark::State& state, std::size_t per_iteration) {
 
 template <class Real, class Controller>
 void time_controller(const std::string& name, const scenario::Scenario& s, const Controller& controller) {
-  const Recording<Real> r = record<Real>(s, controller, 1);
+  const Recording<Real> r = record<Real>(s, controller);
   benchmark::RegisterBenchmark((name + "/all steps").c_str(), [=](benchmark::State& state) {
     for (auto _ : state) {
       replay(s, r, controller,
@@ -60,13 +60,12 @@ void time_kind(const scenario::Scenario& s, const Recording<Real>& r, const law:
 void time_law(const scenario::Scenario& s) {
   static const auto table = build_table<float>(s).table;
   static const auto table_double = build_table<double>(s).table;
-  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
+  const law::AxisController<float> controller{parameters<float>(s), table};
   time_controller<float>("PidController float", s, pid_controller<float>(s));
   time_controller<double>("PidController double", s, pid_controller<double>(s));
   time_controller<float>("AxisController float", s, controller);
-  time_controller<double>("AxisController double", s,
-                          law::AxisController<double>{scenario::axis_parameters<double>(s), table_double});
-  const Recording<float> r = record<float>(s, controller, 1);
+  time_controller<double>("AxisController double", s, law::AxisController<double>{parameters<double>(s), table_double});
+  const Recording<float> r = record<float>(s, controller);
   time_kind(s, r, controller, "hold", false);
   for (const char* kind : all_kinds) time_kind(s, r, controller, kind, true);
 }
@@ -83,7 +82,7 @@ void time_evaluator(const std::string& name, const Law& law, double range_m) {
 }
 
 void time_k3(const scenario::Scenario& s) {
-  const double range_m = scenario::axis_parameters<double>(s).stick_radius_upper_m();
+  const double range_m = parameters<double>(s).stick_radius_upper_m();
   time_evaluator<float>("K3Table float", build_table<float>(s).table, range_m);
   time_evaluator<double>("K3Table double", build_table<double>(s).table, range_m);
   time_evaluator<double>("K3 double", design::K3<double>::make(kick_plant(s)), range_m);
@@ -93,9 +92,9 @@ struct LoopCase {
   explicit LoopCase(std::size_t axes)
       : s{axis_scenario(axes)},
         table{build_table<float>(s).table},
-        controller{scenario::axis_parameters<float>(s), table},
-        recording{record<float>(s, controller, axes, loop_steps * s.loop->period_s)},
-        loop{loop_that_runs(port, s, controller, axes, recording)} {}
+        controller{parameters<float>(s), table},
+        recording{record<float>(s, controller, loop_steps * s.node.period_s())},
+        loop{loop_that_runs(port, s, controller, recording)} {}
 
   scenario::Scenario s;
   law::K3Table<float> table;
@@ -131,15 +130,15 @@ void time_plant(const std::string& name, const scenario::Scenario& s, const Reco
 
 void time_simulation(scenario::Scenario s) {
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
-  const auto r = record<float>(s, controller, 1, tour[1].time_s);
+  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto r = record<float>(s, controller, tour[1].time_s);
   time_plant("plant, friction of can_axis", s, r);
-  benchmark::RegisterBenchmark("whole scene, with its set-up", [=](benchmark::State& state) {
+  benchmark::RegisterBenchmark("whole scenario, with its set-up", [=](benchmark::State& state) {
     std::uint64_t ticks = 0;
-    for (auto _ : state) ticks = sil::run_bus_scenario(s, {}).loop->ticks;
+    for (auto _ : state) ticks = sil::run_loop_scenario(s, {}).loop->ticks;
     report_each(state, ticks);
   });
-  s.friction.law = {s.friction.law.bounds(), model::shape::constant(0.5)};
+  s.worlds[0].friction = {s.worlds[0].friction.bounds(), model::shape::constant(0.5)};
   time_plant("plant, constant friction", s, r);
 }
 

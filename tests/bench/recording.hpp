@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "axis_under_test.hpp"
+#include "breakaway/cia402/drive.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/motion/slide.hpp"
@@ -20,16 +22,14 @@ namespace breakaway::bench {
 template <class Real, class Controller>
 using Loop = firmware::ControlLoop<TapePort, cia402::Drive<Real>, Controller, Real, 8>;
 
+// A loop of all axes of the scenario, each under a copy of the controller.
 template <class Real, class Controller>
-Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, const Controller& controller,
-                                 std::size_t axes) {
-  Loop<Real, Controller> loop{port, network_config(s)};
-  const hal::AxisScale<Real> scale = axis_scale<Real>(s);
-  for (std::size_t i = 0; i < axes; ++i) {
-    const cia402::Drive<Real> drive{drive_config<Real>(s, static_cast<std::uint8_t>(i + 1)), network_config(s), scale};
-    if (loop.add_axis(drive, controller, limits<Real>(s), scale.encoder_resolution_m) != firmware::AddAxis::added)
-      throw std::runtime_error("the loop takes no more axes");
-    loop.request_enable(i);
+Loop<Real, Controller> make_loop(TapePort& port, const scenario::Scenario& s, const Controller& controller) {
+  Loop<Real, Controller> loop{port, config::loop_config(s.node)};
+  for (const config::Axis& axis : s.node.axes) {
+    const auto added = loop.add_axis(config::drive_config<Real>(axis), controller, config::axis_limits<Real>(axis));
+    if (!added.id) throw std::runtime_error(std::string{to_string(added.error)});
+    loop.request_enable(*added.id);
   }
   return loop;
 }
@@ -63,8 +63,9 @@ struct Recording {
 // The plant as a drive's mechanism; notes the forces on it while a list for them is set.
 class Axis final : public drive_emulator::Mechanism {
  public:
+  // The first axis of the scenario; all are alike.
   explicit Axis(const scenario::Scenario& s)
-      : slide_{s.plant.mass_kg, s.friction.law, {0, s.plant.position_m, s.plant.velocity_m_s}} {}
+      : slide_{s.node.axes[0].mass_kg, s.worlds[0].friction, {0, s.worlds[0].position_m, s.worlds[0].velocity_m_s}} {}
   void advance_to(double time_s, const model::AppliedForce& force) override {
     slide_.advance_to(time_s, force);
     if (notes_ != nullptr) notes_->push_back({time_s, force});
@@ -80,8 +81,8 @@ class Axis final : public drive_emulator::Mechanism {
 // One axis' drive emulator and plant. Frames reach it and leave it at once: there is no bus in between.
 class EmulatedAxis {
  public:
-  EmulatedAxis(const scenario::Scenario& s, std::uint8_t node_id)
-      : axis_{s}, drive_{config(s, node_id), axis_, [this](const hal::CanFrame& frame, hal::Time at) {
+  EmulatedAxis(const scenario::Scenario& s, std::size_t place)
+      : axis_{s}, drive_{*s.worlds[place].drive, axis_, [this](const hal::CanFrame& frame, hal::Time at) {
                            outbox_.push_back({frame, at});
                          }} {
     drive_.power_on(hal::Time{});
@@ -100,12 +101,6 @@ class EmulatedAxis {
   Axis& axis() { return axis_; }
 
  private:
-  static drive_emulator::EmulatorConfig config(const scenario::Scenario& s, std::uint8_t node_id) {
-    drive_emulator::EmulatorConfig c = *s.drive;
-    c.node_id = node_id;
-    return c;
-  }
-
   Axis axis_;
   std::vector<hal::ReceivedFrame> outbox_;
   drive_emulator::DriveEmulator drive_;
@@ -113,16 +108,15 @@ class EmulatedAxis {
 
 // Until the tour ends; its time starts when all axes run. Throws std::runtime_error when they do not.
 template <class Real, class Controller>
-Recording<Real> record(const scenario::Scenario& s, const Controller& controller, std::size_t axes,
-                       double duration_s = tour_s) {
+Recording<Real> record(const scenario::Scenario& s, const Controller& controller, double duration_s = tour_s) {
   TapePort port;
-  auto loop = make_loop<Real>(port, s, controller, axes);
+  auto loop = make_loop<Real>(port, s, controller);
   std::vector<std::unique_ptr<EmulatedAxis>> plants;
-  for (std::size_t i = 0; i < axes; ++i)
-    plants.push_back(std::make_unique<EmulatedAxis>(s, static_cast<std::uint8_t>(i + 1)));
+  for (std::size_t i = 0; i < s.axes(); ++i) plants.push_back(std::make_unique<EmulatedAxis>(s, i));
 
-  Recording<Real> r{period_of(s), {}, 0, {}};
-  const auto ticks = static_cast<std::size_t>(duration_s / s.loop->period_s);
+  const double period_s = s.node.period_s();
+  Recording<Real> r{s.node.loop->period, {}, 0, {}};
+  const auto ticks = static_cast<std::size_t>(duration_s / period_s);
   for (std::size_t k = 0; r.first_running == 0 || k < r.first_running + ticks; ++k) {
     RecordedStep& step = r.steps.emplace_back();
     plants[0]->axis().note_forces(&step.forces);
@@ -134,16 +128,16 @@ Recording<Real> record(const scenario::Scenario& s, const Controller& controller
     }
     const bool lost = r.first_running > 0 && k % loss_interval == 0;
     if (lost) step.received.clear();
-    const double time_s = r.first_running > 0 ? static_cast<double>(k - r.first_running) * s.loop->period_s : 0;
-    step.target_counts = target_counts(time_s, s.drive->encoder_resolution_m);
+    const double time_s = r.first_running > 0 ? static_cast<double>(k - r.first_running) * period_s : 0;
+    step.target_counts = target_counts(time_s, resolution_m(s));
     run_step(loop, port, r, k);
     step.sent.assign(port.sent().begin(), port.sent().end());
     step.running = true;
-    for (std::size_t i = 0; i < axes; ++i) step.running = step.running && loop.status(i).running;
+    for (std::size_t i = 0; i < loop.axes(); ++i) step.running = step.running && loop.status(*loop.axis(i)).running;
     if (step.running && r.first_running == 0) r.first_running = k;
     if (r.first_running > 0) {
       if (!step.running) throw std::runtime_error("an axis stopped during the recording");
-      const auto& feedback = loop.status(0).feedback;
+      const auto& feedback = loop.status(*loop.axis(0)).feedback;
       r.measurements.push_back({feedback.position_offset_m, Real{0}, feedback.fresh});
     }
     if (k > 10'000 && r.first_running == 0) throw std::runtime_error("the axes do not run");
@@ -156,7 +150,7 @@ template <class Real, class AnyLoop>
 void prepare_step(AnyLoop& loop, TapePort& port, const Recording<Real>& r, std::size_t k) {
   const std::int32_t target = r.steps[k].target_counts;
   if (k > 0 && target != r.steps[k - 1].target_counts) {
-    for (std::size_t i = 0; i < loop.axes(); ++i) loop.set_target_counts(i, target);
+    for (std::size_t i = 0; i < loop.axes(); ++i) loop.set_target_counts(*loop.axis(i), target);
   }
   port.lay_in(r.steps[k].received);
 }

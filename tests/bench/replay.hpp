@@ -41,12 +41,12 @@ std::string label_prefix(const law::PidController<Real>&) {
 // A controller alone on the samples of a recording: update(controller, i) is to take measurement i.
 template <class Real, class Controller, class Update>
 void replay(const scenario::Scenario& s, const Recording<Real>& r, Controller controller, const Update& update) {
-  const auto resolution_m = static_cast<Real>(s.drive->encoder_resolution_m);
+  const auto metres_per_count = static_cast<Real>(resolution_m(s));
   controller.reset();
   for (std::size_t i = 0; i < r.measurements.size(); ++i) {
     const std::size_t k = r.first_running + i;
     const std::int32_t shift = r.steps[k].target_counts - r.steps[k - 1].target_counts;
-    if (shift != 0) controller.shift_target(static_cast<Real>(shift) * resolution_m);
+    if (shift != 0) controller.shift_target(static_cast<Real>(shift) * metres_per_count);
     update(controller, i);
   }
 }
@@ -65,8 +65,8 @@ inline constexpr double loop_steps = 1500;
 // A loop in the state right after the first step in which all axes run.
 template <class Real, class Controller>
 Loop<Real, Controller> loop_that_runs(TapePort& port, const scenario::Scenario& s, const Controller& controller,
-                                      std::size_t axes, const Recording<Real>& r) {
-  auto loop = make_loop<Real>(port, s, controller, axes);
+                                      const Recording<Real>& r) {
+  auto loop = make_loop<Real>(port, s, controller);
   for (std::size_t k = 0; k <= r.first_running; ++k) run_step(loop, port, r, k);
   return loop;
 }

@@ -9,7 +9,7 @@
 
 #include "breakaway/design/k3.hpp"
 #include "breakaway/model/shapes.hpp"
-#include "breakaway/sil/run_bus_scenario.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
 #include "callgrind_count.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
@@ -20,7 +20,7 @@ namespace {
 // Every update of a recorded run. The kind of a step is known after it only, so a first replay finds the labels.
 template <class Real, class Controller>
 void count_controller(const scenario::Scenario& s, const Controller& controller) {
-  const Recording<Real> r = record<Real>(s, controller, 1);
+  const Recording<Real> r = record<Real>(s, controller);
   std::vector<std::string> labels;
   replay(s, r, controller, [&](Controller& c, std::size_t i) {
     labels.push_back(label_prefix(c) + update_and_label(c, r.measurements[i]));
@@ -37,7 +37,7 @@ template <class Real>
 void count_law() {
   const scenario::Scenario s = axis_scenario();
   const auto table = build_table<Real>(s).table;
-  count_controller<Real>(s, law::AxisController<Real>{scenario::axis_parameters<Real>(s), table});
+  count_controller<Real>(s, law::AxisController<Real>{parameters<Real>(s), table});
   count_controller<Real>(s, pid_controller<Real>(s));
 }
 
@@ -56,7 +56,7 @@ void count_k3() {
   const auto small = build_table<float>(s);
   const auto large = build_table<double>(s);
   const auto exact = design::K3<double>::make(kick_plant(s));
-  const double range_m = scenario::axis_parameters<double>(s).stick_radius_upper_m();
+  const double range_m = parameters<double>(s).stick_radius_upper_m();
   count_evaluator<float>("K3Table float", small.table, range_m);
   count_evaluator<double>("K3Table double", large.table, range_m);
   count_evaluator<double>("K3 double", exact, range_m);
@@ -70,28 +70,29 @@ void count_k3() {
 void count_loop(std::size_t axes) {
   const scenario::Scenario s = axis_scenario(axes);
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
-  const auto r = record<float>(s, controller, axes, loop_steps * s.loop->period_s);
+  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto r = record<float>(s, controller, loop_steps * s.node.period_s());
   const std::string name = "ControlLoop " + std::to_string(axes);
   TapePort port;
-  auto loop = make_loop<float>(port, s, controller, axes);
+  auto loop = make_loop<float>(port, s, controller);
   start_counting();
   for (std::size_t k = 0; k < r.steps.size(); ++k) {
     prepare_step(loop, port, r, k);
     count(name + (r.steps[k].running ? "/running" : "/set-up"), [&] { loop.step(r.time(k)); });
   }
   stop_counting();
-  std::printf("fact %s/period_us %g\n", name.c_str(), s.loop->period_s * 1e6);
+  std::printf("fact %s/period_us %g\n", name.c_str(), s.node.period_s() * 1e6);
 }
 
 // A drive that runs, taken from the loop, in the order in which the loop calls it.
 void count_drive() {
   const scenario::Scenario s = axis_scenario();
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
-  const auto r = record<float>(s, controller, 1, 1);
+  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto r = record<float>(s, controller, 1);
   TapePort port;
-  cia402::Drive<float> drive = loop_that_runs(port, s, controller, 1, r).drive(0);
+  const auto loop = loop_that_runs(port, s, controller, r);
+  cia402::Drive<float> drive = loop.drive(*loop.axis(0));
   hal::CanFrame frame;
   start_counting();
   for (std::size_t k = r.first_running + 1; k < r.steps.size(); ++k) {
@@ -130,42 +131,42 @@ void count_plant(const std::string& name, const scenario::Scenario& s, const Rec
 }
 
 void count_emulator(const scenario::Scenario& s, const Recording<float>& r) {
-  EmulatedAxis axis{s, s.drive->node_id};
+  EmulatedAxis axis{s, 0};
   start_counting();
   for (std::size_t k = 1; k < r.steps.size(); ++k) {
-    const std::string label = k > r.first_running ? "scene/plant and drive emulator" : "scene/set-up";
+    const std::string label = k > r.first_running ? "scenario/plant and drive emulator" : "scenario/set-up";
     count(label, [&] { axis.pass_period(r.steps[k - 1].sent, r.time(k - 1), r.time(k)); });
     axis.outbox().clear();
   }
   stop_counting();
 }
 
-// The whole scene as the breakaway command runs it, less one that ends at once: set-up cancels.
-void count_scene(scenario::Scenario s) {
+// The whole scenario as the breakaway command runs it, less one that ends at once: set-up cancels.
+void count_scenario(scenario::Scenario s) {
   s.run->stop_when_settled = false;
   const auto run = [&](double duration_s) {
     s.run->duration_s = duration_s;
     sil::Result result;
     start_counting();
-    count(duration_s > s.loop->period_s ? "scene/whole run" : "scene/shortest run",
-          [&] { result = sil::run_bus_scenario(s, {}); });
+    count(duration_s > s.node.period_s() ? "scenario/whole run" : "scenario/shortest run",
+          [&] { result = sil::run_loop_scenario(s, {}); });
     stop_counting();
     return result.loop->ticks;
   };
-  const auto shortest = run(s.loop->period_s);
+  const auto shortest = run(s.node.period_s());
   const auto whole = run(tour[1].time_s);
-  std::printf("fact scene/ticks %llu\n", static_cast<unsigned long long>(whole - shortest));
+  std::printf("fact scenario/ticks %llu\n", static_cast<unsigned long long>(whole - shortest));
 }
 
 void count_simulation() {
   scenario::Scenario s = axis_scenario();
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{scenario::axis_parameters<float>(s), table};
-  const auto r = record<float>(s, controller, 1, tour[1].time_s);
+  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto r = record<float>(s, controller, tour[1].time_s);
   count_plant("plant, friction of can_axis", s, r);
   count_emulator(s, r);
-  count_scene(s);
-  s.friction.law = {s.friction.law.bounds(), model::shape::constant(0.5)};
+  count_scenario(s);
+  s.worlds[0].friction = {s.worlds[0].friction.bounds(), model::shape::constant(0.5)};
   count_plant("plant, constant friction", s, r);
 }
 

@@ -59,14 +59,14 @@ def k3_table(counts, facts):
 
 
 def simulation_table(counts, facts, loop_mean):
-    ticks = int(facts["scene/ticks"])
-    whole = (counts["scene/whole run"].most - counts["scene/shortest run"].most) / ticks
+    ticks = int(facts["scenario/ticks"])
+    whole = (counts["scenario/whole run"].most - counts["scenario/shortest run"].most) / ticks
     friction = "plant, friction of can_axis"
     moving, resting = counts[f"{friction}/moving"], counts[f"{friction}/resting"]
     plant = Counts(moving.calls + resting.calls).mean
-    emulated = counts["scene/plant and drive emulator"].mean
+    emulated = counts["scenario/plant and drive emulator"].mean
     parts = [("plant", plant), ("drive emulator", emulated - plant), ("control loop (flashed)", loop_mean),
-             ("bus and bookkeeping (the rest)", whole - emulated - loop_mean), ("**whole scene**", whole)]
+             ("bus and bookkeeping (the rest)", whole - emulated - loop_mean), ("**whole scenario**", whole)]
     return table(["a tick of can_axis", "instructions, mean", "share"],
                  [(name, f"{n:.0f}", f"{100 * n / whole:.0f} %") for name, n in parts])
 
@@ -89,7 +89,7 @@ def ratios_table(times):
     rows += [(name, f"{times[name] / pid:.2f}") for name in ("K3Table float", "K3Table double", "K3 double")]
     rows += [(f"ControlLoop float, {n} {'axis' if n == 1 else 'axes'}", f"{times[f'ControlLoop {n}'] / pid:.1f}") for n in AXES]
     rows += [(name, f"{times[name] / pid:.1f}") for name in
-             ("plant, constant friction", "plant, friction of can_axis", "whole scene, with its set-up")]
+             ("plant, constant friction", "plant, friction of can_axis", "whole scenario, with its set-up")]
     return table(["time of one step, call or tick", "in steps of the PID in float"], rows)
 
 
@@ -144,8 +144,8 @@ table is the one proved when it is built, that of the exact law the one that its
 
 ## What simulation costs
 
-Instructions per simulated tick of 1 ms, over the approach and the kicks to the first target. The whole scene is what
-`breakaway simulate` runs, less a scene that ends at once, so that set-up does not count.
+Instructions per simulated tick of 1 ms, over the approach and the kicks to the first target. The whole scenario is what
+`breakaway simulate` runs, less a scenario that ends at once, so that set-up does not count.
 
 {simulation_table(counts, facts, counts["ControlLoop 1/running"].mean)}
 

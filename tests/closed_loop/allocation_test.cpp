@@ -67,15 +67,15 @@ void guarded_steps(Rig& rig, int steps) {
 
 TEST(LoopStep, AllocatesNothingInAnyState) {
   Rig rig{{.start_m = -0.01}};
-  rig.loop().request_enable(0);
+  rig.loop().request_enable(rig.id(0));
   guarded_steps(rig, 3000);
   ASSERT_EQ(rig.status(0).output.mode, law::Mode::hold) << "set up, enabled, settled";
-  rig.loop().set_target_m(0, 0.002F);
+  rig.loop().set_target_m(rig.id(0), 0.002F);
   guarded_steps(rig, 1000);
   rig.drive(0).trip_fault(0x2310, rig.now());
   guarded_steps(rig, 200);
   ASSERT_EQ(rig.status(0).fault, firmware::AxisFault::emergency);
-  rig.loop().reset_fault(0);
+  rig.loop().reset_fault(rig.id(0));
   guarded_steps(rig, 1000);
   EXPECT_TRUE(rig.status(0).running);
 }

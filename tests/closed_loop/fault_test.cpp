@@ -58,7 +58,7 @@ TEST_P(AfterFailure, ForceIsZeroWithinTwoPeriodsAndResetRecovers) {
   failure.mend(rig);
   rig.run(2500ms);  // a drive that was set back has to be set up again
   EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "no motion without a reset";
-  rig.loop().reset_fault(0);
+  rig.loop().reset_fault(rig.id(0));
   rig.run(5s);
   EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
   EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
@@ -119,8 +119,8 @@ TEST(Fault, DriveWithoutCyclicTorqueIsRefusedByName) {
   Rig rig{{.supported_modes = 1}};  // profile position only
   EXPECT_FALSE(rig.start());
   EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
-  EXPECT_EQ(rig.loop().drive(0).setup_status(), cia402::SetupStatus::no_torque_mode);
-  EXPECT_EQ(rig.loop().drive(0).setup_object(), (canopen::ObjectAddress{0x6502, 0}));
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_status(), cia402::SetupStatus::no_torque_mode);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_object(), (canopen::ObjectAddress{0x6502, 0}));
 }
 
 TEST(Fault, OfOneAxisLeavesTheOthersRunning) {
@@ -132,6 +132,29 @@ TEST(Fault, OfOneAxisLeavesTheOthersRunning) {
   EXPECT_EQ(rig.status(0).fault, AxisFault::emergency);
   EXPECT_EQ(rig.status(1).fault, AxisFault::none);
   EXPECT_LE(std::abs(rig.position_m(1)), 3e-6);
+}
+
+TEST(Fault, OfOneAxisStopsAllWhereTheNodeSaysSoAndTheyStartTogether) {
+  Rig rig{{.axes = 3, .period = 1ms, .fault_scope = firmware::FaultScope::all_axes}};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  rig.drive(1).trip_fault(0x4210, rig.now());
+  rig.run(20ms);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::stopped_with_another);
+  EXPECT_EQ(rig.status(1).fault, AxisFault::emergency);
+  EXPECT_EQ(rig.status(2).fault, AxisFault::stopped_with_another);
+  for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_LT(rig.largest_force_N(axis, 100ms), 0.1) << axis;
+  for (const std::size_t axis : {2U, 0U}) {
+    rig.loop().reset_fault(rig.id(axis));
+    rig.run(300ms);
+    EXPECT_LT(std::abs(rig.force_N(axis)), 0.1) << "the tripped drive still has its fault";
+  }
+  rig.loop().reset_fault(rig.id(1));
+  rig.run(3s);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(rig.status(axis).fault, AxisFault::none) << to_string(rig.status(axis).fault);
+    EXPECT_LE(std::abs(rig.position_m(axis)), 3e-6) << axis;
+  }
 }
 
 TEST(Fault, SingleLostFramesDoNotStopTheAxisOrSpoilItsAccuracy) {

@@ -45,7 +45,7 @@ hal::Duration shortest_period(unsigned axes, double late_share) {
 double rate_Hz(hal::Duration period) { return 1e9 / static_cast<double>(period.count()); }
 
 // Against the rates that worst-case stuffing of SYNC and PDOs allows: with a frame a period kept free for what is
-// acyclic, as check_configuration() wants it, no sample is late; with none, one in a hundred is, behind a heartbeat,
+// acyclic, as check_bus() wants it, no sample is late; with none, one in a hundred is, behind a heartbeat,
 // and the axes arrive all the same.
 TEST(LoopRate, ReachesWhatTheBusAllows) {
   for (unsigned axes = 1; axes <= 8; ++axes) {

@@ -31,13 +31,14 @@ struct RigConfig {
   double start_m = -0.1;
   model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
+  firmware::FaultScope fault_scope = firmware::FaultScope::axis;
   std::uint32_t supported_modes = cia402::supports_cyclic_torque;
 };
 
 class Rig {
  public:
   explicit Rig(const RigConfig& config)
-      : config_{config}, network_{config.bus}, loop_{network_.controller_port(), {config.period, config.bus.bit_rate}} {
+      : config_{config}, network_{config.bus}, loop_{network_.controller_port(), loop_config(config)} {
     const law::AxisParameters<Real> p = parameters();
     table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
@@ -71,7 +72,7 @@ class Rig {
   void loop_step() { loop_.step(now_); }
   void release_brakes() {
     for (std::size_t i = 0; i < loop_.axes(); ++i) {
-      if (loop_.status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
+      if (status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
     }
   }
   void step() {
@@ -84,7 +85,7 @@ class Rig {
   }
   // Sets the drives up and enables them. False: not all run within 10 s.
   bool start() {
-    for (std::size_t i = 0; i < loop_.axes(); ++i) loop_.request_enable(i);
+    for (const Loop::AxisId id : ids_) loop_.request_enable(id);
     const auto released = [](const auto& mechanism) { return mechanism->released(); };
     while (now_ < hal::Time{10s} && !std::all_of(mechanisms_.begin(), mechanisms_.end(), released)) step();
     return std::all_of(mechanisms_.begin(), mechanisms_.end(), released);
@@ -100,15 +101,20 @@ class Rig {
   }
 
   Loop& loop() { return loop_; }
+  Loop::AxisId id(std::size_t axis) const { return ids_[axis]; }
   drive_emulator::DriveEmulator& drive(std::size_t axis) { return *drives_[axis]; }
   sil::SimulatedNetwork& network() { return network_; }
   const motion::Slide& slide(std::size_t axis) const { return mechanisms_[axis]->slide(); }
   double position_m(std::size_t axis) const { return mechanisms_[axis]->position_m(); }
   double force_N(std::size_t axis) const { return drives_[axis]->force().at_N(hal::seconds(now_), 0, 0); }
   hal::Time now() const { return now_; }
-  const firmware::AxisStatus<Real>& status(std::size_t axis) const { return loop_.status(axis); }
+  const firmware::AxisStatus<Real>& status(std::size_t axis) const { return loop_.status(ids_[axis]); }
 
  private:
+  static firmware::LoopConfig loop_config(const RigConfig& config) {
+    return {.network = {.period = config.period, .bit_rate = config.bus.bit_rate}, .fault_scope = config.fault_scope};
+  }
+
   void add_axis(std::uint8_t node_id, const law::AxisParameters<Real>& p) {
     mechanisms_.push_back(
         std::make_unique<sil::BrakedSlide>(motion::Slide{p.mass_kg, config_.friction, {0, config_.start_m, 0}}));
@@ -124,11 +130,9 @@ class Rig {
     cia402::DriveConfig<Real> master;
     master.node_id = node_id;
     master.force_per_torque_N_per_Nm = 50;
-    firmware::AxisLimits<Real> limits = config_.limits;
-    if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.period * 5 / 2;
-    const cia402::Drive<Real> drive{master, {.period = config_.period}, {p.encoder_resolution_m, p.max_force_N}};
-    const auto added = loop_.add_axis(drive, {p, table_}, limits, p.encoder_resolution_m);
-    if (added != firmware::AddAxis::added) std::abort();
+    const auto added = loop_.add_axis(master, {p, table_}, config_.limits);
+    if (!added.id) std::abort();
+    ids_.push_back(*added.id);
   }
 
   RigConfig config_;
@@ -137,6 +141,7 @@ class Rig {
   sil::SimulatedNetwork network_;
   std::vector<drive_emulator::DriveEmulator*> drives_;
   Loop loop_;
+  std::vector<Loop::AxisId> ids_;
   hal::Time now_{};
 };
 

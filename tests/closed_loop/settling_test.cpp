@@ -5,7 +5,7 @@
 #include <string>
 
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/sil/run_bus_scenario.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
 #include "breakaway/study/friction_study.hpp"
 #include "rig.hpp"
 
@@ -22,8 +22,8 @@ study::StudyOptions three_starts(int random_laws) {
 }
 
 TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
-  const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  for (const auto& row : study::run_study(scene, three_starts(100))) {
+  const auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
+  for (const auto& row : study::run_study(axis, three_starts(100))) {
     SCOPED_TRACE(row.start.position_m);
     ASSERT_EQ(row.runs.size(), 104U);
     for (const auto& run : row.runs) {
@@ -37,18 +37,18 @@ TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
 }
 
 TEST(ImpulsiveAxis, ReachesTheTargetInDoubleAndWithNaivePulsesToo) {
-  auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  scene.controller.scalar = scenario::ScalarType::float64;
-  for (const auto& row : study::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
-  scene.controller.impulsive->kick = scenario::Kick::naive;
-  scene.run->settle_tolerance_m = 10e-6;  // the naive pulse overshoots: its floor is 4 Ts^2 times 1 m/s^2 and more
-  for (const auto& row : study::run_study(scene, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+  auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
+  axis.scalar = scenario::ScalarType::float64;
+  for (const auto& row : study::run_study(axis, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
+  axis.node.axes[0].controller.impulsive->kick = config::Kick::naive;
+  axis.node.settle_tolerance_m = 10e-6;  // the naive pulse overshoots: its floor is 4 Ts^2 times 1 m/s^2 and more
+  for (const auto& row : study::run_study(axis, three_starts(10))) EXPECT_EQ(settled_runs(row), row.runs.size());
 }
 
 TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
-  const auto scene = scenario::read_scenario(scenarios + "can_axis_pid.toml");
+  const auto axis = scenario::read_scenario(scenarios + "can_axis_pid.toml");
   std::size_t settled = 0, runs = 0;
-  for (const auto& row : study::run_study(scene, three_starts(10))) {
+  for (const auto& row : study::run_study(axis, three_starts(10))) {
     settled += settled_runs(row);
     runs += row.runs.size();
     EXPECT_LE(largest_force_N(row), 50);
@@ -56,29 +56,42 @@ TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
   EXPECT_LT(settled, runs) << "then the class of friction laws is too easy to show anything";
 }
 
-TEST(BusScene, GivesTheSameResultTwice) {
-  const auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  const auto first = sil::run_bus_scenario(scene, {}), second = sil::run_bus_scenario(scene, {.trace = true});
-  EXPECT_EQ(first.final_error_m, second.final_error_m);
-  EXPECT_EQ(first.settling_time_s, second.settling_time_s);
-  ASSERT_EQ(first.kicks.size(), second.kicks.size());
+TEST(BusScenario, GivesTheSameResultTwice) {
+  const auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
+  const auto first = sil::run_loop_scenario(axis, {}), second = sil::run_loop_scenario(axis, {.trace = true});
+  EXPECT_EQ(first.axes[0].final_error_m, second.axes[0].final_error_m);
+  EXPECT_EQ(first.axes[0].settling_time_s, second.axes[0].settling_time_s);
+  ASSERT_EQ(first.axes[0].kicks.size(), second.axes[0].kicks.size());
 }
 
-TEST(BusScene, FollowsTargetChangesAtAnyTime) {
-  auto scene = scenario::read_scenario(scenarios + "can_axis.toml");
-  scene.controller.targets = {{0.05, 0.3}, {0.4, -0.2}, {2.0, 0.1234565}};
-  const auto result = sil::run_bus_scenario(scene, {});
-  EXPECT_TRUE(result.settled);
-  EXPECT_LT(result.settling_time_s, 1.0) << "counted from the last change";
+TEST(BusScenario, FollowsTargetChangesAtAnyTime) {
+  auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
+  axis.node.axes[0].controller.targets = {{0.05, 0.3}, {0.4, -0.2}, {2.0, 0.1234565}};
+  const auto result = sil::run_loop_scenario(axis, {});
+  EXPECT_TRUE(result.settled());
+  EXPECT_LT(result.axes[0].settling_time_s, 1.0) << "counted from the last change";
   EXPECT_GT(result.duration_s, 2.0);
   // A target is a whole encoder count: half a count more than the tolerance.
-  EXPECT_LE(std::abs(result.final_error_m), 3e-6);
+  EXPECT_LE(std::abs(result.axes[0].final_error_m), 3e-6);
+}
+
+TEST(ThreeAxes, OfOneFileSettleEachUnderItsOwnFriction) {
+  auto axes = scenario::read_scenario(scenarios + "three_axes.toml");
+  const auto result = sil::run_loop_scenario(axes, {});
+  ASSERT_EQ(result.axes.size(), 3U);
+  for (std::size_t i = 0; i < result.axes.size(); ++i) {
+    const auto& axis = result.axes[i];
+    EXPECT_TRUE(axis.settled) << axis.name;
+    EXPECT_TRUE(axis.faults.empty()) << axis.name;
+    EXPECT_LE(std::abs(axis.final_error_m), judged_tolerance_m(axes.node, axes.node.axes[i])) << axis.name;
+  }
+  EXPECT_EQ(result.loop->missed_ticks, 0U);
 }
 
 TEST(Axes, SettleTogetherAtTheRateThatTheBusAllows) {
   for (const auto& [axes, period] : {std::pair<std::size_t, hal::Duration>{2, 1ms}, {8, 3ms}}) {
     Rig rig{{.axes = axes, .period = period, .friction = {{2.5, 4.5}, model::shape::static_kinetic(1, 0)}}};
-    ASSERT_EQ(rig.loop().check_configuration(), canopen::BusFit::fits);
+    ASSERT_EQ(rig.loop().check_bus(), canopen::BusFit::fits);
     ASSERT_TRUE(rig.start()) << axes;
     rig.run(4s);
     for (std::size_t i = 0; i < axes; ++i) {
@@ -96,10 +109,10 @@ TEST(Axis, StaysWhereItIsOnceItHolds) {
   ASSERT_TRUE(rig.start());
   rig.run(2s);
   const double held_m = rig.position_m(0);
-  const auto kicks = rig.loop().controller(0).kicks();
+  const auto kicks = rig.loop().controller(rig.id(0)).kicks();
   rig.run(20s);
   EXPECT_EQ(rig.position_m(0), held_m);
-  EXPECT_EQ(rig.loop().controller(0).kicks(), kicks);
+  EXPECT_EQ(rig.loop().controller(rig.id(0)).kicks(), kicks);
 }
 
 }  // namespace

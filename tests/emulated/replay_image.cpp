@@ -1,8 +1,9 @@
-// Replays axis.tape through the impulsive law and through a PID, and writes what they did to axis.results and
-// pid.results. Between the two marks an emulator counts instructions; the first pair of marks has nothing in between.
+// Replays axis.tape, of the node's first axis, through the impulsive law and through a PID, and writes what they did to
+// axis.results and pid.results. Between the two marks an emulator counts instructions; the first pair of marks has
+// nothing in between.
 #include <array>
 
-#include "flashed_axis.hpp"
+#include "flashed_node.hpp"
 #include "replay.hpp"
 #include "semihosting.hpp"
 
@@ -49,8 +50,9 @@ ExitCode replay_file(Controller controller, std::string_view tape_name, std::str
 void run_image() {
   count_begin();
   count_end();
-  const law::AxisController<float> axis{flashed::axis.parameters, flashed::axis.k3_table};
-  const law::PidController<float> pid{pid_parameters(flashed::axis.parameters)};
+  const auto& flashed_axis = flashed::node.axes[0];
+  const law::AxisController<float> axis{flashed_axis.law, flashed_axis.k3_table};
+  const law::PidController<float> pid{pid_parameters(flashed_axis.law)};
   ExitCode code = replay_file(axis, "axis.tape", "axis.results");
   if (code == done) code = replay_file(axis, "hostile.tape", "hostile.results");
   if (code == done) code = replay_file(pid, "axis.tape", "pid.results");

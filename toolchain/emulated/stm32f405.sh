@@ -1,5 +1,7 @@
 # An STM32F405 (netduinoplus2) whose controller node speaks slcan to the world on this host. emulate.sh sources this.
 
+scenario=can_axis
+
 prove_images() { prove 65536 16384 "$images"/*.elf "$tests"/{replay,lockstep}.elf; }
 
 # emulate <image> <counts file> [QEMU option...]

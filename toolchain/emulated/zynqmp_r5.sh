@@ -1,6 +1,8 @@
 # The RPU of a Zynq UltraScale+ (xlnx-zcu102): the controller on its first core and CAN0, the world on its second core and
 # CAN1, one bus between them. emulate.sh sources this.
 
+scenario=two_axes
+
 prove_images() {
   prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay}.elf
   (cd -- "$work/emulated" && emulate "$tests/overflow.elf") ||

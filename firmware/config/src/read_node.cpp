@@ -8,6 +8,7 @@
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
@@ -200,8 +201,10 @@ void check_limits(const Section& section, const Axis& axis) {
   };
   const Limits& l = axis.limits;
   const Controller& c = axis.controller;
-  if (c.max_force_N < unlimited)
-    require(l.force_N >= c.max_force_N, "force_N", l.force_N, "[controller] max_force_N", c.max_force_N);
+  const double force_N = max_force_N(axis);
+  const bool by_drive = force_N < c.max_force_N;
+  require(l.force_N >= force_N, "force_N", l.force_N, by_drive ? "what the [drive] gives" : "[controller] max_force_N",
+          force_N);
   if (c.max_approach_speed_m_s < unlimited)
     require(l.speed_m_s >= c.max_approach_speed_m_s, "speed_m_s", l.speed_m_s, "[controller] max_approach_speed_m_s",
             c.max_approach_speed_m_s);
@@ -219,7 +222,7 @@ void check_force(const Section& section, const Axis& axis) {
                                           axis.controller.max_force_N, given_N));
 }
 
-void check_node_id(const Section& section, const Drive& drive, const Node& node) {
+void check_in_node(const Section& section, const Drive& drive, const Node& node) {
   const unsigned id = drive.node_id;
   if (node.loop && id == node.loop->node_id)
     section.fail("node_id", fmt::format("is {}, as that of the [loop]; change one of them", id));
@@ -227,6 +230,11 @@ void check_node_id(const Section& section, const Drive& drive, const Node& node)
     if (other.drive && other.drive->node_id == drive.node_id)
       section.fail("node_id", fmt::format("is {}, as that of axis {}; give every drive its own", id, other.name));
   }
+  // Drive and node watch each other with one timeout.
+  if (node.loop && drive.heartbeat_timeout <= node.loop->heartbeat_period)
+    section.fail("heartbeat_timeout_s",
+                 fmt::format("is {}, not above the [loop] heartbeat_period_s = {}; raise the one or lower the other",
+                             hal::seconds(drive.heartbeat_timeout), hal::seconds(node.loop->heartbeat_period)));
 }
 
 // The tables of one axis: the whole file, or an entry of [[axis]].
@@ -255,7 +263,7 @@ struct AxisTables {
     axis.friction = read_friction(need(friction, "friction"), axis.mass_kg, also.friction);
     axis.controller = read_controller(need(controller, "controller"), sampled, also.controller);
     if (drive) axis.drive = read_drive(*drive, place, also.drive);
-    if (drive) check_node_id(*drive, *axis.drive, node);
+    if (drive) check_in_node(*drive, *axis.drive, node);
     if (limits) axis.limits = read_limits(*limits);
     check_force(*controller, axis);
     if (axis.controller.impulsive) check_gains(*controller, *axis.controller.impulsive, axis.mass_kg, sampled);
@@ -313,6 +321,13 @@ void read_bus(const std::optional<Section>& section, Node& node, std::vector<Key
   node.bit_rate = bit_rate;
 }
 
+// The least period that is at least this long and that drives can be told.
+hal::Duration rounded_up(hal::Duration period) {
+  hal::Duration step = std::chrono::microseconds{1};
+  while (period > 255 * step) step *= 10;
+  return (period + step - hal::Duration{1}) / step * step;
+}
+
 }  // namespace
 
 Node read_node(const toml::table& document, const std::string& name, const FileRows& others) {
@@ -368,9 +383,10 @@ void require_fitting_bus(const Node& node) {
   if (axes <= budget.max_axes) return;
   throw InputError{fmt::format("{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on "
                                "the bus and has {} us; "
-                               "choose a period_s of at least {:.6f}",
+                               "choose a period_s of at least {}",
                                axes, axes == 1 ? "axis" : "axes", node.period_s(), axes == 1 ? "does" : "do",
-                               *node.bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6)}
+                               *node.bit_rate, budget.needed_us, budget.available_us,
+                               hal::seconds(rounded_up(budget.least_period)))}
       .in_file(node.file);
 }
 

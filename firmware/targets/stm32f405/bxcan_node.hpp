@@ -1,8 +1,8 @@
 // The controller node on CAN1, PB8 (in) and PB9 (out).
 #pragma once
 
-#include "breakaway/bxcan/port.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
+#include "breakaway/bxcan/port.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "clocks.hpp"
 #include "flashed_node.hpp"
@@ -44,7 +44,7 @@ class BxcanNode {
     enable_interrupt(Can1::transmit_interrupt);
     enable_interrupt(Can1::receive_interrupt);
     return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
-                                                                   : StartResult::period_impossible;
+                                                                           : StartResult::period_impossible;
   }
 
   // Once a period.

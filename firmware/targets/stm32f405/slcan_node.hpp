@@ -30,7 +30,7 @@ class SlcanNode {
     const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
     if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;
     return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
-                                                                   : StartResult::period_impossible;
+                                                                           : StartResult::period_impossible;
   }
 
   // Once a period, one after the other.

@@ -1,12 +1,18 @@
 // The controller node on a CAN controller of the processing system: what the image, and its twin for emulation, run.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
 #include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/xilinx_can/port.hpp"
-#include "memory_protection.hpp"
 #include "flashed_node.hpp"
+#include "memory_protection.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "watchdog.hpp"
@@ -25,6 +31,20 @@ using SystemWatchdog = Peripheral<0xFF15'0000>;
 inline constexpr std::uint32_t core_Hz = BREAKAWAY_CORE_HZ, can_Hz = BREAKAWAY_CAN_HZ,
                                watchdog_Hz = BREAKAWAY_WATCHDOG_HZ;
 
+using Filters = std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters>;
+
+// All that the drives say, whatever the function, and the commands for this node: the rest stays out of the FIFO. More
+// drives than there are filters: everything comes in.
+constexpr Filters filters_for(std::span<const firmware::FlashedAxis<float>> axes, std::uint8_t node_id) noexcept {
+  Filters wanted{};
+  if (axes.size() >= wanted.size()) return wanted;
+  std::size_t next = 0;
+  wanted[next++] = xilinx_can::Filter{.mask = hal::CanFrame::max_id, .id = canopen::rpdo_cob_id(1, node_id)};
+  for (const auto& axis : axes)
+    wanted[next++] = xilinx_can::Filter{.mask = canopen::node_id_mask, .id = axis.drive.node_id};
+  return wanted;
+}
+
 class CanNode {
  public:
   using Registers = Can<BREAKAWAY_CAN_CONTROLLER>;
@@ -39,6 +59,7 @@ class CanNode {
     const auto& network = flashed::node.loop.network;
     const auto timing = hal::bit_timing(can_Hz, network.bit_rate, xilinx_can::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
+    const Filters accepted = filters_for(present_axes(flashed::node), network.node_id);
     if (!port_.start({*timing, network.bit_rate, accepted}, polls)) return StartResult::no_idle_bus;
     const bool started = ticker_.start(core_Hz, network.period) && watchdog_.start(watchdog_Hz, 3 * network.period);
     return started ? StartResult::running : StartResult::period_impossible;
@@ -64,22 +85,6 @@ class CanNode {
  private:
   // Some 100 ns a poll over the peripherals' bus: 100 ms, in which a bus at 10 kbit/s is idle for 11 bits many times.
   static constexpr std::uint32_t polls = 1'000'000;
-
-  using Filters = std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters>;
-
-  // All that the drives say, whatever the function, and the commands for this node: the rest stays out of the FIFO. More
-  // drives than there are filters: everything comes in.
-  static constexpr Filters accept_ours() noexcept {
-    Filters wanted{};
-    if (flashed::node.count >= wanted.size()) return wanted;
-    std::size_t next = 0;
-    wanted[next++] = xilinx_can::Filter{canopen::whole_cob_id,
-                                        canopen::rpdo_cob_id(1, flashed::node.loop.network.node_id)};
-    for (std::size_t axis = 0; axis < flashed::node.count; ++axis)
-      wanted[next++] = xilinx_can::Filter{canopen::node_id_bits, flashed::node.axes[axis].drive.node_id};
-    return wanted;
-  }
-  static constexpr Filters accepted = accept_ours();
 
   Registers can_;
   SystemWatchdog watchdog_registers_;

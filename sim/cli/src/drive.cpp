@@ -16,7 +16,7 @@
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "commands.hpp"
 

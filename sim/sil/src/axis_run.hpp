@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/result.hpp"
 #include "breakaway/sil/simulated_network.hpp"
 #include "judge.hpp"

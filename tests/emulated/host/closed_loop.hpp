@@ -8,8 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "breakaway/firmware/control_node.hpp"
 #include "breakaway/slcan/port.hpp"
-#include "node_config.hpp"
+#include "flashed_node.hpp"
 #include "recording.hpp"
 #include "slcan_world.hpp"
 
@@ -23,16 +24,16 @@ class Commander {
   // Once a period.
   void command(SlcanWorld& world) {
     if (world.periods() < first_command_) return;
-    if (world.released()) time_s_ += s_.loop->period_s;
-    const std::int32_t target = bench::target_counts(time_s_, s_.drive->encoder_resolution_m);
+    if (world.released()) time_s_ += s_.node.period_s();
+    const std::int32_t target = bench::target_counts(time_s_, bench::resolution_m(s_));
     if (commanded_ && target == last_) return;
-    world.tell(
-        firmware::encode_command({.axis = 0, .enable = true, .target_counts = target}, flashed::node.loop.node_id));
+    world.tell(firmware::encode_command({.axis = 0, .enable = true, .target_counts = target},
+                                        flashed::node.loop.network.node_id));
     commanded_ = true;
     last_ = target;
   }
   bool finished() const { return time_s_ > bench::tour_s + 0.8; }
-  double target_m() const { return last_ * s_.drive->encoder_resolution_m; }
+  double target_m() const { return last_ * bench::resolution_m(s_); }
 
  private:
   static constexpr std::uint64_t first_command_ = 10;
@@ -77,10 +78,10 @@ class LocalStream {
 // The node of firmware/targets in this process, until the tour is over.
 inline void run_node_here(SlcanWorld& world, Commander& commander) {
   LocalStream stream{world, commander};
-  slcan::Port<LocalStream> port{stream, flashed::node.loop.bit_rate};
-  firmware::ControlNode<slcan::Port<LocalStream>> node{port, flashed::node};
-  if (node.error() != firmware::NodeError::none) throw std::runtime_error(std::string{to_string(node.error())});
-  const hal::Duration period = flashed::node.loop.period;
+  slcan::Port<LocalStream> port{stream, flashed::node.loop.network.bit_rate};
+  firmware::ControlNode<slcan::Port<LocalStream>, flashed::node.capacity> node{port, flashed::node};
+  if (!node.verdict().ok()) throw std::runtime_error(std::string{to_string(node.verdict().error)});
+  const hal::Duration period = flashed::node.loop.network.period;
   for (hal::Time now{period}; !commander.finished() && world.periods() < 100'000; now += period) {
     port.poll(now);
     node.step(now);

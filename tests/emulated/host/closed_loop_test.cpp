@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "breakaway/config/axis_design.hpp"
+
 namespace breakaway::emulated {
 namespace {
 
@@ -16,27 +18,12 @@ class SlcanClosedLoopTest : public testing::Test {
 TEST_F(SlcanClosedLoopTest, ReachesEveryCommandedTargetAndRests) {
   run_node_here(world_, commander_);
   EXPECT_TRUE(world_.sticking());
-  EXPECT_NEAR(world_.position_m(), commander_.target_m(), scenario_.run->settle_tolerance_m);
+  EXPECT_NEAR(world_.position_m(), commander_.target_m(), scenario_.node.settle_tolerance_m);
   EXPECT_GT(commander_.target_m(), 0.11);
 }
 
-// The configuration in firmware/targets/can_axis repeats what the scenario says of drive and limits.
 TEST_F(SlcanClosedLoopTest, RunsTheNodeOfItsScenario) {
-  const auto drive = bench::drive_config<float>(scenario_, scenario_.drive->node_id);
-  const auto scale = bench::axis_scale<float>(scenario_);
-  const auto limits = bench::limits<float>(scenario_);
-  const auto& node = flashed::node;
-  EXPECT_EQ(node.loop.period, bench::period_of(scenario_));
-  EXPECT_EQ(node.loop.bit_rate, scenario_.bus->bit_rate);
-  EXPECT_EQ(node.drive.node_id, drive.node_id);
-  EXPECT_EQ(node.axis->parameters.encoder_resolution_m, scale.encoder_resolution_m);
-  EXPECT_EQ(node.drive.force_per_torque_N_per_Nm, drive.force_per_torque_N_per_Nm);
-  EXPECT_EQ(node.axis->parameters.max_force_N, scale.max_force_N);
-  EXPECT_EQ(node.limits.position_min_m, limits.position_min_m);
-  EXPECT_EQ(node.limits.position_max_m, limits.position_max_m);
-  EXPECT_EQ(node.limits.speed_m_s, limits.speed_m_s);
-  EXPECT_EQ(node.axis->parameters.kick_damping_Ns_per_m,
-            scenario::axis_parameters<float>(scenario_).kick_damping_Ns_per_m);
+  EXPECT_EQ(flashed::node.checksum, config::certified(scenario_.node, config::examine(scenario_.node)).checksum);
 }
 
 TEST_F(SlcanClosedLoopTest, IsTheSameInEveryRun) {

@@ -74,7 +74,7 @@ int run(const std::string& path) {
   report("emulated", there, there.position_m() - commander.target_m());
 
   const bool equal = there.frame_hash() == here.frame_hash() && there.positions_m() == here.positions_m();
-  const bool settled = there.sticking() && std::abs(error_here_m) <= s.run->settle_tolerance_m;
+  const bool settled = there.sticking() && std::abs(error_here_m) <= s.node.settle_tolerance_m;
   fmt::print("{}: every frame and position is {}\n", equal && settled ? "PASS" : "FAIL", equal ? "equal" : "NOT equal");
   return equal && settled ? 0 : 1;
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "callgrind_count.hpp"
-#include "flashed_axis.hpp"
+#include "flashed_node.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 
@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t steps_to_record = 5000;
 
 std::vector<TapeStep> record_tape(const scenario::Scenario& s, const law::AxisController<float>& controller) {
-  const auto r = bench::record<float>(s, controller, 1, (steps_to_record + 0.5) * s.loop->period_s);
-  const auto resolution_m = static_cast<float>(s.drive->encoder_resolution_m);
+  const auto r = bench::record<float>(s, controller, (steps_to_record + 0.5) * s.node.period_s());
+  const auto resolution_m = static_cast<float>(bench::resolution_m(s));
   std::vector<TapeStep> tape;
   for (std::size_t i = 0; i < steps_to_record; ++i) {
     const std::size_t k = r.first_running + i;
@@ -93,8 +93,8 @@ void write_file(const std::string& path, const std::vector<Item>& items) {
 
 void run(const std::string& folder) {
   const scenario::Scenario s = bench::axis_scenario();
-  const auto& parameters = flashed::axis.parameters;
-  const law::AxisController<float> controller{parameters, flashed::axis.k3_table};
+  const auto& parameters = flashed::node.axes[0].law;
+  const law::AxisController<float> controller{parameters, flashed::node.axes[0].k3_table};
   const std::vector<TapeStep> tape = record_tape(s, controller);
   write_file(folder + "/axis.tape", tape);
   const std::vector<TapeStep> hostile = hostile_tape(parameters, 20000);

@@ -13,10 +13,10 @@ constexpr const char* refused = "\a";
 }  // namespace
 
 SlcanWorld::SlcanWorld(const scenario::Scenario& s)
-    : period_{bench::period_of(s)},
-      mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
+    : period_{s.node.loop->period},
+      mechanism_{sil::braked_slide(s.node.axes[0], s.worlds[0])},
       network_{*s.bus},
-      drive_{network_.add_drive(*s.drive, mechanism_)} {
+      drive_{network_.add_drive(*s.worlds[0].drive, mechanism_)} {
   network_.log_to(frames_);
 }
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "axis_under_test.hpp"
-#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/simulated_network.hpp"
 
 namespace breakaway::emulated {

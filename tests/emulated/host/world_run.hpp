@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "axis_world.hpp"
+#include "breakaway/firmware/control_node.hpp"
+#include "node_world.hpp"
 
 namespace breakaway::emulated {
 
@@ -24,7 +25,7 @@ class WorldPort {
   void purge_transmit_queue() noexcept { sent_.clear(); }
   hal::BusState bus_state() const noexcept { return hal::BusState::error_active; }
 
-  void bring_to(AxisWorld& world) {
+  void bring_to(NodeWorld& world) {
     for (const hal::CanFrame& frame : std::exchange(sent_, {})) world.take(frame);
     received_.clear();
     next_ = 0;
@@ -43,7 +44,7 @@ class WorldRun {
   explicit WorldRun(std::uint32_t periods)
       : world_{periods, [this](const hal::CanFrame& frame) { port_.lay_in(frame, now_ + period_ / 2); }},
         node_{port_, flashed::node} {
-    if (node_.error() != firmware::NodeError::none) throw std::runtime_error(std::string{to_string(node_.error())});
+    if (!node_.verdict().ok()) throw std::runtime_error(std::string{to_string(node_.verdict().error)});
     while (world_.periods() < periods) {
       now_ += period_;
       node_.step(now_);
@@ -51,14 +52,14 @@ class WorldRun {
       world_.pass_period();
     }
   }
-  const AxisWorld& world() const { return world_; }
+  const NodeWorld& world() const { return world_; }
 
  private:
-  const hal::Duration period_ = flashed::node.loop.period;
+  const hal::Duration period_ = flashed::node.loop.network.period;
   hal::Time now_{};
   WorldPort port_;
-  AxisWorld world_;
-  firmware::ControlNode<WorldPort> node_;
+  NodeWorld world_;
+  firmware::ControlNode<WorldPort, flashed::node.capacity> node_;
 };
 
 }  // namespace breakaway::emulated

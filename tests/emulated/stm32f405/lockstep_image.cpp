@@ -14,8 +14,7 @@ void usart1_handler() { breakaway::stm32f405::usart.on_interrupt(); }
 void run_image() {
   using namespace breakaway::stm32f405;
   static SlcanNode node;
-  start_result = node.start();
-  if (start_result != StartResult::running) return;
+  if (!started(node)) return;
   for (;;) {
     ticker.hold();
     while (node.port().awaits_answer()) node.port().poll(ticker.next());

@@ -15,7 +15,7 @@ void run_image() {
   static zynqmp_r5::CanNode node;
   emulated::ControllerReport report;
   report.start_result = static_cast<std::uint32_t>(node.start());
-  firmware::TimingStatistics statistics{flashed::node.loop.period};
+  firmware::TimingStatistics statistics{flashed::node.loop.network.period};
   while (report.start_result == static_cast<std::uint32_t>(zynqmp_r5::StartResult::running) &&
          statistics.ticks() < emulated::ticks_to_run) {
     const hal::Time now = node.wait();

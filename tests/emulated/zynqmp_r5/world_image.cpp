@@ -1,10 +1,10 @@
-// The world of the controller on the other core of the RPU: the project's drive emulator and plant, on the other CAN
-// controller. It keeps the controller's time: a sixteenth of a period after each SYNC, when all that the controller
+// The world of the controller on the other core of the RPU: the project's drive emulators and plants, on the other
+// CAN controller. It keeps the controller's time: a sixteenth of a period after each SYNC, when all that the controller
 // says in a period has been said, the world passes to the next period and answers.
-#include "axis_world.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "can_node.hpp"
 #include "controller_report.hpp"
+#include "node_world.hpp"
 #include "semihosting.hpp"
 
 namespace {
@@ -14,7 +14,8 @@ using namespace breakaway::emulated;
 
 constexpr std::uint32_t periods_to_run = ticks_to_run;
 constexpr std::uint32_t cycles_per_period =
-    zynqmp_r5::core_Hz / 1000 * static_cast<std::uint32_t>(flashed::node.loop.period / std::chrono::milliseconds{1});
+    zynqmp_r5::core_Hz / 1000 *
+    static_cast<std::uint32_t>(flashed::node.loop.network.period / std::chrono::milliseconds{1});
 
 enum ExitCode : std::uint32_t { done = 0, no_bus = 1, too_slow = 2, cannot_write = 3, lost_frames = 4 };
 
@@ -37,8 +38,9 @@ class WorldNode {
                             }} {}
 
   ExitCode run() {
-    const auto timing = hal::bit_timing(zynqmp_r5::can_Hz, flashed::node.loop.bit_rate, xilinx_can::largest_prescaler);
-    if (!timing || !port_.start({*timing, flashed::node.loop.bit_rate, {}}, 1000)) return no_bus;
+    const auto timing =
+        hal::bit_timing(zynqmp_r5::can_Hz, flashed::node.loop.network.bit_rate, xilinx_can::largest_prescaler);
+    if (!timing || !port_.start({*timing, flashed::node.loop.network.bit_rate, {}}, 1000)) return no_bus;
     zynqmp_r5::CycleCounter::start();
     ready() = 1;
     while (world_.periods() < periods_to_run) {
@@ -73,7 +75,7 @@ class WorldNode {
   xilinx_can::Port<Registers> port_;
   std::uint32_t sync_at_ = 0;
   std::uint32_t refused_ = 0;
-  AxisWorld world_;
+  NodeWorld world_;
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "../explained_enum.hpp"
+#include "certified_node.hpp"
 
 namespace breakaway::firmware {
 namespace {
@@ -33,10 +33,11 @@ struct TestPort {
 struct LoopProbe {
   std::vector<std::int32_t> targets;
   int enables = 0, stops = 0, resets = 0;
-  void set_target_counts(std::size_t, std::int32_t counts) { targets.push_back(counts); }
-  void request_enable(std::size_t) { ++enables; }
-  void request_stop(std::size_t) { ++stops; }
-  void reset_fault(std::size_t) { ++resets; }
+  using AxisId = int;
+  void set_target_counts(AxisId, std::int32_t counts) { targets.push_back(counts); }
+  void request_enable(AxisId) { ++enables; }
+  void request_stop(AxisId) { ++stops; }
+  void reset_fault(AxisId) { ++resets; }
 };
 
 constexpr std::uint8_t node = 0x7F;
@@ -78,91 +79,95 @@ TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
   EXPECT_FALSE(commanded.take_command(0).has_value()) << "once";
 }
 
+TEST(RemoteControl, KeepsTheCommandsOfTwoAxesApart) {
+  TestPort port;
+  CommandedPort<TestPort, 2> commanded{port, node};
+  port.inbox = {{encode_command({.axis = 1, .target_counts = 7}, node)},
+                {encode_command({.axis = 0, .target_counts = -7}, node)},
+                {encode_command({.axis = 2, .target_counts = 9}, node)}};
+  hal::ReceivedFrame received;
+  EXPECT_FALSE(commanded.receive(received));
+  EXPECT_EQ(commanded.take_command(0)->target_counts, -7);
+  EXPECT_EQ(commanded.take_command(1)->target_counts, 7);
+}
+
 TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
   LoopProbe loop;
   RemoteAxis axis;
-  axis.apply(loop, {.enable = true, .reset_fault = true, .target_counts = 5});
-  axis.apply(loop, {.enable = true, .reset_fault = true, .target_counts = 5});
+  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5});
+  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5});
   EXPECT_EQ(loop.targets, std::vector<std::int32_t>{5});
   EXPECT_EQ(loop.enables, 1);
   EXPECT_EQ(loop.resets, 1);
   EXPECT_EQ(loop.stops, 0);
-  axis.apply(loop, {});
-  axis.apply(loop, {});
+  axis.apply(loop, 0, {});
+  axis.apply(loop, 0, {});
   EXPECT_EQ(loop.stops, 2);
 }
 
-TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
-  test::expect_sentences<NodeError>({{NodeError::none, {"can run"}},
-                                     {NodeError::no_axis, {"axis is null", "give the node"}},
-                                     {NodeError::axis_refused, {"axis is refused", "law::verify()"}},
-                                     {NodeError::drive_refused, {"drive's configuration", "cia402::check()"}},
-                                     {NodeError::period_differs, {"loop.period", "change one of them"}},
-                                     {NodeError::bus_refused, {"does not fit the bus", "check_bus_budget()"}}});
-}
-
-class ControlNodeTest : public testing::Test {
+class ControlNodeTest : public ::testing::Test {
  protected:
-  ControlNodeTest() {
-    config.drive.force_per_torque_N_per_Nm = 50;
-    config.loop.period = 1ms;
-    axis.parameters = {1, 400, 32, 60, {2.5F, 4.5F}, 50, 5, 2e-6F, 1e-6F, 1e-3F};
-    axis.limits = {true, 2.5F, 4.5F, 50, 1e-3F, 2e-6F};
-    axis.checksum = law::checksum_of(axis);
-    config.axis = &axis;
+  using Node = ControlNode<TestPort, 2>;
+
+  // The bytes of what the node told of an axis, newest last.
+  std::vector<hal::CanFrame> told(std::uint8_t axis) const {
+    std::vector<hal::CanFrame> frames;
+    for (const auto& frame : port.sent)
+      if (frame.id == canopen::tpdo_cob_id(1, node) && frame.size == 8 && frame.data[0] == axis)
+        frames.push_back(frame);
+    return frames;
   }
-  ControlNode<TestPort> node_of_config() { return ControlNode<TestPort>{port, config}; }
-  NodeError error() { return node_of_config().error(); }
+  void run(Node& controller, int periods) {
+    for (int i = 0; i < periods; ++i) controller.step(now += 1ms);
+  }
+  // What a drive says by itself when it is switched on.
+  void boot_up(std::uint8_t drive) { port.inbox.push_back({{.id = canopen::heartbeat_cob_id(drive), .size = 1}, now}); }
 
   TestPort port;
-  law::FlashedAxis<float> axis;
-  NodeConfig<float> config;
+  FlashedNode<float, 2> flashed = testing::certified_node();
+  hal::Time now{};
 };
 
-TEST_F(ControlNodeTest, AcceptsAConfigurationThatAgreesWithItself) { EXPECT_EQ(error(), NodeError::none); }
-
-TEST_F(ControlNodeTest, RefusesAnAxisThatIsDamagedOrNotCertifiedLikeThis) {
-  axis.k3_table.nodes[7].value += 1;
-  EXPECT_EQ(error(), NodeError::axis_refused);
-  EXPECT_EQ(node_of_config().axis_error(), law::FlashedAxisError::checksum_differs);
-  axis.limits.friction_upper_N = 4;
-  axis.checksum = law::checksum_of(axis);
-  EXPECT_EQ(error(), NodeError::axis_refused);
-  EXPECT_EQ(node_of_config().axis_error(), law::FlashedAxisError::friction_outside_certificate);
+TEST_F(ControlNodeTest, RunsANodeThatIsIntactAndCertified) {
+  Node running{port, flashed};
+  EXPECT_EQ(running.verdict().error, NodeError::none);
+  run(running, 1);
+  EXPECT_FALSE(port.sent.empty());
 }
 
-TEST_F(ControlNodeTest, RefusesAnAxisThatIsMissingOrOfAnotherPeriod) {
-  config.loop.period = 2ms;
-  EXPECT_EQ(error(), NodeError::period_differs);
-  config.axis = nullptr;
-  EXPECT_EQ(error(), NodeError::no_axis);
-}
-
-TEST_F(ControlNodeTest, RefusesADriveThatTheDriveRefuses) {
-  config.drive.node_id = 0;
-  EXPECT_EQ(error(), NodeError::drive_refused);
-  EXPECT_EQ(node_of_config().drive_error(), cia402::DriveConfigError::node_id);
-}
-
-TEST_F(ControlNodeTest, RefusesARateThatDoesNotFitTheBus) {
-  config.loop.bit_rate = 125'000;
-  EXPECT_EQ(error(), NodeError::bus_refused);
-  EXPECT_EQ(node_of_config().bus_fit(), canopen::BusFit::overloaded);
-}
-
-TEST_F(ControlNodeTest, IsSilentWhenRefused) {
-  config.drive.force_per_torque_N_per_Nm = 0;
-  ControlNode<TestPort> refused{port, config};
-  refused.step(hal::Time{1ms});
+TEST_F(ControlNodeTest, IsSilentWhenRefusedAndNamesTheAxis) {
+  flashed.axes[1].certified = false;
+  flashed.checksum = checksum_of(flashed);
+  Node refused{port, flashed};
+  EXPECT_EQ(refused.verdict().error, NodeError::not_certified);
+  EXPECT_EQ(refused.verdict().axis, 1);
+  port.inbox.push_back({encode_command({.enable = true}, node)});
+  run(refused, 100);
   EXPECT_TRUE(port.sent.empty());
 }
 
-TEST_F(ControlNodeTest, TellsItsStatusEveryFiftyPeriods) {
-  ControlNode<TestPort> running{port, config};
-  for (int i = 1; i <= 100; ++i) running.step(hal::Time{i * 1ms});
-  int told = 0;
-  for (const auto& frame : port.sent) told += frame.id == canopen::tpdo_cob_id(1, node) && frame.size == 8 ? 1 : 0;
-  EXPECT_EQ(told, 2);
+TEST_F(ControlNodeTest, RefusesANodeThatWasEditedByHand) {
+  flashed.axes[0].law.max_force_N = 51;
+  EXPECT_EQ((Node{port, flashed}.verdict().error), NodeError::checksum_differs);
+}
+
+TEST_F(ControlNodeTest, TellsTheStatusOfEveryAxisEveryFiftyPeriods) {
+  Node running{port, flashed};
+  run(running, 100);
+  EXPECT_EQ(told(0).size(), 2U);
+  EXPECT_EQ(told(1).size(), 2U);
+}
+
+TEST_F(ControlNodeTest, SetsUpTheDriveOfEveryAxis) {
+  Node running{port, flashed};
+  boot_up(flashed.axes[0].drive.node_id);
+  boot_up(flashed.axes[1].drive.node_id);
+  run(running, 20);
+  for (const auto& axis : flashed.axes) {
+    int asked = 0;
+    for (const auto& frame : port.sent) asked += frame.id == canopen::sdo_request_cob_id(axis.drive.node_id);
+    EXPECT_GT(asked, 0) << axis.name.view();
+  }
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
+#include "../scratch_folder.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace {
@@ -30,53 +32,93 @@ std::string refusal(const Options& options) {
   return {};
 }
 
-std::string changed_scene(const std::string& from, const std::string& to) {
+std::string contents(const std::string& scenario) {
   std::ostringstream text;
-  text << std::ifstream{folder + "can_axis.toml"}.rdbuf();
-  std::string scene = text.str();
-  const auto at = scene.find(from);
-  EXPECT_NE(at, scene.npos) << from;
-  scene.replace(at, from.size(), to);
-  const std::string file = testing::TempDir() + "changed_scene.toml";
-  std::ofstream{file} << scene;
-  return file;
+  text << std::ifstream{folder + scenario}.rdbuf();
+  return text.str();
 }
 
-TEST(LinuxNodeConfiguration, ACertifiedSceneIsTakenAsItWouldBeFlashed) {
+class LinuxNodeConfiguration : public breakaway::testing::ScratchFolder {
+ protected:
+  // Another file, with one change.
+  std::string changed(const std::string& scenario, const std::string& from, const std::string& to) const {
+    std::string text = contents(scenario);
+    const auto at = text.find(from);
+    EXPECT_NE(at, text.npos) << from;
+    std::ofstream{path("changed.toml")} << text.replace(at, from.size(), to);
+    return path("changed.toml");
+  }
+};
+
+TEST_F(LinuxNodeConfiguration, ACertifiedNodeIsTakenAsItWouldBeFlashed) {
   const Configuration c = read_configuration(of(folder + "can_axis.toml"));
-  EXPECT_EQ(breakaway::law::verify(c.axis), breakaway::law::FlashedAxisError::none);
-  EXPECT_EQ(c.loop.period, std::chrono::milliseconds{1});
-  EXPECT_EQ(c.drive.node_id, 1);
-  EXPECT_FLOAT_EQ(c.scale().max_force_N, 50);
-  EXPECT_FLOAT_EQ(c.limits.position_max_m, 10);
-  EXPECT_DOUBLE_EQ(c.tolerance_m, 3e-6);
-  EXPECT_FLOAT_EQ(c.force_per_per_mille_N, 0.025F);
-  ASSERT_EQ(c.visits.size(), 1U);
-  EXPECT_EQ(c.visits[0].counts, 0);
+  EXPECT_TRUE(verify(c.node).ok());
+  EXPECT_EQ(c.node.count, 1);
+  EXPECT_EQ(c.node.loop.network.period, std::chrono::milliseconds{1});
+  EXPECT_EQ(c.node.axes[0].drive.node_id, 1);
+  EXPECT_FLOAT_EQ(c.node.axes[0].scale().max_force_N, 50);
+  EXPECT_FLOAT_EQ(c.node.axes[0].limits.position_max_m, 10);
+  ASSERT_EQ(c.axes.size(), 1U);
+  EXPECT_DOUBLE_EQ(c.axes[0].reached_m, 1.8e-6 + 0.5e-6) << "half a count for the target, which is a whole one";
+  EXPECT_FLOAT_EQ(c.axes[0].force_per_per_mille_N, 0.025F);
+  ASSERT_EQ(c.axes[0].visits.size(), 1U);
+  EXPECT_EQ(c.axes[0].visits[0].counts, 0);
   EXPECT_TRUE(c.timed);
 }
 
-TEST(LinuxNodeConfiguration, TargetsBecomeWholeCounts) {
+TEST_F(LinuxNodeConfiguration, EveryAxisOfTheFileIsThereWithItsOwnTargets) {
+  const Configuration c = read_configuration(of(folder + "three_axes.toml"));
+  EXPECT_TRUE(verify(c.node).ok());
+  ASSERT_EQ(c.node.count, 3);
+  ASSERT_EQ(c.axes.size(), 3U);
+  EXPECT_EQ(c.axes[0].name, "gantry");
+  EXPECT_EQ(c.axes[2].name, c.node.axes[2].name.view());
+  EXPECT_EQ(c.axes[0].visits.size(), 2U);
+  EXPECT_EQ(c.axes[1].visits.size(), 1U);
+}
+
+TEST_F(LinuxNodeConfiguration, TargetsBecomeWholeCounts) {
   Options options = of(folder + "can_axis.toml");
-  options.targets_m = {0.25, -1e-6, 1.4e-6};
+  options.targets = {"0.25", "-1e-6", "1.4e-6"};
   const Configuration c = read_configuration(options);
-  ASSERT_EQ(c.visits.size(), 3U);
-  EXPECT_EQ(c.visits[0].counts, 250'000);
-  EXPECT_EQ(c.visits[1].counts, -1);
-  EXPECT_EQ(c.visits[2].counts, 1);
+  const auto& visits = c.axes[0].visits;
+  ASSERT_EQ(visits.size(), 3U);
+  EXPECT_EQ(visits[0].counts, 250'000);
+  EXPECT_EQ(visits[1].counts, -1);
+  EXPECT_EQ(visits[2].counts, 1);
   EXPECT_FALSE(c.timed);
 }
 
-TEST(LinuxNodeConfiguration, ALowerForceLimitIsCoveredByTheCertificate) {
+TEST_F(LinuxNodeConfiguration, OneTargetIsForAllAxesAndAListHasOneForEach) {
+  Options options = of(folder + "three_axes.toml");
+  options.targets = {"0.1", "0.1,-0.2,0.3"};
+  const Configuration c = read_configuration(options);
+  for (const auto& axis : c.axes) ASSERT_EQ(axis.visits.size(), 2U);
+  EXPECT_EQ(c.axes[1].visits[0].counts, 100'000);
+  EXPECT_EQ(c.axes[1].visits[1].counts, -200'000);
+}
+
+TEST_F(LinuxNodeConfiguration, TargetsThatAreNoPositionsForTheseAxesAreRefused) {
+  const std::pair<const char*, const char*> bad[] = {
+      {"0.1,0.2", "2 positions for 3 axes"},  {"0.1,x,0.2", "\"x\" is not a position"},
+      {"0.1,,0.2", "\"\" is not a position"}, {"nan", "\"nan\" is not a position"},
+      {"", "names 0 positions for 3 axes"},   {"0.1,0.6,0.1", "of axis slide: is beyond its [limits]"}};
+  for (const auto& [target, expected] : bad) {
+    Options options = of(folder + "three_axes.toml");
+    options.targets = {target};
+    EXPECT_NE(refusal(options).find(expected), std::string::npos) << target << ": " << refusal(options);
+  }
+}
+
+TEST_F(LinuxNodeConfiguration, ALowerForceLimitIsCoveredByTheCertificate) {
   Options options = of(folder + "can_axis.toml");
   options.max_force_N = 20;
   const Configuration c = read_configuration(options);
-  EXPECT_FLOAT_EQ(c.scale().max_force_N, 20);
-  EXPECT_FLOAT_EQ(c.axis.parameters.max_force_N, 20);
-  EXPECT_EQ(breakaway::law::verify(c.axis), breakaway::law::FlashedAxisError::none);
+  EXPECT_FLOAT_EQ(c.node.axes[0].scale().max_force_N, 20);
+  EXPECT_TRUE(verify(c.node).ok());
 }
 
-TEST(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
+TEST_F(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
   for (const double force_N : {4.4, 50.1}) {
     Options options = of(folder + "can_axis.toml");
     options.max_force_N = force_N;
@@ -84,19 +126,29 @@ TEST(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
   }
 }
 
-TEST(LinuxNodeConfiguration, WhatIsNotCertifiedIsRefusedWithTheReason) {
-  const std::string text = refusal(of(changed_scene("k22_Ns_per_m = 60", "k22_Ns_per_m = 300")));
-  EXPECT_NE(text.find("not certified: "), std::string::npos) << text;
-  EXPECT_NE(text.find("breakaway design"), std::string::npos) << text;
+TEST_F(LinuxNodeConfiguration, AnotherNodeIdIsForASingleAxisOnly) {
+  Options options = of(folder + "can_axis.toml");
+  options.node_id = 42;
+  EXPECT_EQ(read_configuration(options).node.axes[0].drive.node_id, 42);
+  options.configuration = folder + "three_axes.toml";
+  EXPECT_NE(refusal(options).find("--node-id: the file has several axes"), std::string::npos);
 }
 
-TEST(LinuxNodeConfiguration, ScenesThatNoNodeCanRunAreRefused) {
+TEST_F(LinuxNodeConfiguration, WhatIsNotCertifiedIsRefusedWithTheReason) {
+  const std::string text = refusal(of(changed("can_axis.toml", "k22_Ns_per_m = 60", "k22_Ns_per_m = 300")));
+  EXPECT_NE(text.find("not certified: "), std::string::npos) << text;
+  EXPECT_NE(text.find("breakaway design"), std::string::npos) << text;
+  const std::string slide = refusal(of(changed("three_axes.toml", "k22_Ns_per_m = 180", "k22_Ns_per_m = 900")));
+  EXPECT_NE(slide.find("axis slide: not certified: "), std::string::npos) << slide;
+}
+
+TEST_F(LinuxNodeConfiguration, FilesThatNoNodeCanRunAreRefused) {
   EXPECT_NE(refusal(of(folder + "impulsive_example.toml")).find("has no [loop]"), std::string::npos);
   EXPECT_NE(refusal(of(folder + "can_axis_pid.toml")).find("pid"), std::string::npos);
   EXPECT_NE(refusal(of(folder + "none.toml")).find("cannot be read"), std::string::npos);
   Options far = of(folder + "can_axis.toml");
-  far.targets_m = {10.1};
-  EXPECT_NE(refusal(far).find("[limits] position_m = 10"), std::string::npos);
+  far.targets = {"10.1"};
+  EXPECT_NE(refusal(far).find("its [limits], position_m = -10 to 10"), std::string::npos) << refusal(far);
 }
 
 }  // namespace

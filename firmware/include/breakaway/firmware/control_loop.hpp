@@ -181,16 +181,19 @@ class ControlLoop {
     constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
     Axis* const a = find(id);
     if (a == nullptr) return;
-    move_target(*a, static_cast<std::int32_t>(
-                        law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
+    move_target(*a,
+                static_cast<std::int32_t>(law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
   }
 
   // One period. `now` is the time at which the step starts; nothing in it waits.
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
-    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
-    if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
+    if (config_.fault_scope == FaultScope::all_axes) {
+      control_together(now);
+    } else {
+      for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now, true);
+    }
     send(now);
   }
 
@@ -254,13 +257,15 @@ class ControlLoop {
     }
   }
 
-  void control(Axis& a, hal::Time now) noexcept {
+  // may_start: the axis may be enabled in this period if it is not.
+  void control(Axis& a, hal::Time now, bool may_start) noexcept {
     a.drive.update(now);
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
     const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
     a.status.feedback = feedback;
     a.status.output = {};
-    a.status.running = supervise(a, feedback, was_running, now);
+    a.status.running = supervise(a, feedback, was_running, now) && (was_running || may_start);
+    if (may_start && wants_enabling(a, feedback)) a.drive.request_enable();
     if (!a.status.running) return;
     if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
     if (!was_running) begin(a);
@@ -286,25 +291,40 @@ class ControlLoop {
     }
     a.status.fault = a.supervisor.fault();
     if (a.status.fault != AxisFault::none) return false;
-    if (a.wanted && feedback.state == hal::DriveState::disabled) a.drive.request_enable();
     return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
            (was_running || feedback.fresh);
   }
 
-  // One axis with a fault stops all that are wanted.
-  void stop_together(hal::Time now) noexcept {
-    bool any = false;
-    for (std::size_t i = 0; i < count_; ++i) any = any || axes_[i]->status.fault != AxisFault::none;
-    if (!any) return;
+  static bool wants_enabling(const Axis& a, const hal::DriveFeedback<Scalar>& feedback) noexcept {
+    return a.wanted && a.status.fault == AxisFault::none && feedback.state == hal::DriveState::disabled;
+  }
+
+  // A fault that an earlier step saw and that was not reset.
+  static bool has_standing_fault(const Axis& a) noexcept {
+    return a.supervisor.fault() != AxisFault::none || a.status.fault == AxisFault::drive_unusable;
+  }
+
+  // A new fault of one axis stops all that are wanted. None starts again before every fault was reset; the resets may
+  // come one by one.
+  void control_together(hal::Time now) noexcept {
+    std::array<bool, MaxAxes> stood{};
+    bool any_stood = false, any_new = false;
+    for (std::size_t i = 0; i < count_; ++i) any_stood |= stood[i] = has_standing_fault(*axes_[i]);
     for (std::size_t i = 0; i < count_; ++i) {
-      Axis& a = *axes_[i];
-      if (!a.wanted || a.status.fault != AxisFault::none) continue;
-      a.supervisor.latch(AxisFault::stopped_with_another, 0, now);
-      a.drive.request_stop();
-      a.status.fault = AxisFault::stopped_with_another;
-      a.status.output = {};
-      a.status.running = false;
+      control(*axes_[i], now, !any_stood);
+      any_new |= !stood[i] && axes_[i]->status.fault != AxisFault::none;
     }
+    if (!any_new) return;
+    for (std::size_t i = 0; i < count_; ++i) stop_with_another(*axes_[i], now);
+  }
+
+  void stop_with_another(Axis& a, hal::Time now) noexcept {
+    if (!a.wanted || a.status.fault != AxisFault::none) return;
+    a.supervisor.latch(AxisFault::stopped_with_another, 0, now);
+    a.drive.request_stop();
+    a.status.fault = AxisFault::stopped_with_another;
+    a.status.output = {};
+    a.status.running = false;
   }
 
   // A drive that is in fault before it ever ran, or that a reset did not help, is named as well.

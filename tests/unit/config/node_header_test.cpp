@@ -1,0 +1,86 @@
+// The header that `breakaway design --header` writes, compiled as an image compiles it.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/flash.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "flashed_node.hpp"
+#include "two_axes.hpp"
+
+namespace breakaway {
+namespace {
+
+using config::testing::two_axes;
+using config::testing::with;
+
+const std::string source = BREAKAWAY_SOURCE_DIR "/sim/scenarios/three_axes.toml";
+
+static_assert(flashed::node.count == 3 && firmware::verify(flashed::node).ok());
+
+// The compiler refuses what was edited: with one number changed, what the header asserts is false.
+constexpr bool asserts_hold_after(auto edit) {
+  auto node = flashed::node;
+  edit(node);
+  return checksum_of(node) == node.checksum;
+}
+static_assert(asserts_hold_after([](auto&) {}));
+static_assert(!asserts_hold_after([](auto& node) { node.axes[2].law.stiffness_N_per_m += 1; }));
+static_assert(!asserts_hold_after([](auto& node) { node.axes[0].drive.invert_direction = true; }));
+static_assert(!asserts_hold_after([](auto& node) { node.axes[1].name.characters[0] = 'S'; }));
+static_assert(!asserts_hold_after([](auto& node) { node.loop.network.bit_rate = 500'000; }));
+static_assert(!asserts_hold_after([](auto& node) { node.checksum ^= 1U; }));
+
+// All bits of all numbers of a node, in order.
+struct BitsOf {
+  std::string bits;
+  explicit BitsOf(const auto& node) { firmware::visit_numbers(node, *this); }
+  template <class T>
+  void value(const char* name, const T& number, const char*) {
+    bits.append(name).append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  void group(const char*, const auto& body) { body(); }
+  void list(const char*, const auto& items, const auto& body) {
+    for (const auto& item : items) body(item);
+  }
+};
+
+TEST(NodeHeader, CompilesToTheVeryNodeThatWasCertified) {
+  const config::Node node = config::read_node(source);
+  const auto certified = config::certified(node, config::examine(node));
+  EXPECT_EQ(BitsOf{flashed::node}.bits, BitsOf{certified}.bits);
+  EXPECT_EQ(flashed::node.checksum, certified.checksum);
+}
+
+std::string header_of(const std::string& text, const std::string& file) {
+  const config::Node node = config::parse_node(text, file);
+  const auto reports = config::examine(node);
+  return config::node_header(config::certified(node, reports), node, reports);
+}
+
+TEST(NodeHeader, IsRefusedForAnAxisThatIsNotCertifiedAndNamesIt) {
+  const std::string coarse = with(two_axes, "1.8e-6\n[axis.limits]\nspeed_m_s = 20\n[axis.drive]\nnode_id = 2",
+                                  "1e-9\n[axis.limits]\nspeed_m_s = 20\n[axis.drive]\nnode_id = 2");
+  const std::string message = testing::refusal([&] { header_of(coarse, "node.toml"); });
+  for (const char* part : {"node.toml: ", "axis y: ", "not certified", "tolerance", "breakaway design node.toml"})
+    EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
+}
+
+TEST(NodeHeader, NamesItsSourceInOneLineWhateverTheName) {
+  const std::string text = header_of(two_axes, "a\nint x;\\");
+  EXPECT_NE(text.find("from a?int x;?; do not edit"), std::string::npos);
+}
+
+TEST(NodeHeader, StatesForEveryAxisOnWhichConditionsItIsCertified) {
+  const std::string text = header_of(two_axes, "node.toml");
+  const auto first = text.find("// Axis x is certified"), second = text.find("// Axis y is certified");
+  ASSERT_NE(first, std::string::npos);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_GT(second, first);
+}
+
+}  // namespace
+}  // namespace breakaway

@@ -1,0 +1,184 @@
+// A node's file: what it says arrives, and what contradicts itself is refused in one line that names file, key and
+// remedy.
+#include "breakaway/config/read_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/flash.hpp"
+#include "two_axes.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::axis_text;
+using testing::certified_node;
+using testing::two_axes;
+using testing::with;
+
+struct BadNode {
+  const char* label;
+  std::string text;
+  std::vector<std::string> named;
+};
+
+class BadNodeIsRefused : public ::testing::TestWithParam<BadNode> {};
+
+TEST_P(BadNodeIsRefused, InOneLineThatNamesFileKeyAndRemedy) {
+  const std::string message = breakaway::testing::refusal([] { certified_node(GetParam().text); });
+  EXPECT_TRUE(message.starts_with("node.toml:")) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  for (const std::string& part : GetParam().named)
+    EXPECT_NE(message.find(part), std::string::npos) << part << " in: " << message;
+}
+
+// The first axis, with another line in one of its tables.
+std::string with_line(const std::string& table, const std::string& line) {
+  return with(two_axes, "[axis." + table + "]\n", "[axis." + table + "]\n" + line + "\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadNodeIsRefused,
+    ::testing::Values(
+        BadNode{"NodeIdTwice",
+                with(two_axes, "node_id = 2", "node_id = 1"),
+                {"[axis.drive] node_id", "is 1", "axis x", "give every drive its own"}},
+        BadNode{"NodeIdOfTheNode",
+                with(two_axes, "[loop]\n", "[loop]\nnode_id = 2\n"),
+                {"[axis.drive] node_id", "is 2", "[loop]", "change"}},
+        BadNode{"NameTwice", with(two_axes, "\"y\"", "\"x\""), {"name", "\"x\"", "a name of its own"}},
+        BadNode{"NameTooLong", with(two_axes, "\"y\"", "\"abcdefghijklmnopqrstuvwx\""), {"name", "1 to 23"}},
+        BadNode{"NameWithSpace", with(two_axes, "\"y\"", "\"y z\""), {"name", "y z", "letters, digits"}},
+        BadNode{"NameMissing", with(two_axes, "name = \"y\"\n", ""), {"[axis] name", "missing", "text"}},
+        BadNode{"NineAxes",
+                two_axes + axis_text("a", 3) + axis_text("b", 4) + axis_text("c", 5) + axis_text("d", 6) +
+                    axis_text("e", 7) + axis_text("f", 8) + axis_text("g", 9),
+                {"axis", "9 times", "8"}},
+        BadNode{"AxisBesideTables", "[plant]\nmass_kg = 1\n" + two_axes, {"plant", "not a key"}},
+        BadNode{"ForceLimitBelowLaw",
+                with_line("limits", "force_N = 40"),
+                {"[axis.limits] force_N", "40", "max_force_N = 50", "raise"}},
+        BadNode{"ForceLimitBelowDrive",
+                with(with_line("limits", "force_N = 40"), "max_force_N = 50\n", ""),
+                {"[axis.limits] force_N", "40", "[drive] gives = 50", "raise"}},
+        BadNode{"SpeedLimitBelowLaw",
+                with(two_axes, "speed_m_s = 20", "speed_m_s = 4"),
+                {"[axis.limits] speed_m_s", "4", "max_approach_speed_m_s = 5", "raise"}},
+        BadNode{"FollowingErrorBelowTolerance",
+                with_line("limits", "following_error_m = 1e-6"),
+                {"following_error_m", "position_tolerance_m", "raise"}},
+        BadNode{
+            "PositionLimitTwice", with_line("limits", "position_m = 1\nposition_max_m = 2"), {"position_m", "alone"}},
+        BadNode{"PositionLimitsSwapped",
+                with_line("limits", "position_min_m = 2\nposition_max_m = 1"),
+                {"position_min_m", "swap"}},
+        BadNode{"DriveTooWeak",
+                with(two_axes, "max_force_N = 50", "max_force_N = 51"),
+                {"[axis.controller] max_force_N", "51", "50 N at most", "lower it"}},
+        BadNode{"PeriodThatDrivesAreNotTold",
+                with(two_axes, "period_s = 0.001", "period_s = 0.0012345"),
+                {"[loop] period_s", "60C2h", "round"}},
+        BadNode{"HeartbeatTimeoutShort",
+                with_line("drive", "heartbeat_timeout_s = 0.05"),
+                {"[axis.drive] heartbeat_timeout_s", "heartbeat_period_s", "raise"}},
+        BadNode{"HeartbeatSlowerThanTimeout",
+                with(two_axes, "[loop]\n", "[loop]\nheartbeat_period_s = 0.3\n"),
+                {"[axis.drive] heartbeat_timeout_s", "is 0.25", "heartbeat_period_s = 0.3", "raise"}},
+        BadNode{"PidIsNotCertified",
+                with(two_axes, "[axis.controller]\nk1_N_per_m = 400\nk21_Ns_per_m = 32\nk22_Ns_per_m = 60",
+                     "[axis.controller]\nkind = \"pid\"\nkp_N_per_m = 400\nki_N_per_ms = 1\nkd_Ns_per_m = 30"),
+                {"axis x", "kind", "pid", "impulsive"}},
+        BadNode{"NotCertified",
+                with(two_axes, "k22_Ns_per_m = 60", "k22_Ns_per_m = 300"),
+                {"axis x: not certified", "breakaway design node.toml"}}),
+    [](const auto& row) { return std::string{row.param.label}; });
+
+TEST(ReadNode, ABusThatIsTooSlowIsRefusedWithTheLeastPeriodThatWouldDo) {
+  const std::string slow = with(two_axes, "1_000_000", "250_000");
+  const std::string message = breakaway::testing::refusal([&] { certified_node(slow); });
+  const std::string remedy = "choose a period_s of at least ";
+  const auto at = message.find(remedy);
+  ASSERT_NE(at, std::string::npos) << message;
+  EXPECT_TRUE(message.starts_with("node.toml: 2 axes at [loop] period_s = 0.001 do not fit")) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+  const std::string least = message.substr(at + remedy.size());
+  const auto node_at = [&](const std::string& period) {
+    return parse_node(with(slow, "period_s = 0.001", "period_s = " + period), "node.toml");
+  };
+  EXPECT_NO_THROW(require_fitting_bus(node_at(least))) << least;
+  EXPECT_THROW(require_fitting_bus(node_at(std::to_string(std::stod(least) - 10e-6))), InputError)
+      << "less does not do";
+}
+
+// One key of the file and the field of the drive that it sets.
+TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
+  const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
+  // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
+  const auto [node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive_of("");
+  EXPECT_EQ(node_id, 1);
+  EXPECT_EQ(force, 50);
+  EXPECT_EQ(heartbeat_period, 100ms);
+  EXPECT_EQ(heartbeat_timeout, 250ms);
+  EXPECT_EQ(sdo_timeout, 50ms);
+  EXPECT_FALSE(inverted);
+  EXPECT_EQ(certified_node(with(two_axes, "node_id = 1", "node_id = 99")).axes[0].drive.node_id, 99);
+  EXPECT_EQ(drive_of("heartbeat_period_s = 0.2").heartbeat_period, 200ms);
+  EXPECT_EQ(drive_of("heartbeat_timeout_s = 0.5").heartbeat_timeout, 500ms);
+  EXPECT_EQ(drive_of("sdo_timeout_s = 0.3").sdo_timeout, 300ms);
+  EXPECT_TRUE(drive_of("invert_direction = true").invert_direction);
+  const std::string geared = with(two_axes, "force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 100");
+  EXPECT_EQ(certified_node(geared).axes[0].drive.force_per_torque_N_per_Nm, 100);
+}
+
+TEST(ReadNode, EveryFieldOfTheLoopCanBeSet) {
+  const auto loop_of = [](const std::string& line) {
+    return certified_node(with(two_axes, "[loop]\n", "[loop]\n" + line + "\n")).loop;
+  };
+  const auto [network, fault_scope] = loop_of("");
+  const auto [period, bit_rate, node_id, heartbeat_period] = network;
+  EXPECT_EQ(period, 1ms);
+  EXPECT_EQ(bit_rate, 1'000'000U);
+  EXPECT_EQ(node_id, 127);
+  EXPECT_EQ(heartbeat_period, 50ms);
+  EXPECT_EQ(fault_scope, firmware::FaultScope::axis);
+  EXPECT_EQ(loop_of("node_id = 20").network.node_id, 20);
+  EXPECT_EQ(loop_of("heartbeat_period_s = 0.02").network.heartbeat_period, 20ms);
+  EXPECT_EQ(loop_of("fault_stops = \"all\"").fault_scope, firmware::FaultScope::all_axes);
+  EXPECT_EQ(certified_node(with(two_axes, "1_000_000", "800_000")).loop.network.bit_rate, 800'000U);
+}
+
+TEST(ReadNode, EveryLimitOfAnAxisCanBeSet) {
+  const auto limits_of = [](const std::string& lines) {
+    return certified_node(with_line("limits", lines)).axes[0].limits;
+  };
+  const auto [low, high, speed, force, following, feedback_timeout] = limits_of(
+      "position_min_m = -2\nposition_max_m = 3\nforce_N = 60\nfollowing_error_m = 0.1\nfeedback_timeout_s = 0.004");
+  EXPECT_EQ(low, -2);
+  EXPECT_EQ(high, 3);
+  EXPECT_EQ(speed, 20);
+  EXPECT_EQ(force, 60);
+  EXPECT_EQ(following, 0.1F);
+  EXPECT_EQ(feedback_timeout, 4ms);
+  EXPECT_EQ(limits_of("position_m = 5").position_min_m, -5);
+}
+
+TEST(ReadNode, AFileWithoutAxisEntriesIsANodeOfOneAxis) {
+  const Node node = read_node(std::filesystem::path{BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml"});
+  ASSERT_EQ(node.axes.size(), 1U);
+  EXPECT_EQ(node.axes[0].name, "axis");
+}
+
+TEST(ReadNode, DrivesAreNumberedInTheirOrderUnlessToldOtherwise) {
+  const Node node = parse_node(with(with(two_axes, "node_id = 1\n", ""), "node_id = 2\n", ""), "");
+  EXPECT_EQ(node.axes[0].drive->node_id, 1);
+  EXPECT_EQ(node.axes[1].drive->node_id, 2);
+}
+
+}  // namespace
+}  // namespace breakaway::config
