@@ -17,6 +17,7 @@
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/control_node.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/sil/braked_slide.hpp"
 
 using namespace breakaway;
