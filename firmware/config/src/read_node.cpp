@@ -122,8 +122,7 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, double mas
 }
 
 Value thousandths(std::uint32_t& to, std::string_view unit) {
-  return number([&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); }, unit,
-                {1e-3, 4e6});
+  return number([&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); }, unit, {1e-3, 4e6});
 }
 
 Drive read_drive(const Section& section, std::size_t place, std::vector<Key> others) {
@@ -184,7 +183,8 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
           required("period_s", duration_s(loop.period, {1e-5, 1})),
           optional("node_id", integer([&](std::int64_t n) { loop.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
           optional("heartbeat_period_s", duration_s(loop.heartbeat_period, heartbeat)),
-          optional("fault_stops", choice(loop.fault_scope, {{"axis", FaultScope::axis}, {"all", FaultScope::all_axes}})),
+          optional("fault_stops",
+                   choice(loop.fault_scope, {{"axis", FaultScope::axis}, {"all", FaultScope::all_axes}})),
       } +
       std::move(others));
   return loop;
@@ -194,9 +194,10 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
 void check_limits(const Section& section, const Axis& axis) {
   const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
     if (!holds)
-      section.fail(key, fmt::format("is {:g}, below {} = {:g}, which the controller may use; raise the one or lower the "
-                                    "other",
-                                    limit, what, least));
+      section.fail(key,
+                   fmt::format("is {:g}, below {} = {:g}, which the controller may use; raise the one or lower the "
+                               "other",
+                               limit, what, least));
   };
   const Limits& l = axis.limits;
   const Controller& c = axis.controller;
@@ -247,9 +248,12 @@ struct AxisTables {
 
 std::string read_name(const Section& section, std::string name, const std::vector<Axis>& before) {
   constexpr std::size_t longest = firmware::longest_axis_name;
-  const bool readable = std::ranges::all_of(name, [](char c) { return c > ' ' && c < 0x7F && c != '"' && c != '\\'; });
+  const bool readable = std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
   if (name.empty() || name.size() > longest || !readable)
-    section.fail("name", fmt::format("is \"{}\", must be 1 to {} letters, digits or signs without spaces", name, longest));
+    section.fail("name", fmt::format("is \"{}\", must be 1 to {} letters, digits, '_', '-' or '.'", name, longest));
   if (std::ranges::find(before, name, &Axis::name) != before.end())
     section.fail("name", fmt::format("is \"{}\", as that of an axis above; give every axis a name of its own", name));
   return name;
@@ -286,7 +290,8 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
                        node.axes.push_back(tables.read(std::move(name), node.axes.size(), sampled, others));
                      })));
   if (node.axes.size() > most_axes)
-    root.fail("axis", fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
+    root.fail("axis",
+              fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
 }
 
 Key keep_table(std::string_view name, std::optional<Section>& to) {
@@ -298,10 +303,10 @@ void read_bus(const std::optional<Section>& section, Node& node, std::vector<Key
   if (any_drive) node.bit_rate = 1'000'000;
   if (!section) return;
   std::uint32_t bit_rate = 1'000'000;
-  section->read(std::vector<Key>{optional(
-                    "bit_rate",
-                    integer([&](std::int64_t n) { bit_rate = static_cast<std::uint32_t>(n); }, 10'000, 1'000'000))} +
-                std::move(others));
+  section->read(
+      std::vector<Key>{optional(
+          "bit_rate", integer([&](std::int64_t n) { bit_rate = static_cast<std::uint32_t>(n); }, 10'000, 1'000'000))} +
+      std::move(others));
   node.bit_rate = bit_rate;
 }
 
@@ -329,7 +334,8 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
 }
 
 Node parse_node(std::string_view text, const std::string& name) {
-  return with_document(text, name, [&](const toml::table& document) { return read_node(document, name, passed_over()); });
+  return with_document(text, name,
+                       [&](const toml::table& document) { return read_node(document, name, passed_over()); });
 }
 
 Node read_node(const std::filesystem::path& file) { return parse_node(file_contents(file), file.string()); }
@@ -358,11 +364,11 @@ void require_fitting_bus(const Node& node) {
   const hal::Duration period = node.loop->period;
   const auto budget = canopen::bus_budget(axes, period, *node.bit_rate);
   if (axes <= budget.max_axes) return;
-  throw InputError{fmt::format(
-      "{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on the bus and has {} us; "
-      "choose a period_s of at least {:.6f}",
-      axes, axes == 1 ? "axis" : "axes", node.period_s(), axes == 1 ? "does" : "do", *node.bit_rate,
-      budget.needed_us, budget.available_us, budget.needed_us * 1e-6)}
+  throw InputError{fmt::format("{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on "
+                               "the bus and has {} us; "
+                               "choose a period_s of at least {:.6f}",
+                               axes, axes == 1 ? "axis" : "axes", node.period_s(), axes == 1 ? "does" : "do",
+                               *node.bit_rate, budget.needed_us, budget.available_us, budget.needed_us * 1e-6)}
       .in_file(node.file);
 }
 

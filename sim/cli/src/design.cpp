@@ -1,25 +1,28 @@
 #include <fmt/format.h>
 
-#include <limits>
+#include <algorithm>
 #include <memory>
+#include <vector>
 
-#include "breakaway/design/flashed_header.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/flash.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/report/design_html.hpp"
-#include "breakaway/scenario/axis_design.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
 
-using scenario::Scenario;
+using config::Node;
+using design::DesignReport;
+using Reports = std::vector<DesignReport>;
 
 struct DesignCommand {
-  std::string axis, json, report, header;
+  std::string file, json, report, header;
 };
 
 void write_check(format::JsonWriter& json, const design::Check& check) {
@@ -31,35 +34,49 @@ void write_check(format::JsonWriter& json, const design::Check& check) {
   json.member("reason", check.reason);
 }
 
-std::string to_json(const design::DesignReport& report) {
+void write_report(format::JsonWriter& json, const DesignReport& report) {
+  json.member("certified", report.certified);
+  json.array("reasons", [&] {
+    for (const std::string& reason : report.reasons) json.value(reason);
+  });
+  json.array("conditions", [&] {
+    for (const std::string& condition : report.conditions) json.value(condition);
+  });
+  json.member("zeta_approach", report.zeta_approach);
+  json.member("zeta_kick", report.zeta_kick);
+  json.member("c_lower_m", report.c_lower_m);
+  json.member("c_upper_m", report.c_upper_m);
+  json.member("friction_ratio", report.ratio);
+  json.member("friction_ratio_threshold_18", report.ratio_threshold_18);
+  json.member("friction_ratio_exact_threshold", report.exact_ratio_threshold);
+  json.member("least_k22_for_18_Ns_per_m", report.least_damping_Ns_per_m);
+  json.member("largest_impulse_Ns", report.largest_impulse_Ns);
+  json.member("contraction_per_kick", report.contraction_per_kick);
+  json.member("accuracy_floor_m", report.accuracy_floor_m);
+  json.member("bound_s", report.finite_time_bound_s);
+  json.object("table", [&] {
+    json.member("bytes", report.table_bytes);
+    json.member("proved_error", report.table_proved_error);
+    json.member("measured_error", report.table_measured_error);
+  });
+  json.array("checks", [&] {
+    for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
+  });
+}
+
+// Of several axes each has what a single one has at the top.
+std::string to_json(const Node& node, const Reports& reports) {
   format::JsonWriter json;
   json.object([&] {
-    json.member("certified", report.certified);
-    json.array("reasons", [&] {
-      for (const std::string& reason : report.reasons) json.value(reason);
-    });
-    json.array("conditions", [&] {
-      for (const std::string& condition : report.conditions) json.value(condition);
-    });
-    json.member("zeta_approach", report.zeta_approach);
-    json.member("zeta_kick", report.zeta_kick);
-    json.member("c_lower_m", report.c_lower_m);
-    json.member("c_upper_m", report.c_upper_m);
-    json.member("friction_ratio", report.ratio);
-    json.member("friction_ratio_threshold_18", report.ratio_threshold_18);
-    json.member("friction_ratio_exact_threshold", report.exact_ratio_threshold);
-    json.member("least_k22_for_18_Ns_per_m", report.least_damping_Ns_per_m);
-    json.member("largest_impulse_Ns", report.largest_impulse_Ns);
-    json.member("contraction_per_kick", report.contraction_per_kick);
-    json.member("accuracy_floor_m", report.accuracy_floor_m);
-    json.member("bound_s", report.finite_time_bound_s);
-    json.object("table", [&] {
-      json.member("bytes", report.table_bytes);
-      json.member("proved_error", report.table_proved_error);
-      json.member("measured_error", report.table_measured_error);
-    });
-    json.array("checks", [&] {
-      for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
+    if (reports.size() == 1) return write_report(json, reports.front());
+    json.member("certified", std::ranges::all_of(reports, &DesignReport::certified));
+    json.array("axes", [&] {
+      for (std::size_t i = 0; i < reports.size(); ++i) {
+        json.object([&] {
+          json.member("name", node.axes[i].name);
+          write_report(json, reports[i]);
+        });
+      }
     });
   });
   return json.text();
@@ -82,34 +99,43 @@ void print_report(const design::DesignReport& r) {
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
 
-void write_header(const DesignCommand& options, const Scenario& s, const design::AxisDesign& axis,
-                  const design::DesignReport& report) {
-  const auto flashed = design::flashed_axis(scenario::axis_parameters<float>(s), axis, report);
-  format::write_output(options.header, design::flashed_header(flashed, report, options.axis));
+void print_reports(const Node& node, const Reports& reports) {
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    if (reports.size() > 1) fmt::print("{}axis {}\n", i > 0 ? "\n" : "", node.axes[i].name);
+    print_report(reports[i]);
+  }
 }
 
-design::DesignReport checked(const std::string& file, const design::AxisDesign& axis) try {
-  return design::design_axis(axis);
+std::string html(const std::string& file, const Node& node, const Reports& reports) {
+  std::vector<report::DesignedAxis> axes;
+  for (std::size_t i = 0; i < reports.size(); ++i)
+    axes.push_back({node.axes[i].name, config::axis_design(node, node.axes[i]), reports[i]});
+  return report::design_html("Design: " + (node.title.empty() ? "a positioning axis" : node.title), file, axes);
+}
+
+std::string why_not(const Node& node, const Reports& reports) try {
+  config::require_certified(node, reports);
+  return "certified";
 } catch (const InputError& error) {
-  throw error.in_file(file);
+  return error.what();
 }
 
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const DesignCommand& options) {
-  const Scenario s = scenario::read_scenario(options.axis);
-  const design::AxisDesign axis = scenario::axis_design(s);
-  const auto report = checked(options.axis, axis);
-  if (!options.json.empty()) format::write_output(options.json, to_json(report));
-  if (!options.report.empty()) {
-    const std::string title = "Design: " + (s.title.empty() ? "a positioning axis" : s.title);
-    format::write_output(options.report, report::design_html(title, options.axis, axis, report));
-  }
-  if (options.json != "-" && options.report != "-" && options.header != "-") print_report(report);
-  if (!options.header.empty() && report.certified) write_header(options, s, axis, report);
-  if (!options.header.empty() && !report.certified) {
-    fmt::print(stderr, "{}: not certified, so no header is written: {}\n", options.axis, report.reasons.front());
-  }
-  return report.certified ? done : failed_check;
+  const Node node = scenario::read_scenario(options.file).node;
+  const Reports reports = config::examine(node);
+  const bool certified = std::ranges::all_of(reports, &DesignReport::certified);
+  // Everything is ready before the first file is written: an error here leaves no file behind.
+  const std::string page = options.report.empty() ? "" : html(options.file, node, reports);
+  const std::string header = !options.header.empty() && certified
+                                 ? config::node_header(config::certified(node, reports), node, reports)
+                                 : std::string{};
+  if (!options.json.empty()) format::write_output(options.json, to_json(node, reports));
+  if (!page.empty()) format::write_output(options.report, page);
+  if (!header.empty()) format::write_output(options.header, header);
+  if (options.json != "-" && options.report != "-" && options.header != "-") print_reports(node, reports);
+  if (!options.header.empty() && !certified) fmt::print(stderr, "{}: no header is written\n", why_not(node, reports));
+  return certified ? done : failed_check;
 }
 
 }  // namespace
@@ -117,10 +143,8 @@ int design_file(const DesignCommand& options) {
 void add_design(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<DesignCommand>();
   CLI::App* command =
-      app.add_subcommand("design", "Check an axis: every assumption with its margin, accuracy, k3 table");
-  command
-      ->add_option("axis", options->axis,
-                   "The axis: a scenario file, or its [plant], [friction], [controller], [loop] and [drive]")
+      app.add_subcommand("design", "Check every axis of a node: each assumption with its margin, accuracy, k3 table");
+  command->add_option("axis", options->file, "The node: a scenario file, or what it says of loop, axes and drives")
       ->required();
   command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output")
       ->check(file_name);
@@ -128,11 +152,11 @@ void add_design(CLI::App& app, int& exit_code) {
       ->check(file_name);
   command
       ->add_option("--header", options->header,
-                   "Write gains, table, limits and checksum as the C++ header that is flashed; only if certified")
+                   "Write the whole node as the C++ header that is flashed, under one checksum; only if certified")
       ->check(file_name);
   command->footer(
       std::string{
-          "Example: breakaway design sim/scenarios/can_axis.toml --report design.html --header flashed_axis.hpp\n"} +
+          "Example: breakaway design sim/scenarios/can_axis.toml --report design.html --header flashed_node.hpp\n"} +
       exit_codes);
   command->callback([options, &exit_code] { exit_code = design_file(*options); });
 }

@@ -1,4 +1,4 @@
-// The emulated drive with its axis as a process of its own, in real time on a CAN interface.
+// The emulated drives with their axes as a process of its own, in real time on a CAN interface.
 #include <fmt/format.h>
 #include <poll.h>
 #include <sched.h>
@@ -9,7 +9,9 @@
 #include <csignal>
 #include <cstring>
 #include <ctime>
+#include <deque>
 #include <memory>
+#include <vector>
 
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -22,8 +24,8 @@ namespace breakaway::cli {
 namespace {
 
 struct DriveCommand {
-  std::string scene, interface;
-  unsigned node_id = 0;  // 0: the scene's
+  std::string scenario, axis, interface;
+  unsigned node_id = 0;  // 0: the scenario's
   double duration_s = 0;
   double mode_delay_s = 0;
   std::string supported_modes;
@@ -36,36 +38,65 @@ hal::Time monotonic_now() {
   return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
 
-// A drive in real time: frames in at their time stamps, events at theirs.
-class LiveDrive {
+// Drives with their axes in real time: frames in at their time stamps, events at theirs.
+class LiveDrives {
  public:
-  LiveDrive(const scenario::Scenario& s, const drive_emulator::EmulatorConfig& config, socketcan::KernelSocket& socket)
-      : socket_{socket},
-        mechanism_{{s.plant.mass_kg, s.friction.law, {0.0, s.plant.position_m, s.plant.velocity_m_s}}},
-        drive_{config, mechanism_, [this](const hal::CanFrame& frame, hal::Time) { transmit(frame); }} {
-    drive_.power_on(hal::Time{});
+  // `configs` has one for each axis of the scenario.
+  LiveDrives(const scenario::Scenario& s, const std::vector<drive_emulator::EmulatorConfig>& configs,
+             socketcan::KernelSocket& socket)
+      : socket_{socket} {
+    for (std::size_t i = 0; i < configs.size(); ++i) axes_.emplace_back(*this, s.node.axes[i], s.worlds[i], configs[i]);
   }
 
   // Until `stop` is set by a signal that interrupts ppoll under `mask`, or `duration` is over.
   void run(const volatile std::sig_atomic_t& stop, const sigset_t& mask, hal::Duration duration) {
     while (stop == 0 && passed() < hal::Time{duration}) {
       receive();
-      drive_.advance_to(passed());
-      release_brake();
+      for (Axis& axis : axes_) axis.advance_to(passed());
       wait(mask, duration);
     }
-    drive_.advance_mechanism_to(passed());
+    for (Axis& axis : axes_) axis.drive.advance_mechanism_to(passed());
   }
 
   void print_summary() const {
-    fmt::print("position {:.9g} m, {}, largest force {:.4g} N, {} frames lost\n", mechanism_.position_m(),
-               mechanism_.slide().sticking() ? "at rest" : "moving", drive_.largest_force_N(last_), lost_);
+    for (const Axis& axis : axes_) {
+      const std::string name = axes_.size() > 1 ? "axis " + axis.name + ": " : std::string{};
+      fmt::print("{}position {:.9g} m, {}, largest force {:.4g} N, {} frames lost\n", name, axis.mechanism.position_m(),
+                 axis.mechanism.slide().sticking() ? "at rest" : "moving", axis.drive.largest_force_N(last_),
+                 axis.lost);
+    }
   }
 
  private:
-  // Never decreases, as the drive wants it.
+  struct Axis {
+    Axis(LiveDrives& drives, const config::Axis& axis, const scenario::AxisWorld& world,
+         const drive_emulator::EmulatorConfig& config)
+        : name{axis.name},
+          mechanism{sil::braked_slide(axis, world)},
+          drive{config, mechanism, [this, &drives](const hal::CanFrame& frame, hal::Time) {
+                  if (!drives.transmit(frame)) ++lost;
+                }} {
+      drive.power_on(hal::Time{});
+    }
+    Axis(const Axis&) = delete;
+    Axis& operator=(const Axis&) = delete;
+
+    // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
+    void advance_to(hal::Time now) {
+      drive.advance_to(now);
+      if (!mechanism.released() && drive.state() == cia402::State::operation_enabled)
+        mechanism.release(hal::seconds(now));
+    }
+
+    std::string name;
+    sil::BrakedSlide mechanism;
+    std::uint64_t lost = 0;
+    drive_emulator::DriveEmulator drive;
+  };
+
+  // Never decreases, as a drive wants it.
   hal::Time passed() { return last_ = std::max(last_, since_start(monotonic_now())); }
-  // The drive's time starts with this process.
+  // The drives' time starts with this process.
   hal::Time since_start(hal::Time time) const { return hal::Time{time - start_}; }
 
   void receive() {
@@ -78,19 +109,13 @@ class LiveDrive {
       const auto frame = socketcan::from_kernel(in);
       if (!frame) continue;
       last_ = std::max(last_, since_start(stamp));
-      drive_.on_frame(*frame, last_);
+      for (Axis& axis : axes_) axis.drive.on_frame(*frame, last_);
     }
   }
 
-  // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
-  void release_brake() {
-    if (!mechanism_.released() && drive_.state() == cia402::State::operation_enabled)
-      mechanism_.release(hal::seconds(last_));
-  }
-
   void wait(const sigset_t& mask, hal::Duration duration) {
-    const hal::Time end{duration};
-    const hal::Time until = std::min(end, drive_.next_event().value_or(end));
+    hal::Time until{duration};
+    for (const Axis& axis : axes_) until = std::min(until, axis.drive.next_event().value_or(until));
     const hal::Duration left = std::clamp<hal::Duration>(until - passed(), hal::Duration{0}, std::chrono::seconds{1});
     const timespec patience{.tv_sec = left / std::chrono::seconds{1},
                             .tv_nsec = (left % std::chrono::seconds{1}).count()};
@@ -99,16 +124,14 @@ class LiveDrive {
   }
 
   // A queue without room loses the frame, as it would in a drive.
-  void transmit(const hal::CanFrame& frame) {
-    if (socket_.write(socketcan::to_kernel(frame)) != socketcan::Io::done) ++lost_;
+  bool transmit(const hal::CanFrame& frame) {
+    return socket_.write(socketcan::to_kernel(frame)) == socketcan::Io::done;
   }
 
   socketcan::KernelSocket& socket_;
-  sil::BrakedSlide mechanism_;
   hal::Time start_ = monotonic_now();
   hal::Time last_{};
-  std::uint64_t lost_ = 0;
-  drive_emulator::DriveEmulator drive_;
+  std::deque<Axis> axes_;
 };
 
 volatile std::sig_atomic_t stop_wanted = 0;
@@ -134,8 +157,8 @@ void become_realtime() {
         fmt::format("--realtime: {}; run as root, or raise rtprio and memlock in limits.conf", std::strerror(errno))};
 }
 
-drive_emulator::EmulatorConfig drive_config(const scenario::Scenario& s, const DriveCommand& options) {
-  drive_emulator::EmulatorConfig config = *s.drive;
+drive_emulator::EmulatorConfig drive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
+  drive_emulator::EmulatorConfig config = *world.drive;
   if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
   if (!options.supported_modes.empty())
     config.supported_modes = static_cast<std::uint32_t>(std::stoul(options.supported_modes, nullptr, 16));
@@ -143,22 +166,34 @@ drive_emulator::EmulatorConfig drive_config(const scenario::Scenario& s, const D
   return config;
 }
 
-int drive_scene(const DriveCommand& options) {
-  const scenario::Scenario s = scenario::read_scenario(options.scene);
-  if (!s.drive) throw InputError{options.scene + ": has no [drive]; give a scene with a drive on a bus"};
+scenario::Scenario read_drives(const DriveCommand& options) {
+  scenario::Scenario s = scenario::read_scenario(options.scenario);
+  if (!options.axis.empty()) s = only_axis(s, options.axis);
+  for (const scenario::AxisWorld& world : s.worlds) {
+    if (!world.drive)
+      throw InputError{options.scenario + ": has no [drive]; give a scenario whose axes have drives on a bus"};
+  }
+  if (options.node_id != 0 && s.axes() > 1)
+    throw InputError{"--node-id: is for one drive, and the scenario has several; say which with --axis NAME"};
+  return s;
+}
+
+int drive_scenario(const DriveCommand& options) {
+  const scenario::Scenario s = read_drives(options);
   socketcan::KernelSocket socket;
   const auto opened = socket.open(options.interface.c_str(), {});
   if (opened != socketcan::OpenResult::done)
     throw InputError{fmt::format("{}: {}", options.interface, to_string(opened))};
   const sigset_t mask = prepare_signals();
   if (options.realtime) become_realtime();
-  const drive_emulator::EmulatorConfig config = drive_config(s, options);
-  LiveDrive drive{s, config, socket};
-  fmt::print("drive {} on {}\n", config.node_id, options.interface);
+  std::vector<drive_emulator::EmulatorConfig> configs;
+  for (const scenario::AxisWorld& world : s.worlds) configs.push_back(drive_config(world, options));
+  LiveDrives drives{s, configs, socket};
+  for (const auto& config : configs) fmt::print("drive {} on {}\n", config.node_id, options.interface);
   std::fflush(stdout);
   const double duration_s = options.duration_s > 0 ? options.duration_s : 1e9;
-  drive.run(stop_wanted, mask, hal::Duration{std::llround(duration_s * 1e9)});
-  drive.print_summary();
+  drives.run(stop_wanted, mask, hal::Duration{std::llround(duration_s * 1e9)});
+  drives.print_summary();
   return done;
 }
 
@@ -166,10 +201,13 @@ int drive_scene(const DriveCommand& options) {
 
 void add_drive(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<DriveCommand>();
-  CLI::App* command = app.add_subcommand("drive", "Emulate a drive with its axis on a CAN interface, in real time");
-  command->add_option("scene", options->scene, "The scene: its [plant], [friction] and [drive]")->required();
+  CLI::App* command =
+      app.add_subcommand("drive", "Emulate the drives with their axes on a CAN interface, in real time");
+  command->add_option("scenario", options->scenario, "The scenario: [plant], [friction] and [drive] of its axes")
+      ->required();
+  command->add_option("--axis", options->axis, "The name of the one axis whose drive to emulate; without, all of them");
   command->add_option("--can", options->interface, "The CAN interface, can0 or vcan0, say")->required();
-  command->add_option("--node-id", options->node_id, "CANopen node id instead of the scene's")
+  command->add_option("--node-id", options->node_id, "CANopen node id instead of the scenario's")
       ->check(CLI::Range(1, 127));
   command->add_option("--duration", options->duration_s, "Seconds until it ends; without, SIGINT or SIGTERM ends it")
       ->check(positive_number);
@@ -190,7 +228,7 @@ void add_drive(CLI::App& app, int& exit_code) {
   command->footer(std::string{"Example: breakaway drive --can vcan0 sim/scenarios/can_axis.toml\n"
                               "and, in another terminal: breakaway-node --can vcan0 sim/scenarios/can_axis.toml\n"} +
                   exit_codes);
-  command->callback([options, &exit_code] { exit_code = drive_scene(*options); });
+  command->callback([options, &exit_code] { exit_code = drive_scenario(*options); });
 }
 
 }  // namespace breakaway::cli

@@ -20,6 +20,7 @@ namespace breakaway::cli {
 namespace {
 
 using scenario::Scenario;
+using sil::AxisResult;
 using sil::Result;
 
 struct SimulateCommand {
@@ -28,23 +29,32 @@ struct SimulateCommand {
   bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
 };
 
-void print_summary(const SimulateCommand& options, const Scenario& s, const Result& r) {
-  if (!s.title.empty()) fmt::print("{}\n", s.title);
-  if (r.settled) {
-    fmt::print("  settled        at {:.6g} s\n", r.settling_time_s);
+void print_axis(const AxisResult& axis, double duration_s) {
+  if (axis.settled) {
+    fmt::print("  settled        at {:.6g} s\n", axis.settling_time_s);
   } else {
-    fmt::print("  NOT settled    within {:.6g} s\n", r.duration_s);
+    fmt::print("  NOT settled    within {:.6g} s\n", duration_s);
   }
-  fmt::print("  final error    {:.3g} m\n  kicks          {}\n", r.final_error_m, r.kicks.size());
-  if (r.ideal) {
-    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s (bound {:.7g} s)\n", r.ideal->t1_s, r.ideal->t2_s,
-               r.ideal->t_inf_s, r.ideal->bound_s);
+  fmt::print("  final error    {:.3g} m\n  kicks          {}\n", axis.final_error_m, axis.kicks.size());
+  if (axis.ideal) {
+    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s (bound {:.7g} s)\n", axis.ideal->t1_s, axis.ideal->t2_s,
+               axis.ideal->t_inf_s, axis.ideal->bound_s);
+  } else {
+    fmt::print("  largest force  {:.4g} N\n", axis.max_force_N);
+  }
+  for (const auto& fault : axis.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
+}
+
+void print_summary(const SimulateCommand& options, const Scenario& s, const Result& r) {
+  if (!s.node.title.empty()) fmt::print("{}\n", s.node.title);
+  for (const AxisResult& axis : r.axes) {
+    if (r.axes.size() > 1) fmt::print("  axis {}\n", axis.name);
+    print_axis(axis, r.duration_s);
   }
   if (r.loop) {
-    fmt::print("  largest force  {:.4g} N\n  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", r.max_force_N,
-               100 * r.loop->bus_load, r.loop->ticks, r.loop->missed_ticks);
+    fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,
+               r.loop->missed_ticks);
   }
-  for (const auto& fault : r.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
   for (const std::string& path : options.outputs()) {
     if (!path.empty()) fmt::print("  written        {}\n", path);
   }
@@ -91,27 +101,28 @@ int simulate_machine(const SimulateCommand& options, const scenario::MachineScen
   return result.settled() ? done : failed_check;
 }
 
-int simulate_axis(const SimulateCommand& options, const Scenario& scene) {
-  check_outputs(options,
-                scene.ideal() ? "the scene has no bus; give it a [loop] and a [drive], or leave this out" : nullptr);
+int simulate_axis(const SimulateCommand& options, const Scenario& scenario) {
+  check_outputs(options, scenario.ideal() ? "the scenario has no bus; give it a [loop] and a [drive], or leave this out"
+                                          : nullptr);
   report_progress("simulating");
   const bool trace = !options.csv.empty() || !options.report.empty();
-  const Result result = sil::run_scenario(scene, {.trace = trace, .frames = !options.candump.empty()});
+  const Result result = sil::run_scenario(scenario, {.trace = trace, .frames = !options.candump.empty()});
   if (!options.report.empty()) report_progress("drawing the pictures");
   // Everything is ready before the first file is written: an error here leaves no file behind.
-  const std::string html = options.report.empty() ? "" : report::to_html(scene, result);
-  if (!options.json.empty()) format::write_output(options.json, report::to_json(scene, result));
+  const std::string html = options.report.empty() ? "" : report::to_html(scenario, result);
+  if (!options.json.empty()) format::write_output(options.json, report::to_json(scenario, result));
   if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(result));
   if (!options.candump.empty()) format::write_output(options.candump, report::to_candump(result));
   if (!options.report.empty()) format::write_output(options.report, html);
-  if (!options.quiet()) print_summary(options, scene, result);
-  return result.settled ? done : failed_check;
+  if (!options.quiet()) print_summary(options, scenario, result);
+  return result.settled() ? done : failed_check;
 }
 
 int simulate(const SimulateCommand& options) {
-  const auto scene = scenario::read_any_scenario(options.scenario);
-  if (const auto* machine = std::get_if<scenario::MachineScenario>(&scene)) return simulate_machine(options, *machine);
-  return simulate_axis(options, std::get<Scenario>(scene));
+  const auto scenario = scenario::read_any_scenario(options.scenario);
+  if (const auto* machine = std::get_if<scenario::MachineScenario>(&scenario))
+    return simulate_machine(options, *machine);
+  return simulate_axis(options, std::get<Scenario>(scenario));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -20,7 +21,7 @@ using namespace study;
 using scenario::Scenario;
 
 struct StudyCommand {
-  std::string scenario, against, json;
+  std::string scenario, against, axis, json;
   std::vector<std::pair<double, double>> starts{{-4, -4}, {-0.1, 0}, {-0.01, 0}};
   StudyOptions study;
 };
@@ -31,11 +32,14 @@ struct Study {
   std::vector<StudyRow> rows;
 };
 
-const char* controller_name(const Scenario& s) { return s.controller.pid ? "PID" : "impulsive"; }
+const char* controller_name(const Scenario& s) { return s.node.axes.front().controller.pid ? "PID" : "impulsive"; }
 
-Scenario read_bus_scenario(const std::string& file) {
+// The axis of this name, or the only one.
+Scenario read_axis(const std::string& file, const std::string& axis) {
   Scenario s = scenario::read_scenario(file);
-  if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenes with a [loop] and a [drive]"};
+  if (!axis.empty() && s.axes() > 1) s = only_axis(s, axis);
+  if (s.axes() > 1) throw InputError{file + ": has several axes: say which to study with --axis NAME"};
+  if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};
   sil::require_complete(s);
   return s;
 }
@@ -44,8 +48,8 @@ void report_progress(const std::string& file, int done, int all) {
   fmt::print(stderr, "\r{}: {} of {} runs{}", file, done, all, done == all ? "\n" : "");
 }
 
-Study run(const std::string& file, StudyOptions options) {
-  Study study{file, read_bus_scenario(file), {}};
+Study run(const std::string& file, const std::string& axis, StudyOptions options) {
+  Study study{file, read_axis(file, axis), {}};
   if (isatty(STDERR_FILENO) != 0) {
     options.progress = [&](int done, int all) { report_progress(file, done, all); };
   }
@@ -82,13 +86,14 @@ void print_rows(const Study& study) {
 }
 
 void print_table(const std::vector<Study>& studies, const StudyOptions& options) {
-  const Scenario& s = studies.front().scenario;
+  const config::Node& node = studies.front().scenario.node;
+  const config::Axis& axis = node.axes.front();
   fmt::print(
-      "Friction between {:g} N and {:g} N: both bounds, the scene's law, static/kinetic, {} random laws (seeds from "
+      "Friction between {:g} N and {:g} N: both bounds, the scenario's law, static/kinetic, {} random laws (seeds from "
       "{})\n",
-      s.friction.lower_N, s.friction.upper_N, options.random_laws, options.seed);
-  fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", s.run->settle_tolerance_m,
-             s.run->settle_time_s, s.controller.max_force_N);
+      axis.friction.bounds.lower_N, axis.friction.bounds.upper_N, options.random_laws, options.seed);
+  fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
+             studies.front().scenario.run->settle_time_s, config::max_force_N(axis));
   fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled", "median",
              "worst", "worst 1 mm", "worst error", "cycles", "faults", "peak");
   for (const Study& study : studies) print_rows(study);
@@ -141,8 +146,8 @@ std::string to_json(const std::vector<Study>& studies, const StudyOptions& optio
 int study(const StudyCommand& options) {
   StudyOptions what = options.study;
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
-  std::vector<Study> studies{run(options.scenario, what)};
-  if (!options.against.empty()) studies.push_back(run(options.against, what));
+  std::vector<Study> studies{run(options.scenario, options.axis, what)};
+  if (!options.against.empty()) studies.push_back(run(options.against, options.axis, what));
   if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
   if (options.json != "-") print_table(studies, what);
   return all_settled(studies.front()) ? done : failed_check;
@@ -153,9 +158,10 @@ int study(const StudyCommand& options) {
 void add_study(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<StudyCommand>();
   CLI::App* command =
-      app.add_subcommand("study", "Run a scene under every friction law of its class, from several starts");
-  command->add_option("scenario", options->scenario, "The scene; its own start is not used")->required();
-  command->add_option("--against", options->against, "Another scene to run under the same laws, to compare with");
+      app.add_subcommand("study", "Run an axis under every friction law of its class, from several starts");
+  command->add_option("scenario", options->scenario, "The scenario; its own start is not used")->required();
+  command->add_option("--against", options->against, "Another scenario to run under the same laws, to compare with");
+  command->add_option("--axis", options->axis, "The name of the axis to study, where the scenario has several");
   command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
       ->check(CLI::Range(0, 100000));
   command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")

@@ -28,7 +28,7 @@ using stability::PdWants;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct SynthesizeCommand {
-  std::string system, gains = "full", json, scene, picture;
+  std::string system, gains = "full", json, scenario, picture;
   std::vector<std::string> wants;
   std::vector<double> sweep;
   int trajectories = 200;
@@ -59,7 +59,7 @@ PdWants read_wants(const SynthesizeCommand& options) {
 
 void check_outputs(const SynthesizeCommand& options) {
   std::vector<std::string> outputs;
-  for (const std::string& path : {options.json, options.scene, options.picture}) {
+  for (const std::string& path : {options.json, options.scenario, options.picture}) {
     if (!path.empty()) outputs.push_back(path);
   }
   std::ranges::sort(outputs);
@@ -136,16 +136,16 @@ int synthesize(const SynthesizeCommand& options) {
   s.theorem_2 = stability::verify_theorem_2(s.system, s.design.gains.position_N_per_m);
   s.sweep = sweep(options, s);
   // What is simulated is what the file will say.
-  const std::string scene =
+  const std::string scenario =
       scenario::with_gains(open, s.design.gains.position_N_per_m, s.design.gains.velocity_Ns_per_m);
-  s.closed_loop = scenario::parse_machine_scenario(scene, options.system);
+  s.closed_loop = scenario::parse_machine_scenario(scenario, options.system);
   simulate(options, s);
 
   const std::string drawn = options.picture.empty() ? "" : draw(options, s, open.scenario.machine);
-  if (!options.scene.empty()) format::write_output(options.scene, scene);
+  if (!options.scenario.empty()) format::write_output(options.scenario, scenario);
   if (!options.json.empty()) format::write_output(options.json, to_json(s));
   if (!options.picture.empty()) format::write_output(options.picture, drawn);
-  if (options.json != "-" && options.scene != "-") print_summary(s);
+  if (options.json != "-" && options.scenario != "-") print_summary(s);
   return s.batch.at_rest == s.batch.trajectories ? done : failed_check;
 }
 
@@ -181,7 +181,8 @@ void add_synthesize(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
   command
-      ->add_option("--scenario", options->scene, "Write the machine with its gains to this file; - is standard output")
+      ->add_option("--scenario", options->scenario,
+                   "Write the machine with its gains to this file; - is standard output")
       ->check(file_name);
   command->add_option("--json", options->json, "Write the figures as JSON to this file; - is standard output")
       ->check(file_name);

@@ -48,8 +48,8 @@ void print_frontiers(const tradeoff::Frontiers& f) {
                row.floor_m, row.resolution_m, row.tolerance_m / row.floor_m, row.settled, row.runs,
                row.worst_error_m / row.floor_m);
   }
-  fmt::print("Scenes: cost of a simulated second\n");
-  for (const auto& row : f.scene_parts) fmt::print("  {:<75} {}\n", row.scene, cost_text(row.second));
+  fmt::print("Scenarios: cost of a simulated second\n");
+  for (const auto& row : f.scenario_parts) fmt::print("  {:<75} {}\n", row.scenario, cost_text(row.second));
 }
 
 tradeoff::Options measuring(const TradeoffFiles& files) {
@@ -79,7 +79,7 @@ void run_tradeoff(const TradeoffFiles& files) {
 void add_tradeoff(CLI::App& app, int& exit_code) {
   const auto files = std::make_shared<TradeoffFiles>();
   CLI::App* command = app.add_subcommand(
-      "tradeoff", "Measure speed against accuracy: integrators, k3 evaluators, control periods, parts of a scene");
+      "tradeoff", "Measure speed against accuracy: integrators, k3 evaluators, control periods, parts of a scenario");
   command->add_flag("--quick", files->quick, "Fewer rows, and no counting of instructions: seconds, not minutes");
   command->add_option("--json", files->json, "Write all figures as JSON to this file; - is standard output")
       ->check(file_name);

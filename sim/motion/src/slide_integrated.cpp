@@ -227,7 +227,7 @@ Slide::Segment Slide::slide_by_integration(double duration_s) {
   return {flight.tau_s(), flight.distance_m(), flight.speed_m_s(), ending};
 }
 
-// The shortest of the scene's own scales of time.
+// The shortest of the scenario's own scales of time.
 double Slide::first_step_s(double duration_s) const {
   double step_s = std::min(duration_s, friction_.time_scale_s());
   if (force_.stiffness_N_per_m > 0) step_s = std::min(step_s, std::sqrt(mass_kg_ / force_.stiffness_N_per_m));

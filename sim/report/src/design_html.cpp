@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "breakaway/format/html_page.hpp"
 #include "design_pictures.hpp"
 
@@ -12,13 +14,13 @@ using design::AxisDesign;
 using design::DesignReport;
 
 // With the remedies when the design fails.
-std::string verdict(const DesignReport& report) {
+std::string verdict(const DesignReport& report, const std::string& prefix) {
   const std::string lines = format::html_list(report.certified ? report.conditions : report.reasons);
-  return format::html_section(report.certified ? "Certified, provided that" : "Not certified, because", lines,
-                              report.certified
-                                  ? "What must be true of the machine. A certificate says nothing about a machine "
-                                    "that breaks one of these conditions."
-                                  : "Each line names the check that fails, in numbers, and what mends it.");
+  return format::html_section(
+      prefix + (report.certified ? "Certified, provided that" : "Not certified, because"), lines,
+      report.certified ? "What must be true of the machine. A certificate says nothing about a machine "
+                         "that breaks one of these conditions."
+                       : "Each line names the check that fails, in numbers, and what mends it.");
 }
 
 std::string checks(const DesignReport& report, bool required, std::string_view title, std::string_view caption) {
@@ -76,24 +78,31 @@ const std::string legend =
     "Equilibrium Sets of Controlled Linear Mechanical Systems with Dry Friction</i>. Numbers in parentheses are "
     "equations of [I] unless said otherwise.</p></section>\n";
 
+// `prefix` names the axis in headings, where there are several.
+std::string axis_sections(const DesignedAxis& axis, const std::string& source, const std::string& prefix) {
+  std::string sections =
+      verdict(axis.report, prefix) +
+      fmt::format(
+          "<section><div class=\"columns\"><div><h2>{}Axis</h2>\n{}</div><div><h2>What follows</h2>\n{}</div></div>"
+          "</section>\n",
+          prefix, axis_table(axis.design, source), results_table(axis.report)) +
+      checks(axis.report, true, prefix + "Checks that the certificate needs",
+             "The margin is positive when a check holds, in the unit of what is compared.") +
+      checks(axis.report, false, prefix + "For information",
+             "Sufficient conditions of the paper; the exact ones are above.");
+  for (const Picture& picture : draw_design_pictures(axis.design, axis.report))
+    sections += format::html_section(prefix + picture.title, picture.svg, picture.caption);
+  return sections;
+}
+
 }  // namespace
 
-std::string design_html(const std::string& title, const std::string& source, const AxisDesign& axis,
-                        const DesignReport& report) {
-  std::string sections =
-      verdict(report) +
-      fmt::format(
-          "<section><div class=\"columns\"><div><h2>Axis</h2>\n{}</div><div><h2>What follows</h2>\n{}</div></div>"
-          "</section>\n",
-          axis_table(axis, source), results_table(report)) +
-      checks(report, true, "Checks that the certificate needs",
-             "The margin is positive when a check holds, in the unit of what is compared.") +
-      checks(report, false, "For information", "Sufficient conditions of the paper; the exact ones are above.");
-  for (const Picture& picture : draw_design_pictures(axis, report)) {
-    sections += format::html_section(picture.title, picture.svg, picture.caption);
-  }
-  return format::html_page(title, report.certified, report.certified ? "certified" : "not certified",
-                           sections + legend);
+std::string design_html(const std::string& title, const std::string& source, const std::vector<DesignedAxis>& axes) {
+  std::string sections;
+  for (const DesignedAxis& axis : axes)
+    sections += axis_sections(axis, source, axes.size() == 1 ? std::string{} : axis.name + ": ");
+  const bool certified = std::ranges::all_of(axes, &DesignReport::certified, &DesignedAxis::report);
+  return format::html_page(title, certified, certified ? "certified" : "not certified", sections + legend);
 }
 
 }  // namespace breakaway::report

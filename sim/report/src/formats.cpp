@@ -39,29 +39,60 @@ void write_kick(format::JsonWriter& json, const sil::KickRecord& kick, bool idea
   }
 }
 
+void write_faults(format::JsonWriter& json, const std::vector<sil::FaultRecord>& faults) {
+  json.array("faults", [&] {
+    for (const auto& fault : faults) {
+      json.object([&] {
+        json.member("time_s", fault.time_s);
+        json.member("name", fault.name);
+      });
+    }
+  });
+}
+
+void write_axis(format::JsonWriter& json, const sil::AxisResult& axis, const std::optional<sil::LoopFigures>& loop) {
+  json.member("settled", axis.settled);
+  json.member("settling_time_s", axis.settling_time_s);
+  json.member("final_error_m", axis.final_error_m);
+  json.member("max_force_N", axis.max_force_N);
+  if (axis.ideal) write_ideal(json, *axis.ideal);
+  if (loop) write_loop(json, *loop);
+  json.array("kicks", [&] {
+    for (const auto& kick : axis.kicks) json.object([&] { write_kick(json, kick, axis.ideal.has_value()); });
+  });
+  write_faults(json, axis.faults);
+}
+
+void write_axes(format::JsonWriter& json, const sil::Result& result) {
+  json.member("settled", result.settled());
+  if (result.loop) write_loop(json, *result.loop);
+  json.array("axes", [&] {
+    for (const sil::AxisResult& axis : result.axes) {
+      json.object([&] {
+        json.member("name", axis.name);
+        write_axis(json, axis, {});
+      });
+    }
+  });
+}
+
+void append_sample(std::string& text, const sil::Sample& s) {
+  fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}\n", s.time_s,
+                 s.position_m, s.velocity_m_s, s.target_m, s.force_N, s.friction_level_N, s.bus_load,
+                 law::to_string(s.mode));
+}
+
 }  // namespace
 
-std::string to_json(const scenario::Scenario& scene, const sil::Result& result) {
+std::string to_json(const scenario::Scenario& scenario, const sil::Result& result) {
   format::JsonWriter json;
   json.object([&] {
-    json.member("title", scene.title);
-    json.member("settled", result.settled);
-    json.member("settling_time_s", result.settling_time_s);
-    json.member("final_error_m", result.final_error_m);
-    json.member("max_force_N", result.max_force_N);
-    if (result.ideal) write_ideal(json, *result.ideal);
-    if (result.loop) write_loop(json, *result.loop);
-    json.array("kicks", [&] {
-      for (const auto& kick : result.kicks) json.object([&] { write_kick(json, kick, result.ideal.has_value()); });
-    });
-    json.array("faults", [&] {
-      for (const auto& fault : result.faults) {
-        json.object([&] {
-          json.member("time_s", fault.time_s);
-          json.member("name", fault.name);
-        });
-      }
-    });
+    json.member("title", scenario.node.title);
+    if (result.axes.size() == 1) {
+      write_axis(json, result.axes.front(), result.loop);
+    } else {
+      write_axes(json, result);
+    }
     json.member("duration_s", result.duration_s);
     json.member("wall_s", result.wall_s);
   });
@@ -69,11 +100,14 @@ std::string to_json(const scenario::Scenario& scene, const sil::Result& result) 
 }
 
 std::string to_csv(const sil::Result& result) {
-  std::string text = "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n";
-  for (const auto& s : result.trace) {
-    fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}\n", s.time_s,
-                   s.position_m, s.velocity_m_s, s.target_m, s.force_N, s.friction_level_N, s.bus_load,
-                   law::to_string(s.mode));
+  const bool several = result.axes.size() > 1;
+  std::string text = several ? "axis," : "";
+  text += "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n";
+  for (const sil::AxisResult& axis : result.axes) {
+    for (const auto& sample : axis.trace) {
+      if (several) text += axis.name + ',';
+      append_sample(text, sample);
+    }
   }
   return text;
 }

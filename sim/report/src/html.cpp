@@ -10,11 +10,12 @@
 namespace breakaway::report {
 namespace {
 
+using format::HtmlTable;
 using scenario::Scenario;
+using sil::AxisResult;
 using sil::Result;
 
-std::string outcome(const Result& r) {
-  format::HtmlTable table;
+void add_outcome(HtmlTable& table, const AxisResult& r) {
   table.quantity("Settling time", r.settling_time_s, "s");
   table.quantity("Final position error", r.final_error_m, "m");
   if (r.ideal) {
@@ -26,56 +27,104 @@ std::string outcome(const Result& r) {
   }
   if (!r.ideal) table.quantity("Largest actuator force", r.max_force_N, "N");
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
+  for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));
+}
+
+void add_run(HtmlTable& table, const Result& r) {
   if (r.loop) {
     table.row("Control periods",
               fmt::format("{}, of which {} without fresh feedback", r.loop->ticks, r.loop->missed_ticks));
     table.row("Mean bus load", fmt::format("{:.1f} %", 100 * r.loop->bus_load));
   }
-  for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));
   table.row("Time taken to compute", fmt::format("{:.1f} ms", 1e3 * r.wall_s));
-  return table.text();
 }
 
-std::string inputs(const Scenario& s) {
-  format::HtmlTable table;
-  table.quantity("Mass", s.plant.mass_kg, "kg");
-  table.row("Start", fmt::format("{:g} m, {:g} m/s", s.plant.position_m, s.plant.velocity_m_s));
-  table.row("Friction bounds", fmt::format("{:g} to {:g} N", s.friction.lower_N, s.friction.upper_N));
-  if (const auto& gains = s.controller.impulsive) {
-    const double critical = 2 * std::sqrt(gains->stiffness_N_per_m * s.plant.mass_kg);
+void add_gains(HtmlTable& table, const config::Axis& axis) {
+  if (const auto& gains = axis.controller.impulsive) {
+    const double critical = 2 * std::sqrt(gains->stiffness_N_per_m * axis.mass_kg);
     table.quantity("Stiffness k₁", gains->stiffness_N_per_m, "N/m");
     table.row("Approach damping k₂₁", fmt::format("{:g} N s/m (ζ = {:.3g})", gains->approach_damping_Ns_per_m,
                                                   gains->approach_damping_Ns_per_m / critical));
     table.row("Kick damping k₂₂", fmt::format("{:g} N s/m (ζ = {:.3g})", gains->kick_damping_Ns_per_m,
                                               gains->kick_damping_Ns_per_m / critical));
   }
-  if (const auto& gains = s.controller.pid) {
+  if (const auto& gains = axis.controller.pid) {
     table.quantity("Proportional gain", gains->proportional_N_per_m, "N/m");
     table.quantity("Integral gain", gains->integral_N_per_ms, "N/(m s)");
     table.quantity("Derivative gain", gains->derivative_Ns_per_m, "N s/m");
   }
-  if (s.controller.max_force_N < scenario::unlimited) table.quantity("Force limit", s.controller.max_force_N, "N");
-  if (s.loop) table.quantity("Control period", 1e3 * s.loop->period_s, "ms");
-  if (s.drive) {
-    table.quantity("Encoder count", 1e6 * s.drive->encoder_resolution_m, "µm");
-    table.quantity("Force per per-mille of rated torque",
-                   1e-6 * s.drive->rated_torque_mNm * std::fabs(s.drive->force_per_torque_N_per_Nm), "N");
+}
+
+std::string inputs(const Scenario& s, std::size_t place) {
+  const config::Axis& axis = s.node.axes[place];
+  const scenario::AxisWorld& world = s.worlds[place];
+  HtmlTable table;
+  table.quantity("Mass", axis.mass_kg, "kg");
+  table.row("Start", fmt::format("{:g} m, {:g} m/s", world.position_m, world.velocity_m_s));
+  table.row("Friction bounds",
+            fmt::format("{:g} to {:g} N", axis.friction.bounds.lower_N, axis.friction.bounds.upper_N));
+  add_gains(table, axis);
+  if (axis.controller.max_force_N < config::unlimited) table.quantity("Force limit", axis.controller.max_force_N, "N");
+  if (s.node.loop) table.quantity("Control period", 1e3 * s.node.period_s(), "ms");
+  if (axis.drive) {
+    table.quantity("Encoder count", 1e6 * axis.drive->encoder_resolution_m, "µm");
+    table.quantity("Force per per-mille of rated torque", std::fabs(axis.drive->force_quantum_N()), "N");
   }
   if (s.bus) table.quantity("Bus", 1e-6 * s.bus->bit_rate, "Mbit/s");
   return table.text();
 }
 
+std::string columns(const std::string& left, const std::string& right, const std::string& axis) {
+  return fmt::format(
+      "<section><div class=\"columns\"><div><h2>Outcome</h2>\n{}</div><div><h2>{}</h2>\n{}</div></div></section>\n",
+      left, axis, right);
+}
+
+std::string pictures(const Scenario& s, const Result& r, std::size_t place, const std::string& prefix) {
+  std::string sections;
+  for (const Picture& picture : draw_pictures(s.node, s.node.axes[place], r.axes[place]))
+    sections += format::html_section(prefix + picture.title, picture.svg, picture.caption);
+  return sections;
+}
+
+std::string one_axis(const Scenario& s, const Result& r) {
+  HtmlTable outcome;
+  add_outcome(outcome, r.axes.front());
+  add_run(outcome, r);
+  return columns(outcome.text(), inputs(s, 0), "Axis") + pictures(s, r, 0, "");
+}
+
+std::string several_axes(const Scenario& s, const Result& r) {
+  HtmlTable run;
+  for (const AxisResult& axis : r.axes) {
+    const std::string when =
+        axis.settled ? fmt::format("settled at {:.6g} s", axis.settling_time_s) : std::string{"did NOT settle"};
+    run.row("Axis " + axis.name,
+            fmt::format("{}, final error {:.3g} m, {} kicks", when, axis.final_error_m, axis.kicks.size()));
+  }
+  add_run(run, r);
+  std::string sections = format::html_section("All axes", run.text(), "");
+  for (std::size_t i = 0; i < r.axes.size(); ++i) {
+    const std::string name = "Axis " + r.axes[i].name;
+    HtmlTable outcome;
+    add_outcome(outcome, r.axes[i]);
+    sections += columns(outcome.text(), inputs(s, i), name) + pictures(s, r, i, "Axis " + r.axes[i].name + ": ");
+  }
+  return sections;
+}
+
 }  // namespace
 
 std::string to_html(const Scenario& s, const Result& r) {
-  std::string sections = fmt::format(
-      "<section><div class=\"columns\"><div><h2>Outcome</h2>\n{}</div><div><h2>Axis</h2>\n{}</div></div>"
-      "</section>\n",
-      outcome(r), inputs(s));
-  for (const Picture& picture : draw_pictures(s, r))
+  std::string sections = r.axes.size() == 1 ? one_axis(s, r) : several_axes(s, r);
+  if (r.loop) {
+    const Picture picture = draw_bus_load(r);
     sections += format::html_section(picture.title, picture.svg, picture.caption);
-  return format::html_page(s.title.empty() ? "Positioning run" : s.title, r.settled,
-                           r.settled ? "settled on the target" : "did not settle", sections);
+  }
+  const bool several = r.axes.size() > 1;
+  const char* verdict = r.settled() ? (several ? "all axes settled on their targets" : "settled on the target")
+                                    : (several ? "not all axes settled" : "did not settle");
+  return format::html_page(s.node.title.empty() ? "Positioning run" : s.node.title, r.settled(), verdict, sections);
 }
 
 }  // namespace breakaway::report

@@ -16,10 +16,8 @@
 namespace breakaway::report {
 namespace {
 
-using scenario::Scenario;
-using sil::KickRecord;
-using sil::Result;
-using sil::Sample;
+using config::Axis;
+using sil::AxisResult;
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
 
@@ -41,14 +39,14 @@ std::string data(std::string_view name, const std::vector<Point>& points) {
 
 // value(sample) over time.
 template <class Value>
-std::string series(std::string_view name, const Result& result, Value value) {
+std::string series(std::string_view name, const AxisResult& result, Value value) {
   std::vector<Point> points;
   for (const sil::Sample& s : result.trace) points.push_back({s.time_s, std::invoke(value, s)});
   return data(name, thin_series(points, format::width_px));
 }
 
 // Dashed verticals at the instants that the theory names.
-std::string instants(const Result& result, bool labelled) {
+std::string instants(const AxisResult& result, bool labelled) {
   if (!result.ideal) return "";
   std::string text;
   const std::array marks{std::pair{"t_1", result.ideal->t1_s}, std::pair{"t_2", result.ideal->t2_s},
@@ -62,7 +60,7 @@ std::string instants(const Result& result, bool labelled) {
   return text;
 }
 
-std::string response_caption(const Scenario& s, const Result& result) {
+std::string response_caption(const Axis& axis, const AxisResult& result) {
   if (result.ideal) {
     return "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest is "
            "answered "
@@ -70,21 +68,21 @@ std::string response_caption(const Scenario& s, const Result& result) {
            "the "
            "target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine.";
   }
-  if (s.controller.pid) return "Position, velocity and actuator force under the PID controller.";
+  if (axis.controller.pid) return "Position, velocity and actuator force under the PID controller.";
   return fmt::format(
       "Position, velocity and actuator force. The approach is limited in speed and force; once the axis is "
       "at rest short of the target, force pulses of at most {:g} N kick it on.",
-      s.controller.max_force_N);
+      axis.controller.max_force_N);
 }
 
 // One of the panels that share a time axis.
-std::string panel(const Result& result, bool first, bool last, std::string_view plot) {
+std::string panel(const AxisResult& result, bool first, bool last, std::string_view plot) {
   return fmt::format("unset label\nunset arrow\n{}set format x '{}'\nset xlabel '{}'\n{}\n", instants(result, first),
                      last ? "% h" : "", last ? "time [s]" : "", plot);
 }
 
-Picture response(const Scenario& s, const Result& result) {
-  const bool loop = result.loop.has_value();
+Picture response(const Axis& axis, const AxisResult& result) {
+  const bool loop = axis.drive.has_value();
   const int panels = loop ? 3 : 2;
   const int height_px = 230 * panels + 132;
   std::string commands = format::plot_style + series("target", result, &sil::Sample::target_m) +
@@ -107,15 +105,16 @@ Picture response(const Scenario& s, const Result& result) {
                       fmt::format("set ylabel 'force [N]'\nplot $force using 1:2 with {} linestyle 3 notitle",
                                   result.trace.size() > most_of_series(format::width_px) ? "lines" : "steps"));
   }
-  return {"Response", response_caption(s, result), format::draw_svg("response", format::width_px, height_px, commands)};
+  return {"Response", response_caption(axis, result),
+          format::draw_svg("response", format::width_px, height_px, commands)};
 }
 
-bool ever_off_target(const Result& result) {
+bool ever_off_target(const AxisResult& result) {
   return std::ranges::any_of(result.trace, [](const sil::Sample& x) { return x.position_m != x.target_m; });
 }
 
 // |error| on a logarithmic axis shows the last micrometres.
-Picture error_over_time(const Scenario& s, const Result& result) {
+Picture error_over_time(const Axis& axis, double tolerance_m, const AxisResult& result) {
   const auto shown = [](double error_m) { return error_m == 0 ? std::nan("") : std::fabs(error_m); };
   std::string commands =
       format::plot_style +
@@ -130,13 +129,11 @@ Picture error_over_time(const Scenario& s, const Result& result) {
       fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s));
   std::string plots = "plot $error using 1:2 with lines linestyle 1 title 'error'";
   if (!result.kicks.empty()) plots += ", $kicks using 1:2 with points linestyle 8 title 'kicks'";
-  if (s.run && s.run->settle_tolerance_m > 0) {
-    plots += fmt::format(", {} with lines linestyle 4 title 'tolerance'", number(s.run->settle_tolerance_m));
-  }
-  if (s.drive) {
-    commands += fmt::format("set yrange [{}:*]\n", number(s.drive->encoder_resolution_m / 10));
+  if (tolerance_m > 0) plots += fmt::format(", {} with lines linestyle 4 title 'tolerance'", number(tolerance_m));
+  if (axis.drive) {
+    commands += fmt::format("set yrange [{}:*]\n", number(axis.drive->encoder_resolution_m / 10));
     plots += fmt::format(", {} with lines linecolor '#bbbbbb' title 'one encoder count'",
-                         number(s.drive->encoder_resolution_m));
+                         number(axis.drive->encoder_resolution_m));
   }
   return {"Position error",
           fmt::format("The distance from the target on a logarithmic axis. {}here the curve is level, the axis stands.",
@@ -149,10 +146,10 @@ struct StickSets {
   double upper_m, lower_m;
 };
 
-StickSets stick_sets(const Scenario& s) {
-  const double stiffness =
-      s.controller.impulsive ? s.controller.impulsive->stiffness_N_per_m : s.controller.pid->proportional_N_per_m;
-  return {s.friction.upper_N / stiffness, s.friction.lower_N / stiffness};
+StickSets stick_sets(const Axis& axis) {
+  const double stiffness = axis.controller.impulsive ? axis.controller.impulsive->stiffness_N_per_m
+                                                     : axis.controller.pid->proportional_N_per_m;
+  return {axis.friction.bounds.upper_N / stiffness, axis.friction.bounds.lower_N / stiffness};
 }
 
 struct Window {
@@ -161,13 +158,13 @@ struct Window {
 };
 
 template <class Value>
-Window window_of(const Result& result, Value value) {
+Window window_of(const AxisResult& result, Value value) {
   const auto [least, most] = std::ranges::minmax(result.trace, {}, value);
   return {std::invoke(value, least), std::invoke(value, most)};
 }
 
 // Position and velocity to a fifth of a pixel of what is shown.
-std::string solution(const Result& result, Window position_m, Window velocity_m_s) {
+std::string solution(const AxisResult& result, Window position_m, Window velocity_m_s) {
   std::vector<Point> points;
   for (const sil::Sample& s : result.trace) points.push_back({s.position_m, s.velocity_m_s});
   const double share = 0.2 / format::width_px;
@@ -175,9 +172,9 @@ std::string solution(const Result& result, Window position_m, Window velocity_m_
                                      std::max(share * velocity_m_s.width(), 1e-30)));
 }
 
-std::string phase_plot(const Scenario& s, const Result& result, Window position_m, Window velocity_m_s,
+std::string phase_plot(const Axis& axis, const AxisResult& result, Window position_m, Window velocity_m_s,
                        const std::string& settings) {
-  const auto [upper_m, lower_m] = stick_sets(s);
+  const auto [upper_m, lower_m] = stick_sets(axis);
   const double target_m = result.trace.back().target_m;
   return format::plot_style + solution(result, position_m, velocity_m_s) +
          fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
@@ -189,13 +186,13 @@ std::string phase_plot(const Scenario& s, const Result& result, Window position_
          "$solution using 1:2 with lines linestyle 1 title 'solution'";
 }
 
-Picture phase_plane(const Scenario& s, const Result& result) {
-  const std::string plot = phase_plot(s, result, window_of(result, &sil::Sample::position_m),
+Picture phase_plane(const Axis& axis, const AxisResult& result) {
+  const std::string plot = phase_plot(axis, result, window_of(result, &sil::Sample::position_m),
                                       window_of(result, &sil::Sample::velocity_m_s), "") +
                            ", $solution every ::0::0 using 1:2 with points pointtype 7 pointsize 0.6 linecolor "
                            "'#1c5d99' title 'start'";
   return {"Phase plane",
-          s.controller.pid
+          axis.controller.pid
               ? "The solution in the plane of position and velocity, with the sets in which friction can hold "
                 "the proportional part: the greatest friction (maximal) and the least (minimal)."
               : "The solution in the plane of position and velocity, with the sets in which the axis can "
@@ -205,8 +202,8 @@ Picture phase_plane(const Scenario& s, const Result& result) {
 }
 
 // Around the final target, as fast as the axis moves on its last way there.
-std::optional<std::array<Window, 2>> window_near_target(const Scenario& s, const Result& result) {
-  const double target_m = result.trace.back().target_m, upper_m = stick_sets(s).upper_m;
+std::optional<std::array<Window, 2>> window_near_target(const Axis& axis, const AxisResult& result) {
+  const double target_m = result.trace.back().target_m, upper_m = stick_sets(axis).upper_m;
   if (upper_m > 0.03 * window_of(result, &sil::Sample::position_m).width()) return std::nullopt;  // seen in the whole
   Window v{0, 0};
   for (const sil::Sample& x : result.trace) {
@@ -219,21 +216,21 @@ std::optional<std::array<Window, 2>> window_near_target(const Scenario& s, const
                     Window{v.least - margin_m_s, v.most + margin_m_s}};
 }
 
-Picture phase_plane_near_target(const Scenario& s, const Result& result, Window x, Window v) {
+Picture phase_plane_near_target(const Axis& axis, const AxisResult& result, Window x, Window v) {
   const std::string window = fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", number(x.least), number(x.most),
                                          number(v.least), number(v.most));
   return {"Phase plane near the target",
-          s.controller.pid ? "The same around the stick sets."
-                           : "The same around the stick sets: each kick gives the axis speed, and it slides to rest "
-                             "closer to the target.",
-          format::draw_svg("phase_near", format::width_px, 420, phase_plot(s, result, x, v, window))};
+          axis.controller.pid ? "The same around the stick sets."
+                              : "The same around the stick sets: each kick gives the axis speed, and it slides to rest "
+                                "closer to the target.",
+          format::draw_svg("phase_near", format::width_px, 420, phase_plot(axis, result, x, v, window))};
 }
 
-Picture kick_law(const Scenario& s, const Result& result) {
-  const auto& gains = *s.controller.impulsive;
+Picture kick_law(const Axis& axis, const AxisResult& result) {
+  const auto& gains = *axis.controller.impulsive;
   const auto law = design::K3<double>::make(
-      {s.plant.mass_kg, gains.stiffness_N_per_m, gains.kick_damping_Ns_per_m, s.friction.lower_N});
-  const double upper_m = s.friction.upper_N / gains.stiffness_N_per_m;
+      {axis.mass_kg, gains.stiffness_N_per_m, gains.kick_damping_Ns_per_m, axis.friction.bounds.lower_N});
+  const double upper_m = axis.friction.bounds.upper_N / gains.stiffness_N_per_m;
   std::vector<double> places;
   for (int i = -200; i <= 200; ++i) places.push_back(upper_m * i * std::abs(i) / 40000.0);
   std::string commands = format::plot_style +
@@ -259,16 +256,16 @@ Picture kick_law(const Scenario& s, const Result& result) {
       format::draw_svg("law", format::width_px, 400, commands + "\n")};
 }
 
-Picture friction_along(const Scenario& s, const Result& result) {
-  const double unit = s.friction.normal_force_N.value_or(1.0);
-  const double lower = s.friction.lower_N / unit, upper = s.friction.upper_N / unit;
+Picture friction_along(const Axis& axis, const AxisResult& result) {
+  const double unit = axis.friction.normal_force_N.value_or(1.0);
+  const double lower = axis.friction.bounds.lower_N / unit, upper = axis.friction.bounds.upper_N / unit;
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
   const std::string commands =
       format::plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
       series("friction", result, [&](const sil::Sample& x) { return x.friction_level_N / unit; }) +
       instants(result, true) + fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
       fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
-                  s.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
+                  axis.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
       fmt::format(
           "plot $friction using 1:2 with lines linestyle 1 title 'along the solution', {} with lines linestyle 4 "
           "title 'bounds', {} with lines linestyle 4 notitle, {} with lines linecolor '#bbbbbb' dashtype 3 title "
@@ -280,7 +277,7 @@ Picture friction_along(const Scenario& s, const Result& result) {
           format::draw_svg("friction", format::width_px, 380, commands)};
 }
 
-Picture kicks(const Result& result) {
+Picture kicks(const AxisResult& result) {
   int index = 0;
   const bool ideal = result.ideal.has_value();
   const std::string commands =
@@ -305,7 +302,7 @@ Picture kicks(const Result& result) {
       format::draw_svg("kicks", format::width_px, 360, commands)};
 }
 
-Picture bus_load(const Result& result) {
+Picture bus_load(const AxisResult& result, const sil::LoopFigures& loop) {
   // The first sample has no period before it.
   const auto share = [](const sil::Sample& x) { return x.time_s > 0 ? 100 * x.bus_load : std::nan(""); };
   const std::string commands = format::plot_style + series("load", result, share) +
@@ -313,24 +310,25 @@ Picture bus_load(const Result& result) {
                                "plot $load using 1:2 with lines linestyle 5 notitle\n";
   return {"Bus load",
           fmt::format("The share of each control period in which a frame is on the wire; {:.1f} % on average.",
-                      100 * result.loop->bus_load),
+                      100 * loop.bus_load),
           format::draw_svg("bus", format::width_px, 300, commands)};
 }
 
 }  // namespace
 
-std::vector<Picture> draw_pictures(const Scenario& s, const Result& result) {
-  std::vector<Picture> pictures{response(s, result)};
-  if (ever_off_target(result)) pictures.push_back(error_over_time(s, result));
-  pictures.push_back(phase_plane(s, result));
-  if (const auto near = window_near_target(s, result)) {
-    pictures.push_back(phase_plane_near_target(s, result, (*near)[0], (*near)[1]));
+std::vector<Picture> draw_pictures(const config::Node& node, const Axis& axis, const AxisResult& result) {
+  std::vector<Picture> pictures{response(axis, result)};
+  if (ever_off_target(result)) pictures.push_back(error_over_time(axis, judged_tolerance_m(node, axis), result));
+  pictures.push_back(phase_plane(axis, result));
+  if (const auto near = window_near_target(axis, result)) {
+    pictures.push_back(phase_plane_near_target(axis, result, (*near)[0], (*near)[1]));
   }
-  if (s.controller.impulsive) pictures.push_back(kick_law(s, result));
-  pictures.push_back(friction_along(s, result));
+  if (axis.controller.impulsive) pictures.push_back(kick_law(axis, result));
+  pictures.push_back(friction_along(axis, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));
-  if (result.loop) pictures.push_back(bus_load(result));
   return pictures;
 }
+
+Picture draw_bus_load(const sil::Result& result) { return bus_load(result.axes.front(), *result.loop); }
 
 }  // namespace breakaway::report

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "breakaway/scenario/scenario.hpp"
+#include "breakaway/config/node.hpp"
 #include "breakaway/sil/result.hpp"
 
 namespace breakaway::report {
@@ -15,7 +15,10 @@ struct Picture {
   std::string svg;
 };
 
-// Those for which the result holds something to see.
-std::vector<Picture> draw_pictures(const scenario::Scenario& scenario, const sil::Result& result);
+// The pictures of an axis for which its result holds something to see. Requires a recorded trace.
+std::vector<Picture> draw_pictures(const config::Node& node, const config::Axis& axis, const sil::AxisResult& result);
+
+// The bus is shared by all axes. Requires a recorded trace and result.loop.
+Picture draw_bus_load(const sil::Result& result);
 
 }  // namespace breakaway::report

@@ -136,6 +136,7 @@ ShapePtr read_shape(const Section& section) {
     if (kind == known.name) try {
         return known.read(section);
       } catch (const InputError& error) {
+        if (!error.file().empty()) throw;  // it names its place already
         section.fail("kind", fmt::format("= \"{}\": {}", *kind, error.what()));
       }
     names += (names.empty() ? "" : ", ") + std::string{known.name};

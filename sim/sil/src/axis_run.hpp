@@ -25,8 +25,7 @@ class AxisRun {
   AxisRun(const scenario::Scenario& s, std::size_t place, SimulatedNetwork& network, Loop& loop)
       : axis_{s.node.axes[place]},
         world_{s.worlds[place]},
-        mechanism_{{axis_.mass_kg, world_.friction, {0.0, world_.position_m, world_.velocity_m_s}},
-                   axis_.drive->invert_direction ? Mounting::inverted : Mounting::straight},
+        mechanism_{braked_slide(axis_, world_)},
         drive_{network.add_drive(*world_.drive, mechanism_)},
         loop_{loop},
         id_{*loop.axis(place)},

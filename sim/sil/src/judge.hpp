@@ -16,7 +16,10 @@ class Judge {
  public:
   // `run` and `slide` must outlive it.
   Judge(const scenario::Run& run, double tolerance_m, const motion::Slide& slide)
-      : run_{run}, tolerance_m_{tolerance_m}, slide_{slide}, reached_{{1e-3, 0}, {1e-4, 0}, {1e-5, 0}, {tolerance_m, 0}} {}
+      : run_{run},
+        tolerance_m_{tolerance_m},
+        slide_{slide},
+        reached_{{1e-3, 0}, {1e-4, 0}, {1e-5, 0}, {tolerance_m, 0}} {}
 
   void look(double time_s, double target_m) {
     error_m_ = slide_.state().position_m - target_m;

@@ -104,8 +104,7 @@ class LoopRun {
     figures.missed_ticks = loop_.statistics().missed_ticks();
     for (const Axis& axis : axes_) figures.missed_ticks += axis.periods_without_feedback();
     if (result_.duration_s > 0)
-      figures.bus_load =
-          hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
+      figures.bus_load = hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
     result_.loop = figures;
     for (Axis& axis : axes_) result_.axes.push_back(axis.finish(stepped_at()));
   }

@@ -32,8 +32,7 @@ void check_ideal(const scenario::Scenario& s, const config::Axis& axis) {
   const config::Controller& c = axis.controller;
   require(!axis.drive && !s.bus, "[loop] is missing: a scenario with a [drive] needs it");
   require(c.impulsive.has_value(), "[loop] is missing: a pid controller runs in a loop only, with a [drive]");
-  require(c.impulsive->kick == config::Kick::ideal,
-          "[controller] kick must be \"ideal\" in a scenario without [loop]");
+  require(c.impulsive->kick == config::Kick::ideal, "[controller] kick must be \"ideal\" in a scenario without [loop]");
   require(c.max_force_N == unlimited && c.max_approach_speed_m_s == unlimited && c.position_tolerance_m == 0,
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
@@ -43,10 +42,11 @@ void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
   const Requirements require{s, &axis};
   require(axis.drive.has_value(), "[drive] is missing: a scenario with a [loop] needs it");
   const double force_N = config::max_force_N(axis), friction_N = axis.friction.bounds.upper_N;
-  require(force_N > friction_N,
-          fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
-                      "move the axis",
-                      force_N, friction_N));
+  require(
+      force_N > friction_N,
+      fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
+                  "move the axis",
+                  force_N, friction_N));
   require(judged_tolerance_m(s.node, axis) > config::half_count_m(axis),
           "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach");
 }

@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/certificates.hpp"
+#include "parallel.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -78,71 +76,35 @@ std::size_t decide_row(Basin& basin, int row, Eigen::Index coordinates, const Ru
   return simulated;
 }
 
-// Rows go to whichever thread is free. The first failure ends all.
-class Workers {
- public:
-  Workers(Basin& basin, const RowDone& done) : basin_{basin}, done_{done} {}
-
-  template <class DecideRow>
-  void work(const DecideRow& decide_row) {
-    try {
-      for (int row = next_++; row < basin_.grid().points; row = next_++) {
-        if (!basin_.shard().owns(row)) continue;
-        const std::size_t simulated = decide_row(row);
-        const std::scoped_lock lock{mutex_};
-        simulated_ += simulated;
-        if (done_) done_(row, simulated_);
-      }
-    } catch (...) {
-      const std::scoped_lock lock{mutex_};
-      if (!failure_) failure_ = std::current_exception();
-      next_ = basin_.grid().points;
-    }
-  }
-
-  std::size_t finish() const {
-    if (failure_) std::rethrow_exception(failure_);
-    return simulated_;
-  }
-
- private:
-  Basin& basin_;
-  const RowDone& done_;
-  std::atomic<int> next_ = 0;
-  std::mutex mutex_;
-  std::exception_ptr failure_;
-  std::size_t simulated_ = 0;
-};
-
 template <int N, int M>
 std::size_t decide(Basin& basin, const scenario::MachineScenario& s, int threads, const RowDone& done) {
   const auto machine = stability::sized<N, M>(s.machine);
   const sil::Certificates certificates = sil::certify(s.machine);
   const sil::ProvenFate<N> fate{s.machine, certificates};
   const double end_s = horizon_s(s, certificates);
-  const bool exact = s.integrator == scenario::Integrator::event_driven;
-  const auto work_with = [&](Workers& workers, const auto& make) {
-    const auto integrator = make();  // each thread has its own
-    workers.work([&](int row) {
-      return decide_row<N>(basin, row, machine.coordinates(),
-                           [&](const hybrid::MachineState<N>& start) { return integrator.run(start, end_s); });
+  std::mutex mutex;
+  std::size_t simulated = 0;
+  const auto decide_with = [&](const auto& make_integrator) {
+    static_cast<void>(make_integrator());  // one that cannot take the machine says so here, before there are threads
+    in_parallel(static_cast<std::size_t>(basin.grid().points), threads, 1, [&](int) {
+      return [&, integrator = make_integrator()](std::size_t i) {
+        const int row = static_cast<int>(i);
+        if (!basin.shard().owns(row)) return;
+        const std::size_t decided =
+            decide_row<N>(basin, row, machine.coordinates(),
+                          [&](const hybrid::MachineState<N>& start) { return integrator.run(start, end_s); });
+        const std::scoped_lock lock{mutex};
+        simulated += decided;
+        if (done) done(row, simulated);
+      };
     });
   };
-  const auto event_driven = [&] { return hybrid::EventDriven<N, M>{machine, fate}; };
-  const auto time_stepping = [&] {
-    return hybrid::TimeStepping<N, M>{machine, {.step_s = s.step_s, .theta = s.theta}, fate};
-  };
-  // An integrator that cannot take the machine says so here, before there are threads.
-  exact ? static_cast<void>(event_driven()) : static_cast<void>(time_stepping());
-  Workers workers{basin, done};
-  {
-    std::vector<std::jthread> pool;
-    pool.reserve(static_cast<std::size_t>(threads));
-    for (int i = 0; i < threads; ++i) {
-      pool.emplace_back([&] { exact ? work_with(workers, event_driven) : work_with(workers, time_stepping); });
-    }
+  if (s.integrator == scenario::Integrator::event_driven) {
+    decide_with([&] { return hybrid::EventDriven<N, M>{machine, fate}; });
+  } else {
+    decide_with([&] { return hybrid::TimeStepping<N, M>{machine, {.step_s = s.step_s, .theta = s.theta}, fate}; });
   }
-  return workers.finish();
+  return simulated;
 }
 
 }  // namespace

@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
-#include <thread>
 
 #include "ball_prover.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "parallel.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -74,33 +71,6 @@ class CellProver {
   hybrid::MachineState<N> start_;
 };
 
-// All cells of one level, by whichever thread is free. The first failure ends all.
-template <class Prover>
-void prove_all(std::vector<Cell>& cells, std::vector<std::unique_ptr<Prover>>& provers) {
-  constexpr std::size_t at_a_time = 64;
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto work = [&](Prover& prover) {
-    try {
-      for (std::size_t first = next.fetch_add(at_a_time); first < cells.size(); first = next.fetch_add(at_a_time)) {
-        const std::size_t end = std::min(first + at_a_time, cells.size());
-        for (std::size_t i = first; i < end; ++i) prover.prove(cells[i]);
-      }
-    } catch (...) {
-      const std::scoped_lock lock{mutex};
-      if (!failure) failure = std::current_exception();
-      next = cells.size();
-    }
-  };
-  {
-    std::vector<std::jthread> pool;
-    pool.reserve(provers.size());
-    for (const auto& prover : provers) pool.emplace_back([&] { work(*prover); });
-  }
-  if (failure) std::rethrow_exception(failure);
-}
-
 std::vector<Cell> quartered(const std::vector<Cell>& cells) {
   std::vector<Cell> quarters;
   quarters.reserve(4 * cells.size());
@@ -124,7 +94,10 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
   std::vector<Cell> proved, open{{0, 0, 0, Fate::pending, Fate::pending}};
   std::size_t motions = 0;
   for (int level = 0; !open.empty(); ++level) {
-    prove_all(open, provers);
+    constexpr std::size_t cells_at_a_time = 64;
+    in_parallel(open.size(), threads, cells_at_a_time, [&](int thread) {
+      return [&open, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) { prover.prove(open[i]); };
+    });
     motions += open.size();
     std::vector<Cell> unproved;
     for (const Cell& cell : open) {

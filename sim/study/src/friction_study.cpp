@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <mutex>
 #include <thread>
 
 #include "breakaway/model/shapes.hpp"
-#include "breakaway/sil/run_bus_scenario.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
+#include "parallel.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -22,11 +21,11 @@ struct NamedLaw {
 };
 
 std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOptions& options) {
-  const law::FrictionBounds<double> bounds = scenario.friction.law.bounds();
+  const law::FrictionBounds<double> bounds = scenario.worlds.front().friction.bounds();
   std::vector<NamedLaw> laws{
       {"constant at the lower bound", {bounds, model::shape::constant(0)}},
       {"constant at the upper bound", {bounds, model::shape::constant(1)}},
-      {"of the scene", scenario.friction.law},
+      {"of the scenario", scenario.worlds.front().friction},
       {"static upper, kinetic lower", {bounds, model::shape::static_kinetic(1, 0)}},
   };
   for (int i = 0; i < options.random_laws; ++i) {
@@ -39,37 +38,13 @@ std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOpt
 }
 
 StudyRun run_one(scenario::Scenario scenario, const Start& start, const NamedLaw& law) {
-  scenario.plant.position_m = start.position_m;
-  scenario.plant.velocity_m_s = start.velocity_m_s;
-  scenario.friction.law = law.law;
-  sil::Result r = sil::run_bus_scenario(scenario, {});
+  scenario::AxisWorld& world = scenario.worlds.front();
+  world.position_m = start.position_m;
+  world.velocity_m_s = start.velocity_m_s;
+  world.friction = law.law;
+  sil::AxisResult r = std::move(sil::run_loop_scenario(scenario, {}).axes.front());
   return {law.name,      r.settled,      r.limit_cycle,        r.settling_time_s,  r.final_error_m,
           r.max_force_N, r.kicks.size(), std::move(r.reached), std::move(r.faults)};
-}
-
-// Runs job(0) .. job(count - 1) on several threads; rethrows the first exception.
-void in_parallel(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& job) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        job(i);
-      } catch (...) {
-        const std::scoped_lock lock{failure_mutex};
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> pool;
-    pool.reserve(threads);
-    for (unsigned i = 1; i < threads; ++i) pool.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 double time_or_infinity(const StudyRun& run) {
@@ -129,16 +104,18 @@ std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyO
   std::vector<StudyRow> rows;
   for (const Start& start : options.starts) rows.push_back({start, std::vector<StudyRun>(laws.size())});
   const std::size_t all = rows.size() * laws.size();
-  const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
+  const int threads = static_cast<int>(options.threads > 0 ? options.threads : processors);
   std::mutex progress_mutex;
   int done = 0;
-  in_parallel(all, threads, [&](std::size_t i) {
+  const auto run_place = [&](std::size_t i) {
     StudyRow& row = rows[i / laws.size()];
     const std::size_t law = i % laws.size();
     row.runs[law] = run_one(scenario, row.start, laws[law]);
     const std::scoped_lock lock{progress_mutex};
     if (options.progress) options.progress(++done, static_cast<int>(all));
-  });
+  };
+  in_parallel(all, threads, 1, [&](int) { return run_place; });
   return rows;
 }
 

@@ -1,7 +1,6 @@
 // FaultScope: what else stops when one axis of a node has a fault.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 namespace breakaway::firmware {
@@ -10,8 +9,5 @@ enum class FaultScope : std::uint8_t {
   axis,      // nothing: the other axes go on
   all_axes,  // every axis of the node, each with the fault "stopped with another axis"
 };
-
-// Characters of an axis' name.
-inline constexpr std::size_t longest_axis_name = 23;
 
 }  // namespace breakaway::firmware

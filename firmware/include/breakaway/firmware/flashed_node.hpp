@@ -21,6 +21,9 @@
 
 namespace breakaway::firmware {
 
+// In characters.
+inline constexpr std::size_t longest_axis_name = 23;
+
 // As text, with a zero behind it.
 struct AxisName {
   std::array<char, longest_axis_name + 1> characters{};

@@ -196,7 +196,7 @@ std::vector<IntegratorRow> measure_integrators(const Options& options) {
   return rows;
 }
 
-// The scene of section V: mu = 0.1 / (1 + |v| / 2) + 0.3 + 0.05 sin 4 t, k1 = 1, k21 = 0.5, k22 = 3, m = 1, g = 10.
+// The scenario of section V: mu = 0.1 / (1 + |v| / 2) + 0.3 + 0.05 sin 4 t, k1 = 1, k21 = 0.5, k22 = 3, m = 1, g = 10.
 std::vector<BallRow> measure_balls(bool quick) {
   const auto law = design::K3<double>::make({1, 1, 3, 2.5});
   const auto level_N = [](double t, double, double speed) {

@@ -46,8 +46,8 @@ void write_row(JsonWriter& json, const PeriodRow& row) {
   json.member("runs", row.runs);
   json.member("settled", row.settled);
 }
-void write_row(JsonWriter& json, const ScenePartRow& row) {
-  json.member("scene", row.scene);
+void write_row(JsonWriter& json, const ScenarioPartRow& row) {
+  json.member("scene", row.scenario);
   write_cost(json, row.second);
 }
 
@@ -69,7 +69,7 @@ std::string to_json(const Frontiers& f) {
     write_rows(json, "impulsive_time_stepping", f.balls);
     write_rows(json, "k3_evaluators", f.evaluators);
     write_rows(json, "control_periods", f.periods);
-    write_rows(json, "scene_parts", f.scene_parts);
+    write_rows(json, "scene_parts", f.scenario_parts);
   });
   return json.text();
 }

@@ -25,14 +25,14 @@ Frontiers measure(const Options& options) {
   f.evaluators = measure_evaluators(options);
   say("control periods");
   f.periods = measure_periods(options.quick);
-  say("parts of a scene");
-  f.scene_parts = measure_scene_parts(options);
+  say("parts of a scenario");
+  f.scenario_parts = measure_scenario_parts(options);
   return f;
 }
 
 std::vector<Work> all_works() {
   std::vector<Work> all;
-  for (const auto& works : {integrator_works(), evaluator_works(), scene_part_works()})
+  for (const auto& works : {integrator_works(), evaluator_works(), scenario_part_works()})
     all.insert(all.end(), works.begin(), works.end());
   return all;
 }

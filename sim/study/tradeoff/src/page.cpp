@@ -53,7 +53,7 @@ constexpr const char* advice =
 - **Control period: what can be guaranteed goes with its square.** Halving the period quarters the accuracy floor. Ask for the
   floor as the tolerance. Less is often reached, because the law learns from kicks that did not move the axis, but nothing
   guarantees it. Once the floor is below a count of the encoder, a shorter period buys nothing.
-- **A scene: name only what the question needs.** A question about the law alone needs neither drive nor bus. Constant friction
+- **A scenario: name only what the question needs.** A question about the law alone needs neither drive nor bus. Constant friction
   and a drive without lag keep the plant in closed form; friction that varies with speed or time, and a lag, must be
   integrated.
 
@@ -86,13 +86,13 @@ lifted a little, which halves the error of coarse tables, and its error is prove
 
 constexpr const char* about_periods = R"(## Control period
 
-The flashed law in `scenarios/can_axis.toml` from 0.1 m, under friction at both bounds, the scene's own law, static and kinetic
+The flashed law in `scenarios/can_axis.toml` from 0.1 m, under friction at both bounds, the scenario's own law, static and kinetic
 friction, and random laws. Floor: f_hi (f_hi - f_lo) / (2 m f_lo) T², the least move of a kick that is sure to move the axis.
 Tolerance and worst error in floors. Settled: at rest within the tolerance and one count, after at most 6 s.
 
 )";
 
-constexpr const char* about_scene_parts = R"(## Parts of a scene
+constexpr const char* about_scenario_parts = R"(## Parts of a scenario
 
 Cost of one simulated second with two moves, without setting up; time in units of the first row's, none where it drowns in that
 of setting up. Each row changes the one part that it names. The ideal law ends when it has arrived.
@@ -163,9 +163,9 @@ std::string periods(const Frontiers& f) {
                });
 }
 
-std::string scene_parts(const Frontiers& f) {
-  return table("scene | instructions | time", f.scene_parts,
-               [](const ScenePartRow& r) { return fmt::format("{} | {}", r.scene, cost(r.second)); });
+std::string scenario_parts(const Frontiers& f) {
+  return table("scenario | instructions | time", f.scenario_parts,
+               [](const ScenarioPartRow& r) { return fmt::format("{} | {}", r.scenario, cost(r.second)); });
 }
 
 IntegratorRow row_of(const Frontiers& f, const char* method, double step_s) {
@@ -191,7 +191,7 @@ std::string with_figures(std::string_view text, const Frontiers& f) {
 std::string to_page(const Frontiers& f) {
   return std::string{title} + (f.counted ? about_counts : about_ratios) + picture +
          with_figures(advice_on_integrators, f) + advice + about_integrators + integrators(f) + about_balls + balls(f) +
-         about_evaluators + evaluators(f) + about_periods + periods(f) + about_scene_parts + scene_parts(f);
+         about_evaluators + evaluators(f) + about_periods + periods(f) + about_scenario_parts + scenario_parts(f);
 }
 
 }  // namespace breakaway::tradeoff

@@ -12,11 +12,11 @@ std::vector<IntegratorRow> measure_integrators(const Options& options);
 std::vector<BallRow> measure_balls(bool quick);
 std::vector<EvaluatorRow> measure_evaluators(const Options& options);
 std::vector<PeriodRow> measure_periods(bool quick);
-std::vector<ScenePartRow> measure_scene_parts(const Options& options);
+std::vector<ScenarioPartRow> measure_scenario_parts(const Options& options);
 
 std::vector<Work> integrator_works();
 std::vector<Work> evaluator_works();
-std::vector<Work> scene_part_works();
+std::vector<Work> scenario_part_works();
 
 scenario::Scenario can_axis();
 

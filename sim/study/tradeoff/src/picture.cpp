@@ -118,7 +118,7 @@ std::string plot_periods(const Frontiers& f) {
   return block(
              "fine", f.periods, [&](const PeriodRow& r) { return at_floor(r) && fine(r); }, line) +
          block(
-             "scene", f.periods, [&](const PeriodRow& r) { return at_floor(r) && !fine(r); }, line) +
+             "scenario", f.periods, [&](const PeriodRow& r) { return at_floor(r) && !fine(r); }, line) +
          R"(
 set title 'Control period: worst error reached'
 set xlabel 'control period [ms]'
@@ -128,7 +128,7 @@ set format xy '%g'
 set xtics (0.5, 1, 2, 4)
 set xrange [0.4:5]
 plot $fine using 1:2 with linespoints linestyle 1 title 'fine encoder', \
-     $scene using 1:2 with linespoints linestyle 2 title 'encoder of 1 um', \
+     $scenario using 1:2 with linespoints linestyle 2 title 'encoder of 1 um', \
      $fine using 1:3 with lines linestyle 4 title 'accuracy floor'
 )";
 }

@@ -6,6 +6,7 @@
 
 #include "breakaway/drive_emulator/mechanism.hpp"
 #include "breakaway/motion/slide.hpp"
+#include "breakaway/scenario/scenario.hpp"
 
 namespace breakaway::sil {
 
@@ -55,5 +56,11 @@ class BrakedSlide final : public drive_emulator::Mechanism {
   double velocity_at_segment_start_m_s_ = 0;
   bool released_ = false;
 };
+
+// The axis as its drive moves it. Requires axis.drive.
+inline BrakedSlide braked_slide(const config::Axis& axis, const scenario::AxisWorld& world) {
+  return BrakedSlide{{axis.mass_kg, world.friction, {0.0, world.position_m, world.velocity_m_s}},
+                     axis.drive->invert_direction ? Mounting::inverted : Mounting::straight};
+}
 
 }  // namespace breakaway::sil

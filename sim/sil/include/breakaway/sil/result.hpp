@@ -1,4 +1,4 @@
-// What a scene gives: figures for people and scripts, and samples for pictures if they were asked for.
+// What a scenario gives: figures for people and scripts, and samples for pictures if they were asked for.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +56,7 @@ struct IdealFigures {
   std::size_t steps = 0;     // of the integrator
 };
 
-// Figures of scenes with a control loop on the bus.
+// Figures of scenarios with a control loop on the bus.
 struct LoopFigures {
   std::uint64_t ticks = 0;
   std::uint64_t missed_ticks = 0;  // periods without fresh feedback once the axis was enabled
@@ -84,7 +84,7 @@ struct AxisResult {
   std::vector<FaultRecord> faults;
   std::optional<IdealFigures> ideal;
   std::vector<Reached> reached;  // scenarios on the bus: 1 mm, 0.1 mm, 10 um and the tolerance that is judged
-  bool limit_cycle = false;      // scenarios on the bus: not settled, and set in motion again and again in the last second
+  bool limit_cycle = false;  // scenarios on the bus: not settled, and set in motion again and again in the last second
   std::vector<Sample> trace;
 };
 

@@ -1,4 +1,4 @@
-// A scene under the ideal law of [I]: continuous feedback, and an impulse at each instant of rest.
+// A scenario under the ideal law of [I]: continuous feedback, and an impulse at each instant of rest.
 #pragma once
 
 #include "breakaway/scenario/scenario.hpp"

@@ -1,4 +1,4 @@
-// The one way into the simulation: whatever the scene names is simulated, and nothing else.
+// The one way into the simulation: whatever the scenario names is simulated, and nothing else.
 #pragma once
 
 #include "breakaway/scenario/scenario.hpp"
@@ -6,11 +6,11 @@
 
 namespace breakaway::sil {
 
-// Throws InputError when parts of the scene are missing or do not fit together: what a simulation needs beyond what
+// Throws InputError when parts of the scenario are missing or do not fit together: what a simulation needs beyond what
 // read_scenario asks of every file.
 void require_complete(const scenario::Scenario& scenario);
 
-// Throws InputError as require_complete does, and when the scene cannot run on its bus.
+// Throws InputError as require_complete does, and when the scenario cannot run on its bus.
 Result run_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording);
 
 }  // namespace breakaway::sil

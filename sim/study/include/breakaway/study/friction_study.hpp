@@ -1,6 +1,6 @@
-// A study: one scene behind its drive, from several starts, under every friction law of a class.
+// A study: one axis behind its drive, from several starts, under every friction law of a class.
 //
-// The class holds the bounds of the scene and everything between them: constant friction at either bound, the scene's
+// The class holds the bounds of the axis and everything between them: constant friction at either bound, the scenario's
 // own law, static friction at the upper and kinetic friction at the lower bound, and seeded random laws that are
 // piecewise constant in time and change at every stick and slip.
 #pragma once
@@ -55,7 +55,7 @@ std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);
 std::size_t faulted_runs(const StudyRow& row);
 
-// Requires what run_bus_scenario requires. The scene's own start is not used.
+// Requires what run_loop_scenario requires, and a single axis. The scenario's own start is not used.
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options);
 
 }  // namespace breakaway::study

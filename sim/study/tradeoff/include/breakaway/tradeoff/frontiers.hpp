@@ -1,5 +1,5 @@
 // Speed against accuracy, measured: which integrator, which evaluator of k3, which control period, which parts of a
-// scene. NaN in a figure: not measured.
+// scenario. NaN in a figure: not measured.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +44,7 @@ struct EvaluatorRow {
   Cost call{};  // without what fetching an argument and storing the result cost
 };
 
-// The flashed law on the scene can_axis under a class of friction laws.
+// The flashed law on the scenario can_axis under a class of friction laws.
 struct PeriodRow {
   double period_s = 0;
   double floor_m = 0;        // f_hi (f_hi - f_lo) / (2 m f_lo) T^2
@@ -55,9 +55,9 @@ struct PeriodRow {
   std::size_t settled = 0;
 };
 
-// A scene with one part changed. Costs are those of one simulated second.
-struct ScenePartRow {
-  std::string scene;
+// A scenario with one part changed. Costs are those of one simulated second.
+struct ScenarioPartRow {
+  std::string scenario;
   Cost second{};
 };
 
@@ -68,7 +68,7 @@ struct Frontiers {
   std::vector<BallRow> balls;
   std::vector<EvaluatorRow> evaluators;
   std::vector<PeriodRow> periods;
-  std::vector<ScenePartRow> scene_parts;
+  std::vector<ScenarioPartRow> scenario_parts;
 };
 
 struct Options {
