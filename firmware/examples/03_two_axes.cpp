@@ -1,7 +1,7 @@
 // Example 3: run two axes on one bus, and lose the drive of one.
 //
-// One description holds the whole node: the loop, and for each axis its mass, friction, gains, drive and limits. As a
-// file it is what `breakaway simulate`, `breakaway design --header` (for a board) and `breakaway-node` (on Linux) read.
+// two_axes.toml describes the whole node: the loop, and for each axis its mass, friction, gains, drive and limits. The
+// same file goes to `breakaway simulate`, `breakaway design --header` (for a board) and `breakaway-node` (on Linux).
 // Here the loop is built from it by hand, so that the program can look inside.
 #include <chrono>
 #include <cmath>
@@ -18,29 +18,6 @@
 
 using namespace breakaway;
 
-constexpr const char* description = R"(
-[loop]
-period_s = 0.001
-fault_stops = "axis"    # what stops when one axis has a fault: that "axis", or "all"
-
-[bus]
-bit_rate = 1_000_000
-
-[[axis]]
-name = "x"
-plant = { mass_kg = 1 }
-friction = { lower_N = 2.5, upper_N = 4.5 }
-controller = { k1_N_per_m = 400, k21_Ns_per_m = 32, k22_Ns_per_m = 60, max_force_N = 50, position_tolerance_m = 2e-6 }
-drive = { node_id = 1, rated_torque_Nm = 1, max_torque_per_mille = 2000, force_per_torque_N_per_Nm = 25, encoder_resolution_m = 1e-6 }
-
-[[axis]]
-name = "y"
-plant = { mass_kg = 2.5 }
-friction = { lower_N = 6, upper_N = 9 }
-controller = { k1_N_per_m = 1000, k21_Ns_per_m = 80, k22_Ns_per_m = 150, max_force_N = 100, position_tolerance_m = 2e-6 }
-drive = { node_id = 2, rated_torque_Nm = 2, max_torque_per_mille = 2000, force_per_torque_N_per_Nm = 25, encoder_resolution_m = 1e-6 }
-)";
-
 using Port = sil::SimulatedNetwork::Port;
 using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float>;
 
@@ -54,12 +31,12 @@ void show(const char* name, const sil::BrakedSlide& axis, firmware::AxisFault fa
 }
 
 int main() try {
-  const scenario::Scenario scenario = scenario::parse_scenario(description, "03_two_axes");
+  const scenario::Scenario scenario = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/firmware/examples/two_axes.toml");
   const auto node = config::certified(scenario.node, config::examine(scenario.node));
 
   // The world: a bus with two emulated drives, and an axis behind each.
-  sil::BrakedSlide x{motion::Slide{1.0, scenario.worlds[0].friction, {}}};
-  sil::BrakedSlide y{motion::Slide{2.5, scenario.worlds[1].friction, {}}};
+  sil::BrakedSlide x = sil::braked_slide(scenario.node.axes[0], scenario.worlds[0]);
+  sil::BrakedSlide y = sil::braked_slide(scenario.node.axes[1], scenario.worlds[1]);
   x.release(0);
   y.release(0);
   sil::SimulatedNetwork network{*scenario.bus};
