@@ -46,7 +46,7 @@ std::string row(const Eigen::VectorXd& vector) {
 }
 
 // A scenario that shows the failure again.
-std::string scene(const stability::LinearMachine<>& m, const State& start, double end_s) {
+std::string scenario(const stability::LinearMachine<>& m, const State& start, double end_s) {
   return "[machine]\nmass = " + rows(m.mass) + "\ndamping = " + rows(m.damping) + "\nstiffness = " + rows(m.stiffness) +
          "\ndirections = " + rows(m.directions) + "\nfriction_N = " + row(m.friction_N) +
          "\n[start]\nq = " + row(start.q) + "\nv = " + row(start.v) + "\n[run]\nduration_s = " + std::to_string(end_s) +
@@ -128,7 +128,7 @@ TEST(AttractionCampaign, NoMotionLeavesItsCertificate) {
     } catch (const std::exception& error) {
       wrong = error.what();
     }
-    EXPECT_EQ(wrong, "") << "# machine " << number << "\n" << scene(t.machine, t.start, end_s);
+    EXPECT_EQ(wrong, "") << "# machine " << number << "\n" << scenario(t.machine, t.start, end_s);
   }
   std::printf("%ld machines, all certified, each followed from the border of its level\n", certified);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <set>
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
@@ -220,25 +219,44 @@ void check_force(const Section& section, const Axis& axis) {
                                           axis.controller.max_force_N, given_N));
 }
 
+void check_node_id(const Section& section, const Drive& drive, const Node& node) {
+  const unsigned id = drive.node_id;
+  if (node.loop && id == node.loop->node_id)
+    section.fail("node_id", fmt::format("is {}, as that of the [loop]; change one of them", id));
+  for (const Axis& other : node.axes) {
+    if (other.drive && other.drive->node_id == drive.node_id)
+      section.fail("node_id", fmt::format("is {}, as that of axis {}; give every drive its own", id, other.name));
+  }
+}
+
 // The tables of one axis: the whole file, or an entry of [[axis]].
 struct AxisTables {
   std::optional<Section> plant, friction, controller, drive, limits;
 
   std::vector<Key> rows() {
     const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
-    return {required("plant", keep(plant)), required("friction", keep(friction)),
-            required("controller", keep(controller)), optional("drive", keep(drive)), optional("limits", keep(limits))};
+    return {optional("plant", keep(plant)), optional("friction", keep(friction)),
+            optional("controller", keep(controller)), optional("drive", keep(drive)), optional("limits", keep(limits))};
   }
 
-  Axis read(std::string name, std::size_t place, bool sampled, const FileRows& others) const {
+  // The next axis of the node. A table that is missing is missed only after those before it were read, so that a
+  // misspelt key in the first table is what an unfinished file is told of.
+  Axis read(const Section& parent, std::string name, const Node& node, const FileRows& others) const {
+    const auto need = [&](const std::optional<Section>& part, const char* key) -> const Section& {
+      if (!part) parent.fail(key, "is missing; give it a table");
+      return *part;
+    };
+    const bool sampled = node.loop.has_value();
+    const std::size_t place = node.axes.size();
     Axis axis;
     axis.name = std::move(name);
     const AxisRows also = others.axis ? others.axis(place) : AxisRows{};
-    plant->read(std::vector<Key>{required("mass_kg", number(axis.mass_kg, "kg", positive))} + also.plant);
-    axis.controller = read_controller(*controller, sampled, also.controller);
+    need(plant, "plant").read(std::vector<Key>{required("mass_kg", number(axis.mass_kg, "kg", positive))} + also.plant);
+    axis.friction = read_friction(need(friction, "friction"), axis.mass_kg, also.friction);
+    axis.controller = read_controller(need(controller, "controller"), sampled, also.controller);
     if (drive) axis.drive = read_drive(*drive, place, also.drive);
+    if (drive) check_node_id(*drive, *axis.drive, node);
     if (limits) axis.limits = read_limits(*limits);
-    axis.friction = read_friction(*friction, axis.mass_kg, also.friction);
     check_force(*controller, axis);
     if (axis.controller.impulsive) check_gains(*controller, *axis.controller.impulsive, axis.mass_kg, sampled);
     if (limits) check_limits(*limits, axis);
@@ -259,20 +277,6 @@ std::string read_name(const Section& section, std::string name, const std::vecto
   return name;
 }
 
-void check_node_ids(const Section& section, const Node& node) {
-  std::set<unsigned> taken;
-  for (const Axis& axis : node.axes) {
-    if (!axis.drive) continue;
-    const unsigned id = axis.drive->node_id;
-    if (node.loop && id == node.loop->node_id)
-      section.fail("loop", fmt::format("has node_id {}, which is also that of the drive of axis {}; change one of them",
-                                       id, axis.name));
-    if (!taken.insert(id).second)
-      section.fail("axis", fmt::format("{}: its [drive] node_id {} is that of an axis above; give every drive its own",
-                                       axis.name, id));
-  }
-}
-
 void check_period(const Section& section, const Loop& loop) {
   if (cia402::interpolation_period(loop.period)) return;
   section.fail("period_s", "is not 1 to 255 times 1 s, 0.1 s, ... or 1 us, which drives need (60C2h); round it");
@@ -280,14 +284,13 @@ void check_period(const Section& section, const Loop& loop) {
 
 // [[axis]] entries, or the file itself as one axis.
 void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRows& others) {
-  const bool sampled = node.loop.has_value();
-  if (!root.has("axis")) return node.axes.push_back(alone.read("axis", 0, sampled, others));
+  if (!root.has("axis")) return node.axes.push_back(alone.read(root, "axis", node, others));
   root.read(optional("axis", tables([&](const Section& entry) {
                        AxisTables tables;
                        std::string name;
                        entry.read(tables.rows() + std::vector<Key>{required("name", text(name))});
                        name = read_name(entry, std::move(name), node.axes);
-                       node.axes.push_back(tables.read(std::move(name), node.axes.size(), sampled, others));
+                       node.axes.push_back(tables.read(entry, std::move(name), node, others));
                      })));
   if (node.axes.size() > most_axes)
     root.fail("axis",
@@ -328,7 +331,6 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
               others.run);
   read_axes(root, node, alone, others);
   read_bus(bus, node, others.bus);
-  check_node_ids(root, node);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
   return node;
 }

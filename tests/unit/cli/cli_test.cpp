@@ -89,15 +89,15 @@ TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
   EXPECT_FALSE(fs::exists(path("a")));
 }
 
-TEST_F(Command, NamesWhatASceneOnTheBusLacks) {
+TEST_F(Command, NamesWhatAScenarioOnTheBusLacks) {
   const std::string can_axis = content(scenarios + "can_axis.toml");
   const auto without = [&](const std::string& line) {
     std::string text = can_axis;
     return scenario(text.erase(text.find(line), line.size()));
   };
   for (const char* command : {"simulate ", "study --laws 0 "}) {
-    expect_refused(command + without("max_force_N = 50\n"), {"axis.toml", "[controller] max_force_N", "missing"});
-    expect_refused(command + without("settle_tolerance_m = 3e-6\n"), {"axis.toml", "[run] settle_tolerance_m"});
+    expect_refused(command + without("[run]\nduration_s = 30\nsettle_tolerance_m = 3e-6\nsettle_time_s = 0.2\n"),
+                   {"axis.toml", "[run]", "missing"});
     expect_refused(command + without("[loop]\nperiod_s = 0.001\n"), {"axis.toml", "[loop]", "missing"});
   }
 }
@@ -107,16 +107,15 @@ TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
     std::string text = content(scenarios + "can_axis.toml");
     return scenario(text.replace(text.find(from), from.size(), to));
   };
-  for (const auto& file : {with("max_force_N = 50", "max_force_N = 4"),
-                           with("max_torque_per_mille = 2000", "max_torque_per_mille = 100")}) {
-    const Ended ended = run("design " + file);
-    EXPECT_EQ(ended.exit_code, 1) << ended.err;
-    EXPECT_NE(ended.out.find("force_breaks_away"), std::string::npos);
-  }
+  const Ended weak = run("design " + with("max_force_N = 50", "max_force_N = 4"));
+  EXPECT_EQ(weak.exit_code, 1) << weak.err;
+  EXPECT_NE(weak.out.find("force_breaks_away"), std::string::npos);
+  expect_refused("design " + with("max_torque_per_mille = 2000", "max_torque_per_mille = 100"),
+                 {"axis.toml", "max_force_N is 50", "gives 2.5 N"});
   expect_refused("simulate " + with("max_force_N = 50", "max_force_N = 4"), {"axis.toml", "max_force_N", "4", "4.5"});
 }
 
-TEST_F(Command, NamesTheMissingPartOfAScene) {
+TEST_F(Command, NamesTheMissingPartOfAScenario) {
   const std::string axis =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n"
       "[controller]\nk1_N_per_m = 1\nk21_Ns_per_m = 0.5\nk22_Ns_per_m = 3\n";
@@ -203,6 +202,57 @@ TEST_F(Command, KeepsTheContractOfTheAxisOnCan) {
   EXPECT_LE(std::fabs(figure(ended.out, "final_error_m")), 3e-6);
   EXPECT_LE(figure(ended.out, "max_force_N"), 50);
   EXPECT_TRUE(content(path("can.log")).starts_with("(0000000000."));
+}
+
+// The bus of three axes: every figure of an axis stands beside its name.
+TEST_F(Command, KeepsTheContractOfSeveralAxes) {
+  const Ended ended = run("simulate " + scenarios + "three_axes.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(ended.out.starts_with("{\n  \"title\": \"Three axes on one bus\",\n  \"settled\": true"));
+  EXPECT_EQ(figure(ended.out, "missed_ticks"), 0);
+  const std::vector<std::pair<std::string, double>> tolerances{
+      {"gantry", 2.5e-6}, {"slide", 2.5e-6}, {"table", 2.5e-5}};
+  for (const auto& [name, tolerance_m] : tolerances) {
+    const auto at = ended.out.find("{\"name\": \"" + name + "\", \"settled\": true");
+    ASSERT_NE(at, std::string::npos) << name;
+    const std::string axis = ended.out.substr(at);
+    expect_keys(axis, {"settling_time_s", "final_error_m", "max_force_N", "kicks", "faults"});
+    EXPECT_LE(std::fabs(figure(axis, "final_error_m")), tolerance_m) << name;
+  }
+}
+
+TEST_F(Command, DesignsEveryAxisAndWritesNoHeaderUnlessAllAreCertified) {
+  const Ended good = run("design " + scenarios + "three_axes.toml --json - --header " + path("good.hpp"));
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  expect_keys(good.out, {"certified", "axes", "name", "checks", "accuracy_floor_m"});
+  EXPECT_NE(content(path("good.hpp")).find("FlashedNode<float, 3> node"), std::string::npos);
+
+  std::string text = content(scenarios + "three_axes.toml");
+  text.replace(text.find("position_tolerance_m = 2e-5"), 27, "position_tolerance_m = 1e-5");
+  const Ended bad = run("design " + scenario(text) + " --header " + path("bad.hpp"));
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.err.find("axis table: not certified"), std::string::npos) << bad.err;
+  EXPECT_FALSE(fs::exists(path("bad.hpp")));
+}
+
+TEST_F(Command, RefusesAxesThatContradictOneAnother) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "three_axes.toml");
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  for (const char* command : {"simulate ", "design "}) {
+    expect_refused(command + with("node_id = 2", "node_id = 1"), {"axis.toml:36", "node_id", "gantry"});
+    expect_refused(command + with("\"slide\"", "\"gantry\""), {"axis.toml:", "name", "gantry"});
+    expect_refused(command + with("period_s = 0.001", "period_s = 0.0005"), {"axis.toml", "bus", "us", "period"});
+  }
+  expect_refused("study " + scenarios + "three_axes.toml", {"--axis"});
+  expect_refused("study --axis z " + scenarios + "three_axes.toml", {"\"z\"", "gantry, slide, table"});
+}
+
+TEST_F(Command, StudiesOneAxisOfSeveral) {
+  const Ended ended = run("study --laws 4 --start 0.05 0 --axis slide " + scenarios + "three_axes.toml --json -");
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(figure(ended.out, "settled"), 8);
 }
 
 TEST_F(Command, KeepsTheContractOfDesign) {

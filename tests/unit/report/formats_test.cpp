@@ -21,10 +21,22 @@ TEST(Candump, WritesTheLogFormatOfCanUtils) {
 
 TEST(Csv, HasAHeaderAndOneLineASample) {
   Result result;
-  result.trace = {{.time_s = 0.5, .position_m = -0.25, .force_N = 3}};
+  result.axes.emplace_back().trace = {{.time_s = 0.5, .position_m = -0.25, .force_N = 3}};
   EXPECT_EQ(to_csv(result),
             "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n"
             "0.5,-0.25,0,0,3,0,0,approach\n");
+}
+
+TEST(Csv, NamesTheAxisOfEachSampleWhereThereAreSeveral) {
+  Result result;
+  for (const char* name : {"x", "y"}) {
+    result.axes.push_back({.name = name, .kicks = {}, .faults = {}, .ideal = {}, .reached = {}, .trace = {}});
+    result.axes.back().trace = {{.time_s = 0.5}};
+  }
+  EXPECT_EQ(to_csv(result),
+            "axis,time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n"
+            "x,0.5,0,0,0,0,0,0,approach\n"
+            "y,0.5,0,0,0,0,0,0,approach\n");
 }
 
 }  // namespace

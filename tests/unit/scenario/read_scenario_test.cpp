@@ -144,7 +144,9 @@ TEST(ReadScenario, NamesEveryKeyThatIsSpoilt) {
       const auto equals = line.find(" = ");
       if (line.starts_with('#') || line.starts_with('[') || equals == std::string::npos) continue;
       const std::string key = line.substr(0, equals);
-      const bool is_text = line[equals + 3] == '"';
+      const char first = line[equals + 3];
+      if (first == '{') continue;  // a table, of which every key may be optional
+      const bool is_text = first == '"';
       for (const std::string& other : {key + "x" + line.substr(equals), key + " = nan", key + " = {}", key + " = [[]]",
                                        key + (is_text ? " = 1" : " = \"1\""), key + " = 1979-05-27"}) {
         const std::string message = refusal(with(text, '\n' + line + '\n', '\n' + other + '\n'));
@@ -164,35 +166,39 @@ TEST(ReadScenario, RefusesAFileThatIsNotThere) {
 
 TEST(ReadScenario, TakesCharactersBeyondAsciiInStringsAndComments) {
   const std::string title = "title = \"Schlitten \\\" \u00b5 # gr\u00f6\u00dfer\" # \u00b5 'm\n";
-  EXPECT_EQ(parse_scenario("\xEF\xBB\xBF" + title + sound, "axis.toml").title,
+  EXPECT_EQ(parse_scenario("\xEF\xBB\xBF" + title + sound, "axis.toml").node.title,
             "Schlitten \" \u00b5 # gr\u00f6\u00dfer");
 }
+
+const breakaway::config::Friction& friction(const Scenario& s) { return s.node.axes.front().friction; }
 
 TEST(ReadScenario, TakesCoefficientsOrNewtons) {
   const Scenario newtons = parse_scenario(sound, "");
   const Scenario coefficients = parse_scenario(
       with(with(sound, "lower_N = 2.5", "gravity_m_s2 = 10\nmu_lower = 0.25"), "upper_N = 4.5", "mu_upper = 0.45"), "");
-  EXPECT_DOUBLE_EQ(coefficients.friction.lower_N, newtons.friction.lower_N);
-  EXPECT_DOUBLE_EQ(coefficients.friction.upper_N, newtons.friction.upper_N);
-  EXPECT_FALSE(newtons.friction.normal_force_N.has_value());
+  EXPECT_DOUBLE_EQ(friction(coefficients).bounds.lower_N, friction(newtons).bounds.lower_N);
+  EXPECT_DOUBLE_EQ(friction(coefficients).bounds.upper_N, friction(newtons).bounds.upper_N);
+  EXPECT_FALSE(friction(newtons).normal_force_N.has_value());
 }
 
 TEST(ReadScenario, ReadsTheExamplesFrictionLaw) {
   const Scenario s = read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/impulsive_example.toml");
   const auto mu = [](double t, double v) { return 0.1 / (1 + 0.5 * v) + 0.3 + 0.05 * std::sin(4 * t); };
   for (const double t : {0.0, 0.3, 2.0}) {
-    for (const double v : {0.0, 0.5, 7.0}) EXPECT_NEAR(s.friction.law.level_N(t, 0, v), 10 * mu(t, v), 1e-14);
+    for (const double v : {0.0, 0.5, 7.0})
+      EXPECT_NEAR(s.worlds.front().friction.level_N(t, 0, v), 10 * mu(t, v), 1e-14);
   }
 }
 
 TEST(ReadScenario, NamesOnlyThePartsThatTheFileNames) {
   const Scenario ideal = parse_scenario(sound, "");
   EXPECT_TRUE(ideal.ideal());
-  EXPECT_FALSE(ideal.drive || ideal.bus);
+  EXPECT_FALSE(ideal.node.axes.front().drive || ideal.worlds.front().drive || ideal.bus);
   const Scenario bus = parse_scenario(sound + "[loop]\nperiod_s = 0.001\n" + drive, "");
-  EXPECT_TRUE(bus.loop && bus.drive && bus.bus);
-  EXPECT_EQ(bus.drive->rated_torque_mNm, 1000u);
-  EXPECT_EQ(bus.controller.impulsive->kick, breakaway::scenario::Kick::two_phase);
+  const breakaway::config::Axis& axis = bus.node.axes.front();
+  EXPECT_TRUE(bus.node.loop && axis.drive && bus.worlds.front().drive && bus.bus);
+  EXPECT_EQ(axis.drive->rated_torque_mNm, 1000u);
+  EXPECT_EQ(axis.controller.impulsive->kick, breakaway::config::Kick::two_phase);
 }
 
 TEST(ReadScenario, AcceptsEveryScenarioOfTheProject) {

@@ -16,8 +16,12 @@ namespace {
 
 using breakaway::scenario::read_scenario;
 using breakaway::scenario::Scenario;
-using breakaway::sil::Result;
+using breakaway::sil::AxisResult;
 using breakaway::sil::run_ideal_scenario;
+
+AxisResult run_ideal(const Scenario& s, const breakaway::sil::RecordingOptions& recording = {}) {
+  return run_ideal_scenario(s, recording).axes.front();
+}
 
 Scenario example() { return read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/impulsive_example.toml"); }
 
@@ -45,9 +49,9 @@ void expect_relative(double value, double expected, const std::string& what) {
   EXPECT_NEAR(value, expected, 1e-9 * std::fabs(expected)) << what;
 }
 
-TEST(IdealScene, AgreesWithTheIndependentComputationOfTheExample) {
+TEST(IdealScenario, AgreesWithTheIndependentComputationOfTheExample) {
   const Reference expected = reference();
-  const Result result = run_ideal_scenario(example(), {});
+  const AxisResult result = run_ideal(example());
   ASSERT_TRUE(result.settled);
   expect_relative(result.ideal->t1_s, expected.figures.at("t1_s"), "t1");
   expect_relative(result.ideal->t2_s, expected.figures.at("t2_s"), "t2");
@@ -64,28 +68,28 @@ TEST(IdealScene, AgreesWithTheIndependentComputationOfTheExample) {
   }
 }
 
-TEST(IdealScene, EndsOnTheCertificateAtTheResolutionOfTime) {
-  const Result result = run_ideal_scenario(example(), {});
+TEST(IdealScenario, EndsOnTheCertificateAtTheResolutionOfTime) {
+  const AxisResult result = run_ideal(example());
   EXPECT_LT(result.ideal->t_inf_width_s, 1e-15);  // one ulp of 4.9 s is 8.9e-16
   EXPECT_LT(std::fabs(result.final_error_m), 1e-29);
   EXPECT_LE(result.ideal->t_inf_s, result.ideal->bound_s);
 }
 
 // Friction at its lower bound is what k3 is computed for: one kick, and only the rounding of that is left.
-TEST(IdealScene, NeedsOneKickUnderTheLeastFriction) {
-  Scenario scene = example();
-  scene.plant.position_m = -1;
-  scene.plant.velocity_m_s = 0;
-  scene.friction.law = {{2.5, 4.5}, breakaway::model::shape::constant(0)};
-  const Result result = run_ideal_scenario(scene, {});
+TEST(IdealScenario, NeedsOneKickUnderTheLeastFriction) {
+  Scenario s = example();
+  s.worlds.front().position_m = -1;
+  s.worlds.front().velocity_m_s = 0;
+  s.worlds.front().friction = {{2.5, 4.5}, breakaway::model::shape::constant(0)};
+  const AxisResult result = run_ideal(s);
   ASSERT_TRUE(result.settled);
   ASSERT_GE(result.kicks.size(), 2u);
   EXPECT_LT(std::fabs(result.kicks[1].error_m), 1e-12);
 }
 
-TEST(IdealScene, RecordsATraceOnlyOnRequestAndWithoutChangingTheResult) {
-  const Result bare = run_ideal_scenario(example(), {});
-  const Result traced = run_ideal_scenario(example(), {.trace = true});
+TEST(IdealScenario, RecordsATraceOnlyOnRequestAndWithoutChangingTheResult) {
+  const AxisResult bare = run_ideal(example());
+  const AxisResult traced = run_ideal(example(), {.trace = true});
   EXPECT_TRUE(bare.trace.empty());
   ASSERT_GT(traced.trace.size(), 1000u);
   EXPECT_EQ(traced.kicks.size(), bare.kicks.size());
@@ -96,29 +100,29 @@ TEST(IdealScene, RecordsATraceOnlyOnRequestAndWithoutChangingTheResult) {
   }
 }
 
-TEST(IdealScene, HasSettledWhenItStartsAtRestOnTheTarget) {
-  Scenario scene = example();
-  scene.plant.position_m = scene.plant.velocity_m_s = 0;
-  const Result result = run_ideal_scenario(scene, {});
+TEST(IdealScenario, HasSettledWhenItStartsAtRestOnTheTarget) {
+  Scenario s = example();
+  s.worlds.front().position_m = s.worlds.front().velocity_m_s = 0;
+  const AxisResult result = run_ideal(s);
   EXPECT_TRUE(result.settled);
   EXPECT_EQ(result.ideal->t_inf_s, 0);
   EXPECT_TRUE(result.kicks.empty());
 }
 
-TEST(IdealScene, DoesNotClaimToHaveSettledWhenTimeRunsOut) {
-  Scenario scene = example();
-  scene.run->duration_s = 4;
-  const Result result = run_ideal_scenario(scene, {});
+TEST(IdealScenario, DoesNotClaimToHaveSettledWhenTimeRunsOut) {
+  Scenario s = example();
+  s.run->duration_s = 4;
+  const AxisResult result = run_ideal(s);
   EXPECT_FALSE(result.settled);
   EXPECT_TRUE(std::isnan(result.settling_time_s));
-  EXPECT_DOUBLE_EQ(result.duration_s, 4);
+  EXPECT_DOUBLE_EQ(run_ideal_scenario(s, {}).duration_s, 4);
 }
 
-TEST(IdealScene, FollowsATargetThatChangesOnTheWayAndAfterSettling) {
-  Scenario scene = example();
-  scene.controller.target_m = 1;
-  scene.controller.targets = {{.time_s = 2, .position_m = 0.5}, {.time_s = 12, .position_m = -3}};
-  const Result result = run_ideal_scenario(scene, {});
+TEST(IdealScenario, FollowsATargetThatChangesOnTheWayAndAfterSettling) {
+  Scenario s = example();
+  s.node.axes.front().controller.target_m = 1;
+  s.node.axes.front().controller.targets = {{.time_s = 2, .position_m = 0.5}, {.time_s = 12, .position_m = -3}};
+  const AxisResult result = run_ideal(s);
   ASSERT_TRUE(result.settled);
   EXPECT_NEAR(result.final_error_m, 0, 1e-14);  // the resolution of positions near -3 m
   EXPECT_GT(result.ideal->t_inf_s, 12);
@@ -126,11 +130,11 @@ TEST(IdealScene, FollowsATargetThatChangesOnTheWayAndAfterSettling) {
 }
 
 // The law promises a finite time for every friction within the bounds: random dwell laws, seeded.
-TEST(IdealScene, SettlesWithinTheBoundUnderRandomFriction) {
+TEST(IdealScenario, SettlesWithinTheBoundUnderRandomFriction) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    Scenario scene = example();
-    scene.friction.law = {{2.5, 4.5}, breakaway::model::shape::random_dwell({.seed = seed})};
-    const Result result = run_ideal_scenario(scene, {});
+    Scenario s = example();
+    s.worlds.front().friction = {{2.5, 4.5}, breakaway::model::shape::random_dwell({.seed = seed})};
+    const AxisResult result = run_ideal(s);
     ASSERT_TRUE(result.settled) << "seed " << seed;
     EXPECT_LE(result.ideal->t_inf_s, result.ideal->bound_s) << "seed " << seed;
   }

@@ -25,7 +25,7 @@ CertifiedRegion region_of(const scenario::MachineScenario& s, const Window& wind
   return study::certify_region(s, sil::certify(s.machine), window, threads);
 }
 
-scenario::MachineScenario scene_of(const stability::LinearMachine<>& machine) {
+scenario::MachineScenario scenario_of(const stability::LinearMachine<>& machine) {
   scenario::MachineScenario s;
   s.file = "random";
   s.machine = machine;
@@ -98,7 +98,7 @@ TEST(CertifiedRegion, HoldsForRandomMachines) {
   std::mt19937_64 random{37};
   for (int trial = 0; trial < 30; ++trial) {
     const Eigen::Index n = 1 + trial % 3;
-    const auto s = scene_of(stability::random_theorem_1_system(random, n, n));
+    const auto s = scenario_of(stability::random_theorem_1_system(random, n, n));
     const auto certificates = sil::certify(s.machine);
     const std::array<int, 2> plane{0, static_cast<int>(n)};
     const double width = study::fitting_half_width(s.machine, certificates.attractivity, plane);
