@@ -42,8 +42,8 @@ class TravelEquation {
                        mass_kg;
   }
 
-  // What rounding leaves of an acceleration: of the forces that it is the difference of, and of time in the friction
-  // law.
+  // Rounding leaves an acceleration uncertain by this, because of the forces that it is the difference of, and of time
+  // in the friction law.
   double resolution_m_s2() const { return resolution_m_s2_; }
 
   double acceleration(double tau_s, double distance_m, double speed_m_s) const {
@@ -116,8 +116,8 @@ Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, doubl
   return {step.converged, step.state[E], end, step.suggested_step / rate};
 }
 
-// One motion from its start until the duration is over, the law's edge is reached, or it comes to rest: chooses the
-// variable of each step. A refused step only changes the step that is tried next.
+// Flight follows one motion from its start until the duration is over, the law's edge is reached, or it comes to rest,
+// and chooses the variable of each step. A refused step only changes the step that is tried next.
 class Flight {
  public:
   enum class State { goes_on, over, at_edge, at_rest };

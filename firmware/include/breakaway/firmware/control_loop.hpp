@@ -85,7 +85,7 @@ constexpr std::string_view to_string(AxisError error) noexcept {
   return "unknown axis error";
 }
 
-// What one axis did in the last step: for logs and displays.
+// Says what one axis did in the last step, for logs and displays.
 template <class Scalar>
 struct AxisStatus {
   hal::DriveFeedback<Scalar> feedback{};
@@ -94,7 +94,7 @@ struct AxisStatus {
   bool running = false;  // enabled and under control
 };
 
-// Not for use by several threads at once. Axes are named by the AxisId that add_axis() gives: a call with one of
+// The loop is for one thread. Axes are named by the AxisId that add_axis() gives: a call with one of
 // another loop, or of an axis that was refused, changes nothing.
 template <hal::CanPort Port, class Drive, class Controller, class Scalar, std::size_t MaxAxes = 8>
 requires BusDrive<Drive, Scalar> && AxisLaw<Controller, Scalar>
@@ -122,8 +122,9 @@ class ControlLoop {
         statistics_{config.network.period},
         heartbeat_{config.network.node_id, config.network.heartbeat_period} {}
 
-  // Before the first step. The drive is made for this loop's network and the controller's scale, so that nothing is
-  // said twice. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop the axis.
+  // Takes an axis in; to be called before the first step. The drive is made for this loop's network and the
+  // controller's scale, so that nothing is said twice. A limits.feedback_timeout of 0 means two and a half periods, so
+  // that two samples lost in a row stop the axis.
   AddedAxis add_axis(const typename Drive::Config& drive, const Controller& controller,
                      AxisLimits<Scalar> limits) noexcept {
     if (count_ == MaxAxes) return {{}, AxisError::no_room};
@@ -137,7 +138,7 @@ class ControlLoop {
     return {AxisId{count_++}};
   }
 
-  // Whether this many axes at this rate fit the bus; the figures are in canopen::bus_budget().
+  // Says whether this many axes at this rate fit the bus; canopen::bus_budget() gives the figures.
   canopen::BusFit check_bus() const noexcept {
     return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.network.period, config_.network.bit_rate);
   }
@@ -181,11 +182,11 @@ class ControlLoop {
     constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
     Axis* const a = find(id);
     if (a == nullptr) return;
-    move_target(*a, static_cast<std::int32_t>(
-                        law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
+    move_target(*a,
+                static_cast<std::int32_t>(law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
   }
 
-  // One period. `now` is the time at which the step starts; nothing in it waits.
+  // Does the work of one period. `now` is the time at which the step starts; nothing in it waits.
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
@@ -291,7 +292,7 @@ class ControlLoop {
            (was_running || feedback.fresh);
   }
 
-  // One axis with a fault stops all that are wanted.
+  // When one axis has a fault, all that are wanted are stopped.
   void stop_together(hal::Time now) noexcept {
     bool any = false;
     for (std::size_t i = 0; i < count_; ++i) any = any || axes_[i]->status.fault != AxisFault::none;

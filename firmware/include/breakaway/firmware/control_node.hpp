@@ -34,7 +34,7 @@ class ControlNode {
     if (verdict_.ok()) add_axes(loop_, node);
   }
 
-  // What keeps the node from running, if anything does: then step() does nothing, and the bus stays silent.
+  // Returns what keeps the node from running. If anything does, step() does nothing and the bus stays silent.
   NodeVerdict verdict() const noexcept { return verdict_; }
 
   // Once a period.

@@ -21,10 +21,10 @@
 
 namespace breakaway::firmware {
 
-// In characters.
+// This many characters are in an axis' name at most.
 inline constexpr std::size_t longest_axis_name = 23;
 
-// As text, with a zero behind it.
+// Holds the name as text with a zero behind it.
 struct AxisName {
   std::array<char, longest_axis_name + 1> characters{};
 
@@ -155,7 +155,8 @@ struct ChecksumVisitor {
 
 }  // namespace internal
 
-// Over every number of the node but the checksum itself, and of the axes that are there: the room for more is no fact.
+// Counts every number of the node but the checksum itself. Of the axes it counts those that are there, because how many
+// more there is room for says nothing about the node.
 template <class Scalar, std::size_t Axes>
 constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes>& node) noexcept {
   internal::ChecksumVisitor visit;
@@ -225,7 +226,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
-  // To the rounding of the scalar type.
+  // The two periods may differ by the rounding of the scalar type.
   const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
   if (!(difference_s <= Scalar(1e-6) * p.period_s && -difference_s <= Scalar(1e-6) * p.period_s))
     return NodeError::period_differs;
@@ -240,7 +241,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
 
 }  // namespace internal
 
-// What a controller asks before it moves anything. Written so that a NaN is refused.
+// A controller asks this before it moves anything. The comparisons are written so that a NaN is refused.
 template <class Scalar, std::size_t Axes>
 constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
   if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};

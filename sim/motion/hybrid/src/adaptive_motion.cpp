@@ -99,7 +99,7 @@ AdaptiveStep::Trial AdaptiveStep::step_in_time(double step_s) {
   return {step.converged, step_s, step.state.head(k), step.state.tail(k), step.suggested_step};
 }
 
-// To zero speed of this direction; the speed takes the place of the time.
+// Steps to zero speed of this direction; the speed takes the place of the time.
 AdaptiveStep::Trial AdaptiveStep::step_to_stop(Index direction) {
   const Index k = u0_.size();
   const double from_m_s = speed_m_s_[direction], rate = rate_m_s2_[direction], step_s = from_m_s / -rate;

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-// As motion::Slide: an excess for less than 2^-24 of the laws' scale of time is passed over.
+// As in motion::Slide, an excess for less than 2^-24 of the laws' scale of time is passed over.
 constexpr int scan_depth = 24;
 
 // The shortest of the machine's own scales of time.

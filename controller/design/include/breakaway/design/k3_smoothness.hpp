@@ -1,4 +1,4 @@
-// How smooth the impulse law is: what a bound on its interpolation error needs.
+// The derivatives of the impulse law are bounded here, which a bound on its interpolation error needs.
 #pragma once
 
 #include <vector>

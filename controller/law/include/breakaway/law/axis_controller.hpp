@@ -186,8 +186,8 @@ class AxisController {
     return pulse(-p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v);
   }
 
-  // One period of the pulse; after its last one the coast begins, blind for as long as samples show the time before its
-  // end.
+  // Gives one period of the pulse. After the last one the coast begins, which is blind for as long as samples show the
+  // time before the end of the pulse.
   ControlOutput<Scalar> pulse(Scalar feedback_N) noexcept {
     const ControlOutput<Scalar> now = output(kick_force_N_ + feedback_N);
     if (--periods_left_ == 0) {

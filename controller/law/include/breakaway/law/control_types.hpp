@@ -1,4 +1,4 @@
-// What every controller of this room takes and gives, once a period.
+// Every controller of this room takes a Measurement once a period, and gives a ControlOutput.
 #pragma once
 
 #include <cmath>

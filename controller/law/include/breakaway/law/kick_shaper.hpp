@@ -50,7 +50,7 @@ class KickShaper {
     return plan(table, distance_m, -table.impulse_Ns(distance_m), speed_m_s, least_force_N);
   }
 
-  // The same for a caller who has looked up impulse_Ns = |k3(distance_m)| before.
+  // Does the same for a caller who has looked up impulse_Ns = |k3(distance_m)| before.
   Kick<Scalar> plan(const K3Table<Scalar>& table, Scalar distance_m, Scalar impulse_Ns, Scalar speed_m_s,
                     Scalar least_force_N) const noexcept {
     const Scalar feedback_N = std::min(p_.stiffness_N_per_m * distance_m, p_.max_force_N);

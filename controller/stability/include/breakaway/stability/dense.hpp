@@ -19,7 +19,7 @@ struct SymmetricEigen {
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// The same without the vectors.
+// These give the values alone, which takes less time.
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a);
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 

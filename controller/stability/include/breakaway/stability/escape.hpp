@@ -14,7 +14,8 @@
 
 namespace breakaway::stability {
 
-// One unstable mode. Lost is every state with |z| > level, where z = (real + i imaginary) . (q, q').
+// An EscapeLevel stands for one unstable mode. Every state with |z| > level is lost, where z = (real + i imaginary) .
+// (q, q').
 struct EscapeLevel {
   Eigen::VectorXd real, imaginary;  // w, 2n each, |w| = 1
   double growth_rate;               // s_r > 0 [1/s]

@@ -33,7 +33,7 @@ Matrix inverse(const Matrix& a);
 // Nothing for a matrix that is singular to rounding.
 std::optional<Matrix> inverse_if_regular(const Matrix& a);
 
-// As dense::Span.
+// This is dense::Span in extended precision.
 struct Span {
   Matrix basis, complement;
 

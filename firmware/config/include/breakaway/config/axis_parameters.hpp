@@ -1,4 +1,5 @@
-// From a node's description to the parameters of the control law, in the scalar type that it computes in.
+// These functions turn a node's description into the parameters of the control law, in the scalar type that it computes
+// in.
 #pragma once
 
 #include "breakaway/config/node.hpp"

@@ -1,4 +1,5 @@
-// From a node's description to what is flashed, and to the C++ header that an image is compiled with.
+// These functions turn a node's description into what is flashed, and into the C++ header that an image is compiled
+// with.
 #pragma once
 
 #include <cstddef>
@@ -28,8 +29,8 @@ using AnyNode = firmware::FlashedNode<Real, most_axes>;
 template <class Real>
 AnyNode<Real> flashed(const Node& node);
 
-// The same, certified, under its checksum. Throws InputError as require_certified(), and when firmware::verify() finds
-// something else.
+// Returns the node certified and under its checksum, as it is flashed. Throws InputError as require_certified(), and
+// when firmware::verify() refuses the node for another reason.
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
 
 // The header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace breakaway::flashed, after

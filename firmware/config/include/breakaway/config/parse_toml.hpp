@@ -26,7 +26,7 @@ inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::str
   }
 }
 
-// As toml::parse, after a byte order mark, if any. Throws toml::parse_error and InputError.
+// Does what toml::parse does, after a byte order mark if there is one. Throws toml::parse_error and InputError.
 //
 // toml++ 3.3 runs into undefined behaviour on some characters beyond ASCII where white space may stand (fixed upstream
 // after 3.4). A text that has any is therefore parsed with question marks in their place first: neither keys nor

@@ -16,12 +16,12 @@
 
 namespace breakaway::config {
 
-// What else may stand in the tables of an axis: rows of another reader.
+// These rows of another reader say what else may stand in the tables of an axis.
 struct AxisRows {
   std::vector<Key> plant, friction, controller, drive;
 };
 
-// And in the rest of the file.
+// And these say what else may stand in the rest of the file.
 struct FileRows {
   std::vector<Key> root, loop, bus, run;
   // Called once for each axis, from 0; what it gives is read before the next call.
@@ -37,7 +37,7 @@ FileRows passed_over();
 Node read_node(const std::filesystem::path& file);
 Node parse_node(std::string_view text, const std::string& name);
 
-// The same of a document that was parsed by parse_toml(). `others` is read in the order of the file's tables.
+// Reads a document that parse_toml() has parsed. `others` is read in the order of the file's tables.
 Node read_node(const toml::table& document, const std::string& name, const FileRows& others);
 
 // Throws InputError with the figures, and the least period that would do, when the axes do not fit the bus. A node

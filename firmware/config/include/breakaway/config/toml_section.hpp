@@ -34,7 +34,7 @@ struct Entry {
   std::string_view key;
 };
 
-// What a key may hold. `take` stores the value, or returns false when it does not fit `expects`.
+// Says what a key may hold. `take` stores the value, or returns false when it does not fit `expects`.
 struct Value {
   std::string expects;
   std::function<bool(const Entry&)> take;
@@ -60,7 +60,7 @@ Value numbers(std::vector<double>& to, std::string_view unit, Range range = {});
 Value table(std::function<void(const Section&)> read);
 Value tables(std::function<void(const Section&)> read_entry);  // an array of tables
 
-// One of the names of `choices`.
+// The key must hold one of the names of `choices`.
 template <class T>
 Value choice(T& to, std::vector<std::pair<std::string_view, T>> choices) {
   std::string names;

@@ -1,4 +1,4 @@
-// What a debugger reads of a node that does not run: a sentence, and the axis that it is about.
+// A debugger reads this of a node that does not run: a sentence, and the axis that it is about.
 #pragma once
 
 #include <cstdint>
