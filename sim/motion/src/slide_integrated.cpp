@@ -89,7 +89,7 @@ struct Trial {
   double suggested_s;
 };
 
-// A step in time.
+// Takes a step in time.
 Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s) {
   const double speed_floor = equation.resolution_m_s2() * step_s;
   equation.forget_range();
@@ -98,7 +98,7 @@ Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, dou
   return {step.converged, tau_s + step_s, step.state, step.suggested_step};
 }
 
-// A step to exactly y[E] = target, by exchange of the independent variable.
+// Takes a step to exactly y[E] = target, by exchange of the independent variable.
 template <std::size_t E>
 Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, double target) {
   const double rate = E == speed ? equation.acceleration(tau_s, y[distance], y[speed]) : y[speed];

@@ -63,7 +63,7 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
 
 // clang-format on
 
-// Why an axis is not taken into a loop.
+// Says why an axis is not taken into a loop.
 enum class AxisError : std::uint8_t {
   none,
   no_room,
@@ -143,7 +143,7 @@ class ControlLoop {
     return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.network.period, config_.network.bit_rate);
   }
 
-  // The axis that was added at this place, for a caller who has a number only.
+  // Returns the axis that was added at this place, for a caller who has a number only.
   std::optional<AxisId> axis(std::size_t index) const noexcept {
     if (index < count_) return AxisId{index};
     return {};
@@ -172,12 +172,13 @@ class ControlLoop {
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
-  // The target as an encoder count: exact at any distance from zero, in any scalar type. May be called at any time.
+  // Sets the target as an encoder count, which is exact at any distance from zero, in any scalar type. May be called at
+  // any time.
   void set_target_counts(AxisId id, std::int32_t counts) noexcept {
     if (Axis* const a = find(id)) move_target(*a, counts);
   }
 
-  // The target in metres, rounded to the nearest encoder count.
+  // Sets the target in metres, rounded to the nearest encoder count.
   void set_target_m(AxisId id, Scalar target_m) noexcept {
     constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
     Axis* const a = find(id);
@@ -269,7 +270,7 @@ class ControlLoop {
     a.drive.command(a.status.output.force_N);
   }
 
-  // True: the axis is enabled and may be given force in this period.
+  // Returns true when the axis is enabled and may be given force in this period.
   bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
     const std::uint16_t emergency_code = new_emergency(a);
     if (feedback.state == hal::DriveState::unusable) {
@@ -316,7 +317,7 @@ class ControlLoop {
     }
   }
 
-  // The code of an EMCY message that came since the last step.
+  // Returns the code of an EMCY message that came since the last step.
   static std::uint16_t new_emergency(Axis& a) noexcept {
     const bool is_new = a.drive.emcy_count() != a.emergencies_seen;
     a.emergencies_seen = a.drive.emcy_count();

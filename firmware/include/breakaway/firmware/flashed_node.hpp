@@ -47,7 +47,7 @@ struct FlashedAxis {
   constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
 };
 
-// Axes: room for so many, 1..8; the first `count` of them are there.
+// There is room for `Axes` axes, 1..8, and the first `count` of them are there.
 template <class Scalar, std::size_t Axes>
 struct FlashedNode {
   LoopConfig loop{};
@@ -58,15 +58,15 @@ struct FlashedNode {
   static constexpr std::size_t capacity = Axes;
 };
 
-// The axes that are there.
+// Returns the axes that are there.
 template <class Node>
 constexpr auto present_axes(Node& node) noexcept {
   return std::span{node.axes}.first(node.count < Node::capacity ? node.count : Node::capacity);
 }
 
-// The numbers of a node, one line each: what is counted into the checksum, written into the header and spoiled in the
-// tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items, body)
-// for an array. Node: a FlashedNode, or a const one.
+// Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
+// in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items,
+// body) for an array. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
 constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.group("loop", [&] {
@@ -213,7 +213,7 @@ struct NodeVerdict {
   constexpr bool ok() const noexcept { return error == NodeError::none; }
 };
 
-// The period as the law counts it.
+// Returns the period as the law counts it.
 template <class Scalar>
 constexpr Scalar period_s(const LoopConfig& loop) noexcept {
   return static_cast<Scalar>(loop.network.period.count()) * Scalar(1e-9);

@@ -59,7 +59,7 @@ class CommandedPort {
   void purge_transmit_queue() noexcept { port_->purge_transmit_queue(); }
   hal::BusState bus_state() const noexcept { return port_->bus_state(); }
 
-  // The newest command, if one came since the last call. axis: below MaxAxes.
+  // Returns the newest command, if one came since the last call. `axis` must be below MaxAxes.
   std::optional<MotionCommand> take_command(std::size_t axis) noexcept {
     return std::exchange(commands_[axis], std::nullopt);
   }

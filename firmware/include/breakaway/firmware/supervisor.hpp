@@ -102,7 +102,7 @@ class Supervisor {
     allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
   }
 
-  // Once a period while the axis is meant to be enabled. Returns the latched fault.
+  // To be called once a period while the axis is meant to be enabled. Returns the latched fault.
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
@@ -112,7 +112,7 @@ class Supervisor {
     return fault_;
   }
 
-  // The first fault stays; code: 603Fh or the EMCY error code, 0 if none.
+  // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.
   void latch(AxisFault fault, std::uint16_t code, hal::Time now) noexcept {
     if (fault == AxisFault::none || fault_ != AxisFault::none) return;
     fault_ = fault;

@@ -141,7 +141,7 @@ DirectionSet AdaptiveStep::stopped_at_start() const {
   return stopped;
 }
 
-// -1: none slows down.
+// Returns -1 when none slows down.
 AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   Index next = -1;
   double least_s = unlimited;
@@ -155,7 +155,7 @@ AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   return next;
 }
 
-// All that have stopped together with this one.
+// Returns all directions that have stopped together with this one.
 DirectionSet AdaptiveStep::stops_with(const Trial& trial, Index direction) const {
   DirectionSet stopped = only(direction);
   for (Index i = 0; i < speed_m_s_.size(); ++i) {

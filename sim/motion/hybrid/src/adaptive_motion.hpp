@@ -10,7 +10,7 @@ namespace breakaway::hybrid {
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Why a step ended where it did.
+// Says why a step ended where it did.
 struct Ending {
   enum class Kind { none, time, stop, limit, edge };
   Kind kind = Kind::none;

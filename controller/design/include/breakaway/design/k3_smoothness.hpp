@@ -1,4 +1,4 @@
-// The derivatives of the impulse law are bounded here, which a bound on its interpolation error needs.
+// The fourth derivative of the impulse law is bounded here, as a bound on its interpolation error needs it.
 #pragma once
 
 #include <vector>

@@ -66,7 +66,7 @@ class KickShaper {
   void limit_force(Scalar force_N) noexcept { p_.max_force_N = force_N; }
 
  private:
-  // Divided once, at construction.
+  // The divisions are done once, at construction.
   struct Response {
     Scalar c_s{};              // g[n] / h[n]
     Scalar force_per_speed{};  // 1 / h[n] in N s/m

@@ -22,8 +22,8 @@ struct EscapeLevel {
   double level;                     // b / s_r, rounded up
 };
 
-// Those of all modes that grow faster than rounding can tell from standing still; none for a stable machine. The
-// proof is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of w and s.
+// Returns the levels of all modes that grow faster than rounding can tell from standing still; none for a stable
+// machine. The proof is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of w and s.
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system);
 
 }  // namespace breakaway::stability

@@ -22,7 +22,7 @@ struct MachineState {
   Eigen::Matrix<double, N, 1> v;  // their rates
 };
 
-// No constant force: zero where the size is known, else an empty vector, which means the same.
+// Returns what stands for no constant force: zero where the size is known, else an empty vector, which means the same.
 template <int N>
 Eigen::Matrix<double, N, 1> no_force() {
   if constexpr (N == Eigen::Dynamic) return {};
@@ -72,8 +72,8 @@ void require_well_formed(const LinearMachine<>& machine);
 // Asks, besides, for a mass that is symmetric and positive definite, without which nothing can be simulated.
 void require_valid(const LinearMachine<>& machine);
 
-// Equal to its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far larger than their
-// sum.
+// Says whether a matrix equals its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far
+// larger than their sum.
 bool symmetric(const Eigen::MatrixXd& matrix);
 
 // The least eigenvalue of a symmetric matrix that is scaled to a unit diagonal, so that no unit of length or mass makes

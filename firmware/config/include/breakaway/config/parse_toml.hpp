@@ -1,4 +1,4 @@
-// TOML text to a table, around a flaw of the parser.
+// parse_toml() turns TOML text into a table, and keeps a flaw of the parser from doing harm.
 #pragma once
 
 #include <fmt/format.h>
@@ -44,7 +44,7 @@ inline toml::table parse_toml(std::string_view text, std::string_view name) {
   return toml::parse(text);
 }
 
-// use(document) for the document that the text is. Throws InputError for a text that is none.
+// Returns use(document) for the document that the text is. Throws InputError for a text that is none.
 template <class Use>
 auto with_document(std::string_view text, const std::string& name, Use use) {
   try {

@@ -88,12 +88,12 @@ class Section {
   // Reads one row, whatever else is there: for a key that decides which others are valid.
   void read(const Key& row) const;
 
-  // The section of a nested table, as [outer.inner].
+  // Returns the section of a nested table, as [outer.inner].
   Section nested(const toml::table& inner, std::string_view key) const;
 
   bool has(std::string_view key) const { return table_->contains(key); }
 
-  // The text under `key` if there is any: for a key that decides which other keys are valid.
+  // Returns the text under `key` if there is any, for a key that decides which other keys are valid.
   std::optional<std::string_view> word(std::string_view key) const { return (*table_)[key].value<std::string_view>(); }
 
   // Throws InputError with the place of `key` here, or of the section if it is absent.

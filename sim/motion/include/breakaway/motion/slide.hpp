@@ -51,7 +51,7 @@ class Slide {
   // or in the past.
   StopReason advance_to(double time_s, const model::AppliedForce& force, bool stop_at_rest = false);
 
-  // The velocity jump (8): impulse / mass. Throws InputError unless finite.
+  // Makes the velocity jump (8), impulse / mass. Throws InputError unless finite.
   void apply_impulse(double impulse_Ns);
 
   const SlideState& state() const { return state_; }

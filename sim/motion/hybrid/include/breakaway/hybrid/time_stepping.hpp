@@ -49,11 +49,11 @@ class TimeStepping {
   explicit TimeStepping(const LinearMachine<N, M>& machine, TimeSteppingOptions options = {},
                         EarlyDecision<N> decision = {});
 
-  // Empty, or why the results for this theta may be wrong.
+  // Says why the results for this theta may be wrong; empty if they are right.
   const std::string& warning() const { return warning_; }
   double step_s() const { return step_s_; }
 
-  // Impulses of the step before, where the search for those of the next step begins.
+  // The search for the impulses of a step begins at those of the step before.
   struct Memory {
     Eigen::Matrix<double, M, 1> impulse_Ns;
     bool sticks = false;  // all directions did
@@ -76,7 +76,7 @@ class TimeStepping {
 
   void solve(const Impulses& sliding_m_s, Memory& memory) const;
 
-  // That which would stop direction i.
+  // Returns the impulse that would stop direction i.
   double wanted_Ns(const Impulses& sliding_m_s, const Impulses& p, Eigen::Index i) const {
     return p[i] - own_mass_kg_[i] * (sliding_m_s[i] + coupling_.row(i).dot(p));
   }
