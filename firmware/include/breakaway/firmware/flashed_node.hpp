@@ -21,10 +21,10 @@
 
 namespace breakaway::firmware {
 
-// In characters.
+// This many characters are in an axis' name at most.
 inline constexpr std::size_t longest_axis_name = 23;
 
-// As text, with a zero behind it.
+// Holds the name as text with a zero behind it.
 struct AxisName {
   std::array<char, longest_axis_name + 1> characters{};
 
@@ -47,7 +47,7 @@ struct FlashedAxis {
   constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
 };
 
-// Axes: room for so many, 1..8; the first `count` of them are there.
+// There is room for `Axes` axes, 1..8, and the first `count` of them are there.
 template <class Scalar, std::size_t Axes>
 struct FlashedNode {
   LoopConfig loop{};
@@ -58,15 +58,15 @@ struct FlashedNode {
   static constexpr std::size_t capacity = Axes;
 };
 
-// The axes that are there.
+// Returns the axes that are there.
 template <class Node>
 constexpr auto present_axes(Node& node) noexcept {
   return std::span{node.axes}.first(node.count < Node::capacity ? node.count : Node::capacity);
 }
 
-// The numbers of a node, one line each: what is counted into the checksum, written into the header and spoiled in the
-// tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items, body)
-// for an array. Node: a FlashedNode, or a const one.
+// Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
+// in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items,
+// body) for an array. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
 constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.group("loop", [&] {
@@ -155,7 +155,8 @@ struct ChecksumVisitor {
 
 }  // namespace internal
 
-// Over every number of the node but the checksum itself, and of the axes that are there: the room for more is no fact.
+// Counts every number of the node but the checksum itself. Of the axes it counts those that are there, because how many
+// more there is room for says nothing about the node.
 template <class Scalar, std::size_t Axes>
 constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes>& node) noexcept {
   internal::ChecksumVisitor visit;
@@ -212,7 +213,7 @@ struct NodeVerdict {
   constexpr bool ok() const noexcept { return error == NodeError::none; }
 };
 
-// The period as the law counts it.
+// Returns the period as the law counts it.
 template <class Scalar>
 constexpr Scalar period_s(const LoopConfig& loop) noexcept {
   return static_cast<Scalar>(loop.network.period.count()) * Scalar(1e-9);
@@ -225,7 +226,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
-  // To the rounding of the scalar type.
+  // The two periods may differ by the rounding of the scalar type.
   const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
   if (!(difference_s <= Scalar(1e-6) * p.period_s && -difference_s <= Scalar(1e-6) * p.period_s))
     return NodeError::period_differs;
@@ -240,7 +241,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
 
 }  // namespace internal
 
-// What a controller asks before it moves anything. Written so that a NaN is refused.
+// A controller asks this before it moves anything. The comparisons are written so that a NaN is refused.
 template <class Scalar, std::size_t Axes>
 constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
   if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};
