@@ -64,6 +64,59 @@ constexpr auto present_axes(Node& node) noexcept {
   return std::span{node.axes}.first(node.count < Node::capacity ? node.count : Node::capacity);
 }
 
+namespace internal {
+
+template <class Drive, class Visitor>
+constexpr void visit_drive(Drive& drive, Visitor& visit) {
+  visit.value("node_id", drive.node_id, "");
+  visit.value("force_per_torque_N_per_Nm", drive.force_per_torque_N_per_Nm, "N/(N m)");
+  visit.value("heartbeat_period", drive.heartbeat_period, "ns");
+  visit.value("heartbeat_timeout", drive.heartbeat_timeout, "ns");
+  visit.value("sdo_timeout", drive.sdo_timeout, "ns");
+  visit.value("invert_direction", drive.invert_direction, "");
+}
+
+template <class Limits, class Visitor>
+constexpr void visit_limits(Limits& limits, Visitor& visit) {
+  visit.value("position_min_m", limits.position_min_m, "m");
+  visit.value("position_max_m", limits.position_max_m, "m");
+  visit.value("speed_m_s", limits.speed_m_s, "m/s");
+  visit.value("force_N", limits.force_N, "N");
+  visit.value("following_error_m", limits.following_error_m, "m");
+  visit.value("feedback_timeout", limits.feedback_timeout, "ns");
+}
+
+template <class Parameters, class Visitor>
+constexpr void visit_law(Parameters& p, Visitor& visit) {
+  visit.value("mass_kg", p.mass_kg, "kg");
+  visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
+  visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
+  visit.value("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22");
+  visit.group("friction", [&] {
+    visit.value("lower_N", p.friction.lower_N, "N");
+    visit.value("upper_N", p.friction.upper_N, "N");
+  });
+  visit.value("max_force_N", p.max_force_N, "N");
+  visit.value("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s");
+  visit.value("position_tolerance_m", p.position_tolerance_m, "m");
+  visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
+  visit.value("period_s", p.period_s, "s");
+  visit.value("latency_periods", p.latency_periods, "");
+  visit.value("kick_shape", p.kick_shape, "");
+}
+
+template <class Table, class Visitor>
+constexpr void visit_table(Table& table, Visitor& visit) {
+  visit.value("root_max", table.root_max, "sqrt(m)");
+  visit.value("nodes_per_root", table.nodes_per_root, "1/sqrt(m)");
+  visit.list("nodes", table.nodes, [&](auto& k3) {
+    visit.value("value", k3.value, "");
+    visit.value("slope", k3.slope, "");
+  });
+}
+
+}  // namespace internal
+
 // Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
 // in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items,
 // body) for an array. Node: a FlashedNode, or a const one.
@@ -82,48 +135,10 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.value("count", node.count, "");
   visit.list("axes", present_axes(node), [&](auto& axis) {
     visit.value("name", axis.name, "");
-    visit.group("drive", [&] {
-      visit.value("node_id", axis.drive.node_id, "");
-      visit.value("force_per_torque_N_per_Nm", axis.drive.force_per_torque_N_per_Nm, "N/(N m)");
-      visit.value("heartbeat_period", axis.drive.heartbeat_period, "ns");
-      visit.value("heartbeat_timeout", axis.drive.heartbeat_timeout, "ns");
-      visit.value("sdo_timeout", axis.drive.sdo_timeout, "ns");
-      visit.value("invert_direction", axis.drive.invert_direction, "");
-    });
-    visit.group("limits", [&] {
-      visit.value("position_min_m", axis.limits.position_min_m, "m");
-      visit.value("position_max_m", axis.limits.position_max_m, "m");
-      visit.value("speed_m_s", axis.limits.speed_m_s, "m/s");
-      visit.value("force_N", axis.limits.force_N, "N");
-      visit.value("following_error_m", axis.limits.following_error_m, "m");
-      visit.value("feedback_timeout", axis.limits.feedback_timeout, "ns");
-    });
-    visit.group("law", [&] {
-      auto& p = axis.law;
-      visit.value("mass_kg", p.mass_kg, "kg");
-      visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
-      visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
-      visit.value("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22");
-      visit.group("friction", [&] {
-        visit.value("lower_N", p.friction.lower_N, "N");
-        visit.value("upper_N", p.friction.upper_N, "N");
-      });
-      visit.value("max_force_N", p.max_force_N, "N");
-      visit.value("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s");
-      visit.value("position_tolerance_m", p.position_tolerance_m, "m");
-      visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
-      visit.value("period_s", p.period_s, "s");
-      visit.value("latency_periods", p.latency_periods, "");
-      visit.value("kick_shape", p.kick_shape, "");
-    });
-    visit.group("k3_table", [&] {
-      visit.value("root_max", axis.k3_table.root_max, "sqrt(m)");
-      visit.value("nodes_per_root", axis.k3_table.nodes_per_root, "1/sqrt(m)");
-      visit.list("nodes", axis.k3_table.nodes, [&](auto& k3) {
-        visit.value("value", k3.value, "");
-        visit.value("slope", k3.slope, "");
-      });
-    });
+    visit.group("drive", [&] { internal::visit_drive(axis.drive, visit); });
+    visit.group("limits", [&] { internal::visit_limits(axis.limits, visit); });
+    visit.group("law", [&] { internal::visit_law(axis.law, visit); });
+    visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
     visit.value("certified", axis.certified, "");
   });
 }
