@@ -13,7 +13,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/simulated_network.hpp"
 
 using namespace breakaway;
