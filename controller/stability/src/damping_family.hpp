@@ -23,13 +23,13 @@ class DampingFamily {
  public:
   DampingFamily(const ActuatedSystem& system, const Actuation& actuation, Split split, double unit_Ns_per_m);
 
-  // The subspace can be made invariant.
+  // Says whether the subspace can be made invariant.
   bool exists() const { return exists_; }
 
   // The lowest g >= 0 that some gain reaches, in the unit, without more gain than it takes.
   double least_limit() const;
 
-  // F2 of the least norm for the limit -g.
+  // Returns the F2 of least norm for the limit -g.
   Eigen::MatrixXd least_gain(double limit) const;
 
  private:

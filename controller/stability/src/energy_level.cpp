@@ -14,7 +14,7 @@ using dense::symmetric_part;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Those below zero, without what rounding may have made negative.
+// Returns the eigenvalues below zero, without those that rounding may have made negative.
 VectorXd negative(const VectorXd& values) {
   const double zero = 1e-15 * static_cast<double>(values.size()) * values.cwiseAbs().maxCoeff();
   return (values.array() < -zero).select(values, 0);

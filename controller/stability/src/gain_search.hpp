@@ -10,7 +10,7 @@
 
 namespace breakaway::stability {
 
-// Relative: what separates a limit that is asked of the solver from the one that is wanted.
+// A limit that is asked of the solver is apart from the one that is wanted by this share of it.
 constexpr double reserve = 1e-6;
 // Where damping must not be negative it is asked to be above zero by this share of the size of C.
 constexpr double damping_reserve = 1e-3;
@@ -21,19 +21,19 @@ using Accepts = std::function<bool(const LinearMachine<>&)>;
 // The largest |q_i| in E; infinite unless the stiffness is symmetric and positive definite.
 double resting_error_m(const LinearMachine<>& system);
 
-// F1 with resting_error_m of the closed loop at most `wanted_m`, finite.
+// Returns an F1 for which resting_error_m() of the closed loop is at most `wanted_m`, which is finite.
 Eigen::MatrixXd full_position_gain(const ActuatedSystem& system, double wanted_m);
 Eigen::MatrixXd identical_position_gain(const ActuatedSystem& system, double wanted_m);
 
-// F2 with a closed loop that is accepted; `everywhere` says that only B = everything is.
+// Returns an F2 for which the closed loop is accepted; `everywhere` says that only B = everything is.
 Eigen::MatrixXd full_velocity_gain(const ActuatedSystem& system, bool everywhere, const Accepts& accepts);
 Eigen::MatrixXd identical_velocity_gain(const ActuatedSystem& system, const Accepts& accepts);
 
 // The size of C; of a machine without damping a small part of sqrt(M K).
 double damping_unit_Ns_per_m(const LinearMachine<>& machine);
 
-// An argument that is accepted, close above one that is not: grown from `first` > 0 in decades, then bisected. NaN when
-// none up to 1e12 times `first` is.
+// Returns an argument that is accepted, close above one that is not: grown from `first` > 0 in decades, then bisected.
+// NaN when none up to 1e12 times `first` is.
 double least_accepted(double first, const std::function<bool(double)>& accepts);
 
 }  // namespace breakaway::stability

@@ -74,7 +74,7 @@ VectorXd variables(const std::string& result, Index count) {
 
 VectorXd minimised(const LmiProblem& problem) {
   const std::string result = sdpa_result(sparse_format(problem));
-  // The others mean: infeasible, unbounded, or given up before x was feasible.
+  // The other answers mean that the problem is infeasible or unbounded, or that SDPA gave up before x was feasible.
   const std::string found = phase(result);
   if (found != "pdOPT" && found != "pdFEAS" && found != "pFEAS") {
     throw InputError{"the solver sdpa found no solution of the linear matrix inequalities (" + found + ")"};

@@ -1,4 +1,4 @@
-// The program `sdpa`, run on files in a temporary folder.
+// The program `sdpa` is run here, on files in a temporary folder.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// Relative: E is computed twice, from matrices that may be ill-conditioned.
+// This is relative. It is needed because E is computed twice, from matrices that may be ill-conditioned.
 constexpr double resting_tolerance = 1e-9;
 
 // Positions at rest within this of 0 are inside the level, for |q| = r has at most the energy lambda_max(K) r^2 / 2.
@@ -27,7 +27,8 @@ bool meets(const LinearMachine<>& closed, const PdWants& wants) {
   return a.certified && a.all_of_E && a.rho_star_J >= wants.region_J && reach_m(closed, a.rho_star_J) >= wants.reach_m;
 }
 
-// Attractive from everywhere even with less damping; the eigencolumns are those of the closed loop itself.
+// Says whether E is attractive from everywhere even with less damping. The eigencolumns are those of the closed loop
+// itself.
 bool attracts_with_reserve(LinearMachine<> closed, double reserve_Ns_per_m) {
   closed.damping.diagonal().array() -= reserve_Ns_per_m;
   return std::isinf(certify_attractivity(closed).rho_star_J);

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// All of span W, and of that what the damping cannot hold already.
+// These are all of span W, and what of it the damping does not hold already.
 std::vector<Split> candidates(const LinearMachine<>& machine) {
   const SpannedSpace space = spanned_space(machine.directions * machine.friction_N.asDiagonal());
   std::vector<Split> splits{{space.basis, space.complement}};

@@ -1,4 +1,4 @@
-// Checks of the parameters of friction laws: each throws InputError naming the parameter.
+// The parameters of friction laws are checked here; each check throws an InputError that names the parameter.
 #pragma once
 
 #include <cmath>

@@ -14,7 +14,7 @@ using motion::Vector;
 
 constexpr double tolerance = 1e-13;  // of the row before the one that is taken
 constexpr double rounding = 1e-14;   // of a sum of forces
-// Refused steps in a row after which a motion that neither stops nor clearly goes on is at rest to rounding.
+// After so many refused steps in a row a motion that neither stops nor clearly goes on is at rest, to rounding.
 constexpr int max_refusals = 60;
 
 constexpr std::size_t distance = 0, speed = 1;

@@ -11,9 +11,9 @@ namespace breakaway::hybrid {
 namespace {
 
 constexpr double force_rounding = 1e-14;  // of a sum of forces
-// Refused trials after which a motion that neither stops nor clearly goes on has stopped, to rounding.
+// After so many refused trials a motion that neither stops nor clearly goes on has stopped, to rounding.
 constexpr int most_refusals = 60;
-// Refused trials after which a limit that was near from the start is taken for kept.
+// After so many refused trials a limit that was near from the start is taken for kept.
 constexpr int most_looks = 20;
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace breakaway::model {
 
 using FrictionBounds = law::FrictionBounds<double>;
 
-// The bounds from the paper's coefficients: m g mu. Throws InputError naming the parameter unless mass_kg > 0,
+// Returns the bounds from the paper's coefficients, m g mu. Throws InputError naming the parameter unless mass_kg > 0,
 // gravity_m_s2 > 0 and 0 < mu_lower <= mu_upper, all finite.
 FrictionBounds bounds_from_coefficients(double mass_kg, double gravity_m_s2, double mu_lower, double mu_upper);
 
@@ -25,11 +25,11 @@ class FrictionLaw {
 
   const FrictionBounds& bounds() const { return bounds_; }
 
-  // lower + (upper - lower) * shape for the piece chosen by the last face(); always within the bounds.
+  // Returns lower + (upper - lower) * shape for the piece chosen by the last face(), always within the bounds.
   double level_N(double time_s, double position_m, double speed_m_s) const;
 
-  // The force that motion in `direction` (-1, +1) must overcome: the level at rest, or the level at the first motion
-  // where that is the greater (a force between the two cannot move the axis). Leaves the piece for rest chosen.
+  // Returns the force that motion in `direction` (-1, +1) must overcome: the level at rest, or the level at the first
+  // motion where that is the greater (a force between the two cannot move the axis). Leaves the piece for rest chosen.
   double breakaway_N(double time_s, double position_m, int direction);
 
   bool constant_between_events() const { return !varies_with_motion() && !varies_with_time(); }

@@ -15,7 +15,7 @@ ShapePtr constant(double value);  // value in [0, 1]
 // This shape has one value at rest and one while sliding, both in [0, 1].
 ShapePtr static_kinetic(double static_value, double kinetic_value);
 
-// 1 / (1 + |v| / v_s): the velocity term of the example in section V of van de Wouw & Leine for v_s = 2 m/s. v_s > 0.
+// 1 / (1 + |v| / v_s) is the velocity term of the example in section V of van de Wouw & Leine for v_s = 2 m/s. v_s > 0.
 ShapePtr stribeck(double stribeck_velocity_m_s);
 
 // exp(-(|v| / v_s)^2), v_s > 0.
@@ -30,9 +30,9 @@ ShapePtr sine_in_position(double period_m, double phase_rad = 0);
 // values[i] between edges_m[i - 1] and edges_m[i]: strictly increasing edges, one value in [0, 1] more than edges.
 ShapePtr position_table(std::vector<double> edges_m, std::vector<double> values);
 
-// Piecewise constant in time. A level is uniform in [0, 1], or with probability bound_share one of the two bounds; it
-// holds for a dwell time that is log-uniform between the two dwells; both are drawn anew at every stick and every slip.
-// The sequence depends on the seed alone, on every platform.
+// The value is piecewise constant in time. A level is uniform in [0, 1], or with probability bound_share one of the two
+// bounds; it holds for a dwell time that is log-uniform between the two dwells; both are drawn anew at every stick and
+// every slip. The sequence depends on the seed alone, on every platform.
 struct RandomDwell {
   std::uint64_t seed = 1;
   double shortest_dwell_s = 1e-3;  // > 0

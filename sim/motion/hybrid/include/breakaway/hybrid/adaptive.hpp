@@ -48,7 +48,7 @@ class Adaptive {
   Adaptive(const LinearMachine<>& machine, const Laws& laws, AdaptiveOptions options = {},
            EarlyDecision<Eigen::Dynamic> decision = {});
 
-  // Constant friction, machine.friction_N.
+  // Takes constant friction, machine.friction_N.
   explicit Adaptive(const LinearMachine<>& machine, AdaptiveOptions options = {},
                     EarlyDecision<Eigen::Dynamic> decision = {});
 

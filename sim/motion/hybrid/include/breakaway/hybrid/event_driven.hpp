@@ -65,7 +65,7 @@ class EventDriven {
   void start_segment(Walk& walk, const Set& held) const;
   void watch_limits(Walk& walk, const Set& held) const;
   void leave_segment(Walk& walk, const Set& held) const;
-  // doubtful: the same instant has been decided again and again.
+  // `doubtful` says that the same instant has been decided again and again.
   void handle_event(Walk& walk, bool doubtful) const;
   void record(Walk& walk, const Signs& before) const;
 

@@ -48,10 +48,10 @@ class HybridModes {
   // The state in the coordinates of a stick set, and the rounding in them.
   Coordinates coordinates(const State& state, const Set& held) const;
   Coordinates rounding(const State& state, const Set& held) const;
-  // Neither velocity nor acceleration, to rounding.
+  // Says whether there is neither velocity nor acceleration, to rounding.
   bool resting(const State& state, const Set& held) const;
-  // Slower than 1e-12 of what the energy in the springs could drive: what is left of a motion that dies out in ever
-  // smaller slips.
+  // Says whether the machine is slower than 1e-12 of what the energy in the springs could drive: what is left of a
+  // motion that dies out in ever smaller slips.
   bool lost_in_rounding(const State& state) const;
 
   // Decides which of the stopped directions stick and which slide, and how. Throws InputError for a machine so
@@ -66,7 +66,7 @@ class HybridModes {
  private:
   using Signs = Eigen::Matrix<double, M, 1>;
 
-  // A few directions, off the heap.
+  // Holds a few directions, off the heap.
   struct Indices {
     std::array<Eigen::Index, most_directions> direction;
     Eigen::Index size = 0;

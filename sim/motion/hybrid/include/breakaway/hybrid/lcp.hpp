@@ -8,12 +8,12 @@
 
 namespace breakaway::hybrid {
 
-// Two unknowns for each of 16 friction directions, and nothing on the heap.
+// There is room for two unknowns for each of 16 friction directions, and nothing is on the heap.
 inline constexpr int most_unknowns = 32;
 using LcpMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_unknowns, most_unknowns>;
 using LcpVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, most_unknowns, 1>;
 
-// z; nothing if the problem has no solution.
+// Returns z, or nothing if the problem has no solution.
 std::optional<LcpVector> solve_lcp(const LcpMatrix& a, const LcpVector& b);
 
 }  // namespace breakaway::hybrid

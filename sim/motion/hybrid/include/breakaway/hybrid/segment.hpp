@@ -19,7 +19,7 @@ namespace breakaway::hybrid {
 
 using motion::never;
 
-// A motion whose sums are no longer rounded relatively, which has decayed to nothing.
+// A motion whose sums are below this is no longer rounded relatively, and has decayed to nothing.
 inline constexpr double faded = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
 
 // The largest h with c + c' h - bound h^2 / 2 >= 0, without products that could overflow.
@@ -52,7 +52,7 @@ class Segment {
 
   enum class Ending { time, event, forever };
 
-  // noise: the rounding in x.
+  // `noise` is the rounding in x.
   void start(const Set& set, const Coordinates& x, const Coordinates& noise) {
     set_ = &set;
     x_ = x;
@@ -154,7 +154,8 @@ bool Segment<N, M>::set_departures() {
       if (second < 0) return false;
       watch.departs_s = std::min(second / curvature(watch.line->third_bound), window_s);
     } else {
-      // Zero and stays so, as far as rounding can tell: looked at again when the motion has had time to change.
+      // It is zero and stays so, as far as rounding can tell. It is looked at again when the motion has had time to
+      // change.
       const double pace = 0.1 * dot_abs(watch.line->first, x_) / curvature(watch.line->second_bound);
       watch.departs_s = pace > 0 ? std::min(pace, window_s) : never;
     }

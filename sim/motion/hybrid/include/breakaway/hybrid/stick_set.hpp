@@ -47,7 +47,7 @@ struct Facet {
 
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 struct StickSet {
-  // Padded with zeros to 2 n, so that the compiler knows the size.
+  // These are padded with zeros to 2 n, so that the compiler knows the size.
   using Coordinates = Eigen::Matrix<double, twice(N), 1>;
   using Wide = Eigen::Matrix<double, N, twice(N), N == 1 ? Eigen::RowMajor : Eigen::ColMajor>;
   using Tall = Eigen::Matrix<double, twice(N), N>;
