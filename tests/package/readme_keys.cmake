@@ -1,5 +1,7 @@
-# cmake -DREADME=... "-DREADERS=file file" -P: fails unless the README names every key that the readers accept.
+# cmake -DREADME=... "-DREADERS=pattern pattern" -P: fails unless the README names every key that the files of
+# these patterns read.
 separate_arguments(READERS)
+file(GLOB READERS ${READERS})
 file(READ "${README}" readme)
 set(count 0)
 foreach(reader IN LISTS READERS)
