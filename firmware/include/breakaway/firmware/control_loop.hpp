@@ -168,6 +168,7 @@ class ControlLoop {
     a->supervisor.reset();
     a->controller.reset();
     a->drive.reset_fault();
+    a->standing_fault = AxisFault::none;
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
@@ -189,11 +190,10 @@ class ControlLoop {
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
-    if (config_.fault_scope == FaultScope::all_axes) {
-      control_together(now);
-    } else {
-      for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now, true);
-    }
+    const bool together = config_.fault_scope == FaultScope::all_axes;
+    const bool may_start = !together || !any_standing_fault();
+    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now, may_start);
+    if (together) stop_together(now);
     send(now);
   }
 
@@ -216,7 +216,8 @@ class ControlLoop {
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     std::uint32_t emergencies_seen = 0;
-    std::int32_t reset_periods = 0;  // that the drive still has to leave its fault
+    std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
+    AxisFault standing_fault = AxisFault::none;  // where axes stop together: seen by an earlier step and not reset
     bool wanted = false;
     AxisStatus<Scalar> status{};
   };
@@ -300,22 +301,25 @@ class ControlLoop {
   }
 
   // A fault that an earlier step saw and that was not reset.
-  static bool has_standing_fault(const Axis& a) noexcept {
-    return a.supervisor.fault() != AxisFault::none || a.status.fault == AxisFault::drive_unusable;
+  bool any_standing_fault() const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (axes_[i]->standing_fault != AxisFault::none) return true;
+    }
+    return false;
   }
 
   // A new fault of one axis stops all that are wanted. None starts again before every fault was reset; the resets may
   // come one by one.
-  void control_together(hal::Time now) noexcept {
-    std::array<bool, MaxAxes> stood{};
-    bool any_stood = false, any_new = false;
-    for (std::size_t i = 0; i < count_; ++i) any_stood |= stood[i] = has_standing_fault(*axes_[i]);
+  void stop_together(hal::Time now) noexcept {
+    bool any_new = false;
     for (std::size_t i = 0; i < count_; ++i) {
-      control(*axes_[i], now, !any_stood);
-      any_new |= !stood[i] && axes_[i]->status.fault != AxisFault::none;
+      const Axis& a = *axes_[i];
+      any_new = any_new || (a.standing_fault == AxisFault::none && a.status.fault != AxisFault::none);
     }
-    if (!any_new) return;
-    for (std::size_t i = 0; i < count_; ++i) stop_with_another(*axes_[i], now);
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (any_new) stop_with_another(*axes_[i], now);
+      axes_[i]->standing_fault = axes_[i]->status.fault;
+    }
   }
 
   void stop_with_another(Axis& a, hal::Time now) noexcept {
