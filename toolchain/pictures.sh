@@ -27,16 +27,16 @@ toolchain/run.sh >/dev/null
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 law='kind = "static_kinetic"'
-scene() { # scene <name> <file> [sed expression...]
+simulated() { # simulated <name> <file> [sed expression...]
   local edits=(-e 's/^position_m = -4/position_m = -0.1/' -e 's/^velocity_m_s = -4/velocity_m_s = 0/' -e "s/^kind = \"mean\"/$law/"
     -e '/^weights/d' -e '/^parts/d' -e 's/^settle_time_s.*/settle_time_s = 5\nstop_when_settled = false/' -e 's/^duration_s.*/duration_s = 5/')
   for edit in "${@:3}"; do edits+=(-e "$edit"); done
   sed "${edits[@]}" "sim/scenarios/$2" >"$work/$1.toml"
   build/release/sim/cli/breakaway simulate "$work/$1.toml" --csv "$work/$1.csv" >/dev/null || (($? == 1))
 }
-scene impulsive can_axis.toml
-scene pid can_axis_pid.toml
-scene pd can_axis_pid.toml 's/^kp_N_per_m.*/kp_N_per_m = 400/' 's/^ki_N_per_ms.*/ki_N_per_ms = 0/' 's/^kd_Ns_per_m.*/kd_Ns_per_m = 32/'
+simulated impulsive can_axis.toml
+simulated pid can_axis_pid.toml
+simulated pd can_axis_pid.toml 's/^kp_N_per_m.*/kp_N_per_m = 400/' 's/^ki_N_per_ms.*/ki_N_per_ms = 0/' 's/^kd_Ns_per_m.*/kd_Ns_per_m = 32/'
 
 gnuplot <<PLOT
 set terminal svg size 900,380 font "sans-serif,14" background "white"

@@ -28,7 +28,7 @@ require_packages() {
   local packages missing as_root=()
   command -v dpkg-query >/dev/null ||
     die "needs Debian 12 or a system derived from it (no dpkg-query here); toolchain/packages.txt lists what to install"
-  # Not <(...): that needs /dev/fd, which a minimal container may lack.
+  # This is no <(...), because that needs /dev/fd, which a minimal container may lack.
   missing=$(missing_packages "$@")
   mapfile -t packages <<<"$missing"
   [[ -n $missing ]] || return 0

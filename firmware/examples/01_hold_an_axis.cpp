@@ -1,8 +1,8 @@
 // Example 1: bring an axis that sticks to its target, and hold it there.
 //
 // The controller below is the class that is flashed. It sees the axis as a controller does, by encoder counts once a
-// period, and its force acts one period later. The axis is a mass on dry friction that the simulation follows exactly. Friction
-// follows a Stribeck curve that the controller is not told: it knows two bounds.
+// period, and its force acts one period later. The axis is a mass on dry friction that the simulation follows exactly.
+// Friction follows a Stribeck curve that the controller is not told: it knows two bounds.
 //
 // A PD alone would leave this axis up to f_upper / k1 = 11 mm from its target.
 #include <cmath>
@@ -28,8 +28,8 @@ int main() {
   p.position_tolerance_m = p.accuracy_floor_m();  // what a pulse of one period can still correct
 
   // On a PC, once: the kick that ends on the target under the least friction, as a table over the distance.
-  const auto k3 = design::build_k3_table<float>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
-                                                p.stick_radius_upper_m());
+  const auto k3 = design::build_k3_table<float>(
+      {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
   law::AxisController<float> controller{p, k3.table};
 
   // The axis, 10 mm short of its target at 0.
@@ -46,6 +46,7 @@ int main() {
     acting_N = static_cast<double>(output.force_N);
   }
   const double error_m = axis.state().position_m;
-  std::printf("%6d ms  %11.2f um  %s\n", 500, 1e6 * error_m, controller.mode() == law::Mode::hold ? "held" : "not held");
+  std::printf("%6d ms  %11.2f um  %s\n", 500, 1e6 * error_m,
+              controller.mode() == law::Mode::hold ? "held" : "not held");
   return controller.mode() == law::Mode::hold && std::abs(error_m) < 3e-6 ? 0 : 1;
 }

@@ -1,97 +1,95 @@
-// Example 2: a CAN port of your own.
+// Example 2: connect the controller to a CAN controller of your own.
 //
-// breakaway talks to the bus through the concept hal::CanPort: four calls, described in breakaway/hal/can_port.hpp. Whatever
-// has them will do: a controller's registers, an adapter on a serial line, a socket. The port below is the least that there is, two queues,
-// as the mailboxes of a CAN controller are; an emulated drive listens at their other end.
+// breakaway reaches the bus through the concept hal::CanPort: four calls, described in breakaway/hal/can_port.hpp. A
+// CAN controller's registers, an adapter on a serial line and a socket all have them. The port below is the smallest
+// one: two queues, with an emulated CiA 402 drive at their other end.
 //
-// Behind the port runs a whole controller, ControlNode. It starts from a flashed node, as on a board, and obeys commands that come over the bus.
-#include <chrono>
+// Behind the port runs a whole controller, firmware::ControlNode, as it does on a board. It starts from a flashed node
+// and obeys the commands that come over the bus.
+#include <cmath>
 #include <cstdio>
 #include <deque>
+#include <exception>
+#include <string>
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/control_node.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/sil/braked_slide.hpp"
 
 using namespace breakaway;
 
 class QueuePort {
  public:
-  // The frame goes behind those that wait. A real port also drops what is not on the wire by `deadline`.
-  hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
-    if (sent_.size() == 64) return hal::SendResult::queue_full;
-    sent_.push_back(frame);
+  // Puts the frame behind those that wait. A port with hardware also drops it when it is not on the wire by `deadline`.
+  hal::SendResult send(const hal::CanFrame& frame, hal::Time /*deadline*/) noexcept {
+    if (to_bus.size() == 64) return hal::SendResult::queue_full;
+    to_bus.push_back(frame);
     return hal::SendResult::queued;
   }
 
-  // The oldest frame that came in, if there is one.
+  // Takes the oldest frame that came in, if there is one.
   bool receive(hal::ReceivedFrame& received) noexcept {
-    if (received_.empty()) return false;
-    received = received_.front();
-    received_.pop_front();
+    if (from_bus.empty()) return false;
+    received = from_bus.front();
+    from_bus.pop_front();
     return true;
   }
 
-  void purge_transmit_queue() noexcept { sent_.clear(); }
+  void purge_transmit_queue() noexcept { to_bus.clear(); }
   hal::BusState bus_state() const noexcept { return hal::BusState::error_active; }
 
-  // The other end, where your hardware is.
-
-  bool take_sent(hal::CanFrame& frame) {
-    if (sent_.empty()) return false;
-    frame = sent_.front();
-    sent_.pop_front();
-    return true;
-  }
-  void deliver(const hal::CanFrame& frame, hal::Time time) { received_.push_back({frame, time}); }
-
- private:
-  std::deque<hal::CanFrame> sent_;  // a port for a controller has arrays of a fixed size here
-  std::deque<hal::ReceivedFrame> received_;
+  // Your hardware is at the other end of these. On a board they would be arrays of a fixed size.
+  std::deque<hal::CanFrame> to_bus;
+  std::deque<hal::ReceivedFrame> from_bus;
 };
 
-// The compiler checks the whole interface here, and says which call is missing or wrong.
+// Here the compiler checks the interface and names the call that is missing or wrong.
 static_assert(hal::CanPort<QueuePort>);
 
-int main() {
-  // What `breakaway design can_axis.toml --header flashed_node.hpp` writes for a board is made in memory here.
+int main() try {
+  // For a board, `breakaway design can_axis.toml --header flashed_node.hpp` writes this node as a constant.
   const config::Node description = config::read_node(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
   const auto flashed = config::certified(description, config::examine(description));
-  const hal::Duration period = flashed.loop.network.period;
-  const std::uint8_t node_id = flashed.loop.network.node_id;
+  const canopen::NetworkConfig& network = flashed.loop.network;
 
   QueuePort port;
-  firmware::ControlNode<QueuePort, config::most_axes> node{port, flashed};
-  if (!node.verdict().ok()) {
-    std::printf("%s\n", std::string{to_string(node.verdict().error)}.c_str());
-    return 1;
-  }
+  firmware::ControlNode node{port, flashed};
+  std::printf("%s\n", std::string{to_string(node.verdict().error)}.c_str());
 
-  // The world: an axis at 0 with friction, behind an emulated CiA 402 drive.
+  // The world: an axis of 1 kg at position 0, with friction that the controller is not told, and its drive.
   sil::BrakedSlide axis{motion::Slide{1.0, {{2.5, 4.5}, model::shape::constant(0.5)}, {}}};
   axis.release(0);
+  const config::Drive& motor = *description.axes[0].drive;
   drive_emulator::EmulatorConfig drive_config;
-  drive_config.rated_torque_mNm = 1000;
-  drive_config.force_per_torque_N_per_Nm = flashed.axes[0].drive.force_per_torque_N_per_Nm;
-  drive_config.encoder_resolution_m = 1e-6;
-  drive_emulator::DriveEmulator drive{drive_config, axis,
-                                      [&](const hal::CanFrame& frame, hal::Time at) { port.deliver(frame, at); }};
+  drive_config.node_id = motor.node_id;
+  drive_config.rated_torque_mNm = motor.rated_torque_mNm;
+  drive_config.max_torque_per_mille = motor.max_torque_per_mille;
+  drive_config.force_per_torque_N_per_Nm = motor.force_per_torque_N_per_Nm;
+  drive_config.encoder_resolution_m = motor.encoder_resolution_m;
+  drive_emulator::DriveEmulator drive{drive_config, axis, [&](const hal::CanFrame& frame, hal::Time at) {
+                                        port.from_bus.push_back({frame, at});
+                                      }};
   drive.power_on(hal::Time{});
 
   hal::Time now{};
-  for (int k = 0; k < 3000; ++k, now += period) {
-    // Another node tells this one, once, to go to 20 mm. Nothing moves before.
-    if (k == 500) port.deliver(firmware::encode_command({.axis = 0, .enable = true, .target_counts = 20'000}, node_id), now);
+  for (int period = 0; period < 3000; ++period, now += network.period) {
+    // Another node sends this one to 20 mm, once. Nothing moves before.
+    const firmware::MotionCommand command{.axis = 0, .enable = true, .target_counts = 20'000};
+    if (period == 500) port.from_bus.push_back({firmware::encode_command(command, network.node_id), now});
     node.step(now);
-    for (hal::CanFrame frame; port.take_sent(frame);) drive.on_frame(frame, now);
-    drive.advance_to(now + period);
-    drive.advance_mechanism_to(now + period);
+    for (; !port.to_bus.empty(); port.to_bus.pop_front()) drive.on_frame(port.to_bus.front(), now);
+    drive.advance_to(now + network.period);
+    drive.advance_mechanism_to(now + network.period);
   }
   const double error_m = axis.slide().state().position_m - 0.02;
-  std::printf("after %.1f s the axis is %.2f um from 20 mm\n", 1e-9 * static_cast<double>(now.time_since_epoch().count()),
-              1e6 * error_m);
-  return axis.slide().sticking() && std::abs(error_m) < 3e-6 ? 0 : 1;
+  const bool arrived = axis.slide().sticking() && std::abs(error_m) < 3e-6;
+  std::printf("after 3 s the axis %s, %.2f um from 20 mm\n", arrived ? "rests" : "does NOT rest", 1e6 * error_m);
+  return arrived ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }

@@ -1,17 +1,16 @@
-// Example 3: two axes on one bus.
+// Example 3: run two axes on one bus, and lose the drive of one.
 //
-// One description holds the node: the loop, and for each axis its mass, friction, gains, drive and limits. The same text in a file goes to
-// `breakaway simulate`, to `breakaway design --header` for a board, and to `breakaway-node` on a PC. Here it is joined with a loop by hand.
-//
-// Then the drive of one axis dies. The loop names what happened, and the other axis goes on, for the file says fault_stops = "axis".
+// two_axes.toml describes the whole node: the loop, and for each axis its mass, friction, gains, drive and limits. The
+// same file goes to `breakaway simulate`, `breakaway design --header` (for a board) and `breakaway-node` (on Linux).
+// Here the loop is built from it by hand, so that the program can look inside.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <string>
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
-#include "breakaway/config/read_node.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/braked_slide.hpp"
@@ -19,73 +18,63 @@
 
 using namespace breakaway;
 
-constexpr const char* description = R"(
-[loop]
-period_s = 0.001
-fault_stops = "axis"    # or "all"
+using Port = sil::SimulatedNetwork::Port;
+using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float>;
 
-[bus]
-bit_rate = 1000000
+bool near(const sil::BrakedSlide& axis, double place_m) {
+  return std::abs(axis.slide().state().position_m - place_m) < 3e-6;
+}
 
-[[axis]]
-name = "x"
-plant = { mass_kg = 1.0 }
-friction = { lower_N = 2.5, upper_N = 4.5 }
-controller = { kind = "impulsive", k1_N_per_m = 400.0, k21_Ns_per_m = 32.0, k22_Ns_per_m = 60.0, kick = "two_phase", max_force_N = 50.0, position_tolerance_m = 2e-6 }
-drive = { node_id = 1, rated_torque_Nm = 1.0, rated_current_A = 1.0, max_torque_per_mille = 2000, force_per_torque_N_per_Nm = 25.0, encoder_resolution_m = 1e-6 }
+void show(const char* name, const sil::BrakedSlide& axis, firmware::AxisFault fault) {
+  std::printf("  %s is at %8.4f mm, fault: %s\n", name, 1e3 * axis.slide().state().position_m,
+              std::string{to_string(fault)}.c_str());
+}
 
-[[axis]]
-name = "y"
-plant = { mass_kg = 2.5 }
-friction = { lower_N = 6.0, upper_N = 9.0 }
-controller = { kind = "impulsive", k1_N_per_m = 1000.0, k21_Ns_per_m = 80.0, k22_Ns_per_m = 150.0, kick = "two_phase", max_force_N = 100.0, position_tolerance_m = 2e-6 }
-drive = { node_id = 2, rated_torque_Nm = 2.0, rated_current_A = 2.0, max_torque_per_mille = 2000, force_per_torque_N_per_Nm = 25.0, encoder_resolution_m = 1e-6 }
-)";
-
-int main() {
-  const scenario::Scenario scenario = scenario::parse_scenario(description, "03_two_axes");
+int main() try {
+  const scenario::Scenario scenario = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/firmware/examples/two_axes.toml");
   const auto node = config::certified(scenario.node, config::examine(scenario.node));
 
-  // The world: a bus, and on it two emulated drives with an axis each.
-  sil::SimulatedNetwork network{*scenario.bus};
-  sil::BrakedSlide x{motion::Slide{1.0, scenario.worlds[0].friction, {}}}, y{motion::Slide{2.5, scenario.worlds[1].friction, {}}};
+  // The world: a bus with two emulated drives, and an axis behind each.
+  sil::BrakedSlide x = sil::braked_slide(scenario.node.axes[0], scenario.worlds[0]);
+  sil::BrakedSlide y = sil::braked_slide(scenario.node.axes[1], scenario.worlds[1]);
   x.release(0);
   y.release(0);
+  sil::SimulatedNetwork network{*scenario.bus};
   network.add_drive(*scenario.worlds[0].drive, x);
-  auto& drive_of_y = network.add_drive(*scenario.worlds[1].drive, y);
+  drive_emulator::DriveEmulator& drive_of_y = network.add_drive(*scenario.worlds[1].drive, y);
 
-  // The loop, as on a board: everything it needs stands in the node.
-  using Port = sil::SimulatedNetwork::Port;
-  using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float>;
+  // The loop, as on a board.
   Loop loop{network.controller_port(), node.loop};
   firmware::add_axes(loop, node);
-  const auto axis_x = *loop.axis(0), axis_y = *loop.axis(1);
-  loop.request_enable(axis_x);
-  loop.request_enable(axis_y);
-  loop.set_target_m(axis_x, 0.010F);
-  loop.set_target_m(axis_y, -0.025F);
-
-  const auto run_for = [&, now = hal::Time{}](std::chrono::milliseconds time) mutable {
+  const Loop::AxisId axis_x = *loop.axis(0), axis_y = *loop.axis(1);
+  hal::Time now{};
+  const auto run_for = [&](hal::Duration time) {
     for (const hal::Time end = now + time; now < end; now += node.loop.network.period) {
       network.advance_to(now);
       loop.step(now);
     }
   };
-  const auto show = [&](const char* moment) {
-    std::printf("%s\n", moment);
-    for (const auto& [name, id, slide] : {std::tuple{"x", axis_x, &x.slide()}, std::tuple{"y", axis_y, &y.slide()}})
-      std::printf("  %s at %10.4f mm, %s\n", name, 1e3 * slide->state().position_m, std::string{to_string(loop.status(id).fault)}.c_str());
-  };
 
+  loop.request_enable(axis_x);
+  loop.request_enable(axis_y);
+  loop.set_target_m(axis_x, 0.010F);
+  loop.set_target_m(axis_y, -0.025F);
   run_for(std::chrono::seconds{3});
-  show("both have arrived:");
-  const bool arrived = std::abs(x.slide().state().position_m - 0.010) < 3e-6 && std::abs(y.slide().state().position_m + 0.025) < 3e-6;
+  std::printf("sent to 10 mm and -25 mm:\n");
+  show("x", x, loop.status(axis_x).fault);
+  show("y", y, loop.status(axis_y).fault);
+  const bool arrived = near(x, 0.010) && near(y, -0.025);
 
-  drive_of_y.power_off();
+  drive_of_y.power_off(now);
   loop.set_target_m(axis_x, 0.020F);
   run_for(std::chrono::seconds{3});
-  show("the drive of y has died, and x was sent on:");
-  const bool went_on = std::abs(x.slide().state().position_m - 0.020) < 3e-6;
-  const bool named = loop.status(axis_y).fault != firmware::AxisFault::none && loop.status(axis_x).fault == firmware::AxisFault::none;
+  std::printf("the drive of y has lost its power, and x was sent to 20 mm:\n");
+  show("x", x, loop.status(axis_x).fault);
+  show("y", y, loop.status(axis_y).fault);
+  const bool went_on = near(x, 0.020) && loop.status(axis_x).fault == firmware::AxisFault::none;
+  const bool named = loop.status(axis_y).fault != firmware::AxisFault::none;
   return arrived && went_on && named ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }

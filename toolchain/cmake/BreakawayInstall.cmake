@@ -23,8 +23,18 @@ list(REMOVE_ITEM BREAKAWAY_DEPENDENCIES breakaway)
 
 install(TARGETS ${leaves} EXPORT breakawayTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT breakawayTargets NAMESPACE breakaway:: DESTINATION ${package_folder})
-if(TARGET breakaway_cli)
-  install(TARGETS breakaway_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+get_property(programs GLOBAL PROPERTY BREAKAWAY_PROGRAMS)
+if(programs)
+  install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+if(TARGET breakaway_node)
+  # The unit names the program where it is installed, and `cmake --install --prefix` says that no earlier than now.
+  set(unit "${PROJECT_SOURCE_DIR}/firmware/targets/linux/breakaway-node.service")
+  set(installed_unit "${PROJECT_BINARY_DIR}/breakaway-node.service")
+  install(CODE "file(READ \"${unit}\" text)
+    string(REPLACE /usr/local/bin/ \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/\" text \"\${text}\")
+    file(WRITE \"${installed_unit}\" \"\${text}\")")
+  install(FILES "${installed_unit}" DESTINATION lib/systemd/system)
 endif()
 
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/breakawayConfig.cmake.in"

@@ -36,6 +36,14 @@ function(breakaway_leaf name)
   set_property(GLOBAL APPEND PROPERTY BREAKAWAY_LEAVES ${target})
 endfunction()
 
+# breakaway_program(<target> <file name>): rules for an executable that is installed. It knows its version, which stands in
+# project() and nowhere else, as BREAKAWAY_VERSION.
+function(breakaway_program target file_name)
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME ${file_name} CXX_EXTENSIONS OFF)
+  target_compile_definitions(${target} PRIVATE BREAKAWAY_VERSION="${PROJECT_VERSION}")
+  set_property(GLOBAL APPEND PROPERTY BREAKAWAY_PROGRAMS ${target})
+endfunction()
+
 # Warnings are for developers; consumers of the package do not inherit them.
 add_library(breakaway_developer_warnings INTERFACE)
 option(BREAKAWAY_DEVELOPER_WARNINGS "Compile with the project's warnings as errors" OFF)

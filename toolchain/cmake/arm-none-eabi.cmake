@@ -1,5 +1,5 @@
-# For every target that runs without an operating system on an Arm core: arm-none-eabi-gcc with newlib-nano and nothing that
-# would ask a system for memory. Not used alone: a target's toolchain file sets BREAKAWAY_CPU_FLAGS and includes this one.
+# Every target without an operating system on an Arm core uses arm-none-eabi-gcc with newlib-nano, and nothing that would ask a
+# system for memory. A target's toolchain file sets BREAKAWAY_CPU_FLAGS and includes this one.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)
 set(CMAKE_CXX_COMPILER arm-none-eabi-g++)

@@ -18,7 +18,7 @@ emulate() {
     -device loader,file="$tests/power_on.elf",cpu-num=0 "${@:2}" </dev/null 2>qemu.log
 }
 
-# Only what the controller's core executes, in its TCM: the cores take turns.
+# Only what the controller's core executes, in its TCM, is counted, because the cores take turns.
 below=below=0x30000
 
 # emulate_both [QEMU option...]: 2 ns an instruction, so a core at 500 MHz that takes one cycle for each.

@@ -23,7 +23,7 @@ double log_pole_ratio_for(double exponent) noexcept {
   }
 }
 
-// False, too, for a damping at which there is no kick.
+// It is false for a damping at which there is no kick, too.
 bool satisfies_18(const KickPlant<double>& plant, const law::FrictionBounds<double>& friction) try {
   return friction.ratio() > ratio_threshold_18(K3<double>::make(plant).unit());
 } catch (const InputError&) {

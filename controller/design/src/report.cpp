@@ -30,7 +30,7 @@ void require_in_range(const AxisDesign& axis) {
   require_valid(axis.friction);
 }
 
-// Six digits, as people read them.
+// People read six digits.
 std::string brief(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);

@@ -1,4 +1,4 @@
-// What feedback through given actuators can change in a matrix, and what it cannot.
+// Feedback through given actuators can change one part of a matrix and not the rest. Here the two are told apart.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +28,7 @@ struct Actuation {
   Eigen::MatrixXd inverse;    // k x n: the pseudoinverse of S
 };
 
-// What rounding may make of an entry that is 0, as a share of the matrix's size.
+// Rounding may make this much of an entry that is 0, as a share of the matrix's size.
 constexpr double rounding = 1e-12;
 
 // "(0.70711, -0.70711)", of unit length and with its largest entry positive.

@@ -113,7 +113,7 @@ void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, con
   a.conditions.push_back(rests_inside(a));
 }
 
-// What keeps V from being defined; empty if nothing does. Whether it is positive is condition 1 of the theorem.
+// Returns what keeps V from being defined, or nothing. Condition 1 of the theorem asks whether V is positive.
 std::string ill_formed(const LinearMachine<>& system) try {
   require_well_formed(system);
   const char* skew = !symmetric(system.mass) ? "mass" : !symmetric(system.stiffness) ? "stiffness" : nullptr;

@@ -44,7 +44,7 @@ VectorXd symmetric_eigenvalues(const MatrixXd& a, const MatrixXd& b) {
   return symmetric_eigenvalues(reduced(a, Cholesky(b)));
 }
 
-// In extended precision, where the solver is compiled for the closed forms of motion already.
+// It calculates in extended precision, because there the solver is compiled already, for the closed forms of motion.
 GeneralEigen general_eigen(const MatrixXd& a) {
   const extended::GeneralEigen eigen = extended::general_eigen(a.cast<long double>());
   return {eigen.values.cast<std::complex<double>>(), eigen.vectors.cast<std::complex<double>>()};

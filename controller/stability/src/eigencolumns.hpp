@@ -13,7 +13,7 @@ struct Eigencolumns {
   Eigen::VectorXd values;  // ascending; of a repeated one all are the least, and what is 0 to rounding is 0
 };
 
-// Of a symmetric matrix.
+// `damping` must be symmetric.
 Eigencolumns eigencolumns(const Eigen::MatrixXd& damping);
 
 // Turns the first `unstable` columns within equal eigenvalues, two at a time, for the largest rho*: the smallest

@@ -26,7 +26,7 @@ double level_J(const MatrixXd& roots, const MatrixXd& corners) {
   return kappa == 0 ? infinite : 1 / (2 * kappa * kappa);
 }
 
-// With the negative part of C in its own eigenbasis, where that is in span W, as condition 2 demands.
+// This takes the negative part of C in its own eigenbasis. It serves where that lies in span W, as condition 2 demands.
 double level_in_eigenbasis_J(const LinearMachine<>& system, const MatrixXd& damping, const SpannedSpace& space,
                              const MatrixXd& corners) {
   const dense::SymmetricEigen eigen = dense::symmetric_eigen(damping);
@@ -35,8 +35,8 @@ double level_in_eigenbasis_J(const LinearMachine<>& system, const MatrixXd& damp
   return level_J(Cholesky(system.mass).solve_lower(part), corners);
 }
 
-// With C reduced to the velocities that friction acts on, and its negative part in the basis in which the mass that is
-// felt there is diagonal, too.
+// This reduces C to the velocities that friction acts on, and takes its negative part in the basis in which the mass
+// that is felt there is diagonal, too.
 double level_in_mass_basis_J(const LinearMachine<>& system, const MatrixXd& damping, const SpannedSpace& space,
                              const MatrixXd& corners) {
   const MatrixXd &held = space.basis, &free = space.complement;

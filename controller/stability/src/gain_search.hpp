@@ -12,7 +12,7 @@ namespace breakaway::stability {
 
 // Relative: what separates a limit that is asked of the solver from the one that is wanted.
 constexpr double reserve = 1e-6;
-// Of the size of C: how far above zero damping is to be where it must not be negative.
+// Where damping must not be negative it is asked to be above zero by this share of the size of C.
 constexpr double damping_reserve = 1e-3;
 
 // Is this closed loop good enough? Theorem 1 decides.

@@ -23,7 +23,7 @@ double largest(const MatrixXd& matrix) { return matrix.size() == 0 ? 0 : matrix.
 
 double skewness(const MatrixXd& matrix) { return largest(matrix - matrix.transpose()); }
 
-// Of what no actuator can change; `scale` is the size of the whole matrix.
+// `block` is the part that no actuator can change, and `scale` the size of the whole matrix.
 Condition unreached_symmetric(const char* name, const MatrixXd& block, double scale) {
   Condition condition{name, false, rounding * scale - skewness(block), ""};
   condition.holds = condition.margin >= 0;
@@ -116,7 +116,7 @@ Condition stabilizable(const ActuatedSystem& system) {
   return condition;
 }
 
-// As certify_attractivity() asks of K; of C it takes the symmetric part.
+// certify_attractivity() asks the same of K. Of C it takes the symmetric part.
 Condition symmetry(const char* name, const MatrixXd& matrix) {
   Condition condition{name, symmetric(matrix), rounding * largest(matrix) - skewness(matrix), ""};
   if (!condition.holds)

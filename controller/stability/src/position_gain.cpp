@@ -21,10 +21,11 @@ using Eigen::VectorXd;
 // Semidefinite programs with more are a matter of hours.
 constexpr Index most_variables = 3000;
 
-// Of the machine's own: with less, gains would cancel its springs to the last digits.
+// The closed loop keeps this share of the machine's own stiffness: with less, gains would cancel its springs to the
+// last digits.
 constexpr double least_stiffness = 0.01;
 
-// In units in which the wanted resting error and the largest friction are 1.
+// It calculates in units in which the wanted resting error and the largest friction are 1.
 class ComplianceProgram {
  public:
   ComplianceProgram(const ActuatedSystem& system, const Actuation& actuation, double error_m)

@@ -15,8 +15,8 @@
 namespace breakaway::stability {
 namespace {
 
-// As SDPA's own defaults, but for the last digits of the result and the size of the starting point. Its reader expects
-// these lines in this order.
+// These are SDPA's own defaults but for the last digits of the result and the size of the starting point. Its reader
+// expects the lines in this order.
 constexpr const char* solver_parameters = R"(200     unsigned int maxIteration;
 1.0E-8  double 0.0 < epsilonStar;
 1.0E4   double 0.0 < lambdaStar;

@@ -8,8 +8,8 @@
 
 namespace breakaway::stability {
 
-// What `sdpa` writes about a problem in its own sparse format (.dat-s). Errors: the program is not installed, the
-// folder for temporary files cannot be written, the program failed.
+// Returns what `sdpa` writes about a problem in its own sparse format (.dat-s). It fails when the program is not
+// installed or fails itself, and when the folder for temporary files cannot be written.
 std::string sdpa_result(const std::string& problem);
 
 }  // namespace breakaway::stability

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 // Relative: E is computed twice, from matrices that may be ill-conditioned.
 constexpr double resting_tolerance = 1e-9;
 
-// Of positions at rest: |q| = r has at most the energy lambda_max(K) r^2 / 2.
+// Positions at rest within this of 0 are inside the level, for |q| = r has at most the energy lambda_max(K) r^2 / 2.
 double reach_m(const LinearMachine<>& closed, double level_J) {
   return std::sqrt(2 * level_J / dense::symmetric_eigenvalues(dense::symmetric_part(closed.stiffness)).maxCoeff());
 }

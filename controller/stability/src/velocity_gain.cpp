@@ -74,7 +74,7 @@ class Search {
   }
 
  private:
-  // What the solver finds. Where it finds nothing, its reason is kept for the case that nothing else is found.
+  // Returns what the solver finds. Where it finds nothing, its reason is kept in case nothing else is found either.
   template <class Solve>
   auto solved(const Solve& solve) -> std::optional<decltype(solve())> {
     try {

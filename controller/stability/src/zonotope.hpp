@@ -19,7 +19,7 @@ struct SpannedSpace {
 // Generators whose directions are closer than 1e-12 count as one direction.
 SpannedSpace spanned_space(const Eigen::MatrixXd& generators);
 
-// How many subsets facet_directions would look at, C(k, r - 1).
+// Returns how many subsets facet_directions() would look at, which is C(k, r - 1).
 double facet_candidates(const SpannedSpace& space);
 
 constexpr double most_facet_candidates = 1e6;  // about a second

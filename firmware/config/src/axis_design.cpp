@@ -12,7 +12,7 @@
 namespace breakaway::config {
 namespace {
 
-// With one axis the file says which.
+// Where there is one axis only, naming the file is enough.
 std::string place(const Node& node, const Axis& axis) {
   return node.axes.size() == 1 ? std::string{} : fmt::format("axis {}: ", axis.name);
 }

@@ -16,7 +16,7 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
-// The initialiser of a node, from its numbers.
+// Writes the initialiser of a node, from its numbers.
 class HeaderWriter {
  public:
   template <class T>

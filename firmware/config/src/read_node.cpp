@@ -34,7 +34,7 @@ void require_ordered(const Section& section, std::string_view lower, double low,
   section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
 }
 
-// Either in newtons, or as the paper's coefficients with the gravity that makes them newtons.
+// Friction is given either in newtons, or as the paper's coefficients with the gravity that makes them newtons.
 Friction read_friction(const Section& section, double mass_kg, std::vector<Key> others) {
   Friction f;
   const bool coefficients = section.has("mu_lower") || section.has("mu_upper") || section.has("gravity_m_s2");
@@ -106,7 +106,7 @@ Controller read_controller(const Section& section, bool sampled, std::vector<Key
   return controller;
 }
 
-// The rules that hold between keys, for the law of [I]. zeta = k2 / (2 sqrt(k1 m)).
+// These rules hold between the keys of the law of [I]. zeta = k2 / (2 sqrt(k1 m)).
 void check_gains(const Section& section, const ImpulsiveGains& gains, double mass_kg, bool sampled) {
   const double critical = 2 * std::sqrt(gains.stiffness_N_per_m * mass_kg);
   const auto refuse = [&](std::string_view key, double value, std::string_view rule) {
@@ -145,7 +145,7 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
       } +
       std::move(others));
-  // The motion is followed within a fraction of it: the run would take for ever.
+  // The simulation takes steps of a fraction of it, so a run would take for ever.
   if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
     section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");
   if (d.heartbeat_timeout <= d.heartbeat_period)

@@ -137,7 +137,8 @@ void Section::fail(std::string_view key, const std::string& what) const {
   throw InputError{fmt::format("{}:{}: {}{} {}", file_, std::max(line, 1u), place, key, what)};
 }
 
-// Of several unknown keys the one most like a valid key: a misspelt `kind` makes the keys of that kind unknown, too.
+// Of several unknown keys, the one most like a valid key is named, because a misspelt `kind` makes the keys of that
+// kind unknown, too.
 void Section::refuse_unknown_keys(const std::vector<Key>& keys) const {
   std::string_view unknown, nearest;
   std::size_t least = std::numeric_limits<std::size_t>::max();

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <vector>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <vector>
 
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -36,17 +36,20 @@ void add_options(CLI::App& app, Options& o) {
                                   return good ? "" : text + " is not a number above 0";
                                 },
                                 ""};
-  app.add_option("configuration", o.configuration,
-                 "The node: a file with [plant], [friction], [controller], [drive] of its axes, and [loop]; must be certified")
+  app.add_option(
+         "configuration", o.configuration,
+         "The node: a file with [plant], [friction], [controller], [drive] of its axes, and [loop]; must be certified")
       ->required();
   app.add_option("--can", o.interface, "The CAN interface, can0 say")->required();
-  app.add_option("--target", o.targets,
-                 "Positions [m] to visit in this order, of several axes as 0.1,0.2,-0.1; without, those of [controller] "
-                 "at their times");
+  app.add_option(
+      "--target", o.targets,
+      "Positions [m] to visit in this order, of several axes as 0.1,0.2,-0.1; without, those of [controller] "
+      "at their times");
   app.add_option("--dwell", o.dwell_s, "Seconds at rest on a target before the next (1)")->check(positive);
   app.add_option("--duration", o.duration_s, "Seconds until the axes are stopped; without, a signal ends the node")
       ->check(positive);
-  app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")->check(positive);
+  app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")
+      ->check(positive);
   app.add_option("--node-id", o.node_id, "CANopen node id of a single axis' drive instead of the configuration's")
       ->check(CLI::Range(1, 126));
   app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(positive);
@@ -98,6 +101,7 @@ int main(int argc, char** argv) {
   using namespace breakaway;
   linux_node::Options options;
   CLI::App app{"Controls the axes of a node over SocketCAN: the loop that is flashed, on Linux.", "breakaway-node"};
+  app.set_version_flag("--version", "breakaway-node " BREAKAWAY_VERSION);
   linux_node::add_options(app, options);
   app.footer(linux_node::examples);
   try {

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   using namespace breakaway;
   int exit_code = cli::done;
   CLI::App app{"Positioning control that beats dry friction: simulation and design on a PC.", "breakaway"};
+  app.set_version_flag("--version", "breakaway " BREAKAWAY_VERSION);
   app.require_subcommand(1);
   app.footer(std::string{"Example: breakaway simulate sim/scenarios/can_axis.toml --report can_axis.html\n"} +
              cli::exit_codes);

@@ -12,21 +12,25 @@
 #include "breakaway/report/html.hpp"
 #include "breakaway/report/machine_report.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
-#include "breakaway/sil/run_machine.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
 
+using scenario::MachineScenario;
 using scenario::Scenario;
 using sil::AxisResult;
+using sil::MachineResult;
 using sil::Result;
 
 struct SimulateCommand {
   std::string scenario, json, csv, candump, report;
   std::array<std::string, 4> outputs() const { return {json, csv, candump, report}; }
   bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
+  sil::RecordingOptions recording() const {
+    return {.trace = !csv.empty() || !report.empty(), .frames = !candump.empty()};
+  }
 };
 
 void print_axis(const AxisResult& axis, double duration_s) {
@@ -45,20 +49,47 @@ void print_axis(const AxisResult& axis, double duration_s) {
   for (const auto& fault : axis.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
 }
 
-void print_summary(const SimulateCommand& options, const Scenario& s, const Result& r) {
-  if (!s.node.title.empty()) fmt::print("{}\n", s.node.title);
+void print_figures(const Scenario& s, const Result& r) {
   for (const AxisResult& axis : r.axes) {
-    if (r.axes.size() > 1) fmt::print("  axis {}\n", axis.name);
+    if (s.axes() > 1) fmt::print("  axis {}\n", axis.name);
     print_axis(axis, r.duration_s);
   }
   if (r.loop) {
     fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,
                r.loop->missed_ticks);
   }
-  for (const std::string& path : options.outputs()) {
-    if (!path.empty()) fmt::print("  written        {}\n", path);
+}
+
+void print_figures(const MachineScenario&, const MachineResult& r) {
+  const auto& end = r.outcome.end;
+  fmt::print("  {:<14} at {:.9g} s\n", r.settled() ? "at rest" : "NOT at rest", end.time_s);
+  for (Eigen::Index i = 0; i < end.q.size(); ++i) {
+    fmt::print("  q{:<13} {:.9g} m, {:.9g} m/s\n", i + 1, end.q[i], end.v[i]);
+  }
+  fmt::print("  events         {}\n", r.events.size());
+  if (r.proved != hybrid::Verdict::undecided) {
+    const bool captured = r.proved == hybrid::Verdict::captured;
+    fmt::print("  certified      {}\n", captured ? "to come to rest" : "never to come to rest");
   }
 }
+
+const std::string& title(const Scenario& s) { return s.node.title; }
+const std::string& title(const MachineScenario& s) { return s.title; }
+
+// Why there are no frames to write; nothing where there are.
+const char* why_no_bus(const Scenario& s) {
+  return s.ideal() ? "the scenario has no bus; give it a [loop] and a [drive], or leave this out" : nullptr;
+}
+const char* why_no_bus(const MachineScenario&) { return "a [machine] has no bus; leave this out"; }
+
+std::string frames_of(const Result& result) { return report::to_candump(result); }
+std::string frames_of(const MachineResult&) { return {}; }
+
+const std::string& warning(const Result&) {
+  static const std::string none;
+  return none;
+}
+const std::string& warning(const MachineResult& result) { return result.warning; }
 
 void report_progress(const char* what) {
   if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
@@ -73,56 +104,35 @@ void check_outputs(const SimulateCommand& options, const char* no_bus) {
   if (!options.candump.empty() && no_bus != nullptr) throw InputError{fmt::format("--candump: {}", no_bus)};
 }
 
-void print_summary(const scenario::MachineScenario& s, const sil::MachineResult& r) {
-  if (!s.title.empty()) fmt::print("{}\n", s.title);
-  const auto& end = r.outcome.end;
-  fmt::print("  {:<14} at {:.9g} s\n", r.settled() ? "at rest" : "NOT at rest", end.time_s);
-  for (Eigen::Index i = 0; i < end.q.size(); ++i) {
-    fmt::print("  q{:<13} {:.9g} m, {:.9g} m/s\n", i + 1, end.q[i], end.v[i]);
-  }
-  fmt::print("  events         {}\n", r.events.size());
-  if (r.proved != hybrid::Verdict::undecided) {
-    const bool captured = r.proved == hybrid::Verdict::captured;
-    fmt::print("  certified      {}\n", captured ? "to come to rest" : "never to come to rest");
+template <class AnyScenario, class AnyResult>
+void print_summary(const SimulateCommand& options, const AnyScenario& scenario, const AnyResult& result) {
+  if (!title(scenario).empty()) fmt::print("{}\n", title(scenario));
+  print_figures(scenario, result);
+  for (const std::string& path : options.outputs()) {
+    if (!path.empty()) fmt::print("  written        {}\n", path);
   }
 }
 
-int simulate_machine(const SimulateCommand& options, const scenario::MachineScenario& s) {
-  check_outputs(options, "a [machine] has no bus; leave this out");
-  const bool trace = !options.csv.empty() || !options.report.empty();
-  const sil::MachineResult result = sil::run_machine(s, trace);
-  if (!result.warning.empty()) fmt::print(stderr, "breakaway: warning: {}\n", result.warning);
-  // As for an axis: an error here leaves no file behind.
-  const std::string html = options.report.empty() ? "" : report::to_html(s, result);
-  if (!options.json.empty()) format::write_output(options.json, report::to_json(s, result));
-  if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(s, result));
-  if (!options.report.empty()) format::write_output(options.report, html);
-  if (!options.quiet()) print_summary(s, result);
-  return result.settled() ? done : failed_check;
-}
-
-int simulate_axis(const SimulateCommand& options, const Scenario& scenario) {
-  check_outputs(options, scenario.ideal() ? "the scenario has no bus; give it a [loop] and a [drive], or leave this out"
-                                          : nullptr);
+template <class AnyScenario>
+int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenario) {
+  check_outputs(options, why_no_bus(scenario));
   report_progress("simulating");
-  const bool trace = !options.csv.empty() || !options.report.empty();
-  const Result result = sil::run_scenario(scenario, {.trace = trace, .frames = !options.candump.empty()});
+  const auto result = sil::run_scenario(scenario, options.recording());
+  if (!warning(result).empty()) fmt::print(stderr, "breakaway: warning: {}\n", warning(result));
   if (!options.report.empty()) report_progress("drawing the pictures");
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string html = options.report.empty() ? "" : report::to_html(scenario, result);
   if (!options.json.empty()) format::write_output(options.json, report::to_json(scenario, result));
-  if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(result));
-  if (!options.candump.empty()) format::write_output(options.candump, report::to_candump(result));
+  if (!options.csv.empty()) format::write_output(options.csv, report::to_csv(scenario, result));
+  if (!options.candump.empty()) format::write_output(options.candump, frames_of(result));
   if (!options.report.empty()) format::write_output(options.report, html);
   if (!options.quiet()) print_summary(options, scenario, result);
   return result.settled() ? done : failed_check;
 }
 
 int simulate(const SimulateCommand& options) {
-  const auto scenario = scenario::read_any_scenario(options.scenario);
-  if (const auto* machine = std::get_if<scenario::MachineScenario>(&scenario))
-    return simulate_machine(options, *machine);
-  return simulate_axis(options, std::get<Scenario>(scenario));
+  return std::visit([&](const auto& scenario) { return simulate_scenario(options, scenario); },
+                    scenario::read_any_scenario(options.scenario));
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ Pdo::Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, 
     std::uint32_t entry = 0;
     if (sub <= mapped.size()) {
       const Address object = *(mapped.begin() + sub - 1);
-      const auto bits = static_cast<std::uint32_t>(8 * drive_emulator::size_bytes(dictionary.find(object)->type));
+      const Entry* known = dictionary.find(object);
+      const auto bits = known == nullptr ? 0U : static_cast<std::uint32_t>(8 * drive_emulator::size_bytes(known->type));
       entry = static_cast<std::uint32_t>(object.index) << 16 | static_cast<std::uint32_t>(object.sub) << 8 | bits;
     }
     dictionary.add({mapping_, sub}, {.type = Type::u32, .access = rw, .value = entry});

@@ -71,7 +71,7 @@ std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-// What gnuplot writes for this terminal; `name` stands for the picture in errors.
+// Returns what gnuplot writes for this terminal; `name` stands for the picture in errors.
 std::string draw(const std::string& name, const std::string& terminal, const std::string& commands) {
   const TemporaryFolder folder;
   const std::string script = (folder.path() / "picture.gp").string();

@@ -161,8 +161,8 @@ double Slide::breakaway_after_s(double duration_s, int& direction) {
   return fraction < 1 ? -force_.time_constant_s * std::log1p(-fraction) : never;
 }
 
-// With a level that varies smoothly in time. The law's and the push's scales of time bound how fast the excess of the
-// push over the level can rise, so whole intervals are ruled out until the first crossing is enclosed.
+// This is for a level that varies smoothly in time. The law's and the push's scales of time bound how fast the excess
+// of the push over the level can rise, so whole intervals are ruled out until the first crossing is enclosed.
 double Slide::scan_for_breakaway(double duration_s, int& direction) {
   const auto bounds = friction_.bounds();
   double steepest_N_per_s = (bounds.upper_N - bounds.lower_N) / friction_.time_scale_s();

@@ -42,8 +42,8 @@ class TravelEquation {
                        mass_kg;
   }
 
-  // What rounding leaves of an acceleration: of the forces that it is the difference of, and of time in the friction
-  // law.
+  // Rounding leaves an acceleration uncertain by this, because of the forces that it is the difference of, and of time
+  // in the friction law.
   double resolution_m_s2() const { return resolution_m_s2_; }
 
   double acceleration(double tau_s, double distance_m, double speed_m_s) const {
@@ -89,7 +89,7 @@ struct Trial {
   double suggested_s;
 };
 
-// A step in time.
+// Takes a step in time.
 Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s) {
   const double speed_floor = equation.resolution_m_s2() * step_s;
   equation.forget_range();
@@ -98,7 +98,7 @@ Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, dou
   return {step.converged, tau_s + step_s, step.state, step.suggested_step};
 }
 
-// A step to exactly y[E] = target, by exchange of the independent variable.
+// Takes a step to exactly y[E] = target, by exchange of the independent variable.
 template <std::size_t E>
 Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, double target) {
   const double rate = E == speed ? equation.acceleration(tau_s, y[distance], y[speed]) : y[speed];
@@ -116,8 +116,8 @@ Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, doubl
   return {step.converged, step.state[E], end, step.suggested_step / rate};
 }
 
-// One motion from its start until the duration is over, the law's edge is reached, or it comes to rest: chooses the
-// variable of each step. A refused step only changes the step that is tried next.
+// Flight follows one motion from its start until the duration is over, the law's edge is reached, or it comes to rest,
+// and chooses the variable of each step. A refused step only changes the step that is tried next.
 class Flight {
  public:
   enum class State { goes_on, over, at_edge, at_rest };

@@ -99,8 +99,8 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
   return json.text();
 }
 
-std::string to_csv(const sil::Result& result) {
-  const bool several = result.axes.size() > 1;
+std::string to_csv(const scenario::Scenario& scenario, const sil::Result& result) {
+  const bool several = scenario.axes() > 1;
   std::string text = several ? "axis," : "";
   text += "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n";
   for (const sil::AxisResult& axis : result.axes) {

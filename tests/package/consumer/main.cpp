@@ -1,9 +1,6 @@
 // The README's snippet, around a mass on dry friction that is just good enough to show that it works.
-#include <breakaway/canopen/cob_id.hpp>
-#include <breakaway/canopen/sdo_client.hpp>
 #include <breakaway/design/k3_table_builder.hpp>
 #include <breakaway/law/axis_controller.hpp>
-#include <chrono>
 #include <cmath>
 #include <iostream>
 
@@ -55,13 +52,7 @@ int main() {
   }
   // [README]
 
-  constexpr std::uint8_t node_id = 5;
-  breakaway::canopen::SdoClient client(node_id, std::chrono::milliseconds{10});
-  breakaway::hal::CanFrame request;
-  const bool sent =
-      client.start_read(0x1000, 0) == breakaway::canopen::SdoStart::started && client.next_frame(request, {});
-
   std::cout << "error " << axis.x << " m after " << controller.kicks() << " kicks\n";
   const bool settled = controller.mode() == breakaway::law::Mode::hold && std::abs(axis.x) < 3e-6F;
-  return settled && sent && request.id == breakaway::canopen::sdo_request_cob_id(node_id) ? 0 : 1;
+  return settled ? 0 : 1;
 }

@@ -241,7 +241,7 @@ TEST_F(Command, RefusesAxesThatContradictOneAnother) {
     return scenario(text.replace(text.find(from), from.size(), to));
   };
   for (const char* command : {"simulate ", "design "}) {
-    expect_refused(command + with("node_id = 2", "node_id = 1"), {"axis.toml:36", "node_id", "gantry"});
+    expect_refused(command + with("node_id = 2", "node_id = 1"), {"axis.toml:35", "node_id", "gantry"});
     expect_refused(command + with("\"slide\"", "\"gantry\""), {"axis.toml:", "name", "gantry"});
     expect_refused(command + with("period_s = 0.001", "period_s = 0.0005"), {"axis.toml", "bus", "us", "period"});
   }

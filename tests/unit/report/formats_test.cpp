@@ -19,10 +19,16 @@ TEST(Candump, WritesTheLogFormatOfCanUtils) {
             "(0000000013.000000) can0 7FF#R2\n");
 }
 
+breakaway::scenario::Scenario scenario_of(std::size_t axes) {
+  breakaway::scenario::Scenario s;
+  s.node.axes.resize(axes);
+  return s;
+}
+
 TEST(Csv, HasAHeaderAndOneLineASample) {
   Result result;
   result.axes.emplace_back().trace = {{.time_s = 0.5, .position_m = -0.25, .force_N = 3}};
-  EXPECT_EQ(to_csv(result),
+  EXPECT_EQ(to_csv(scenario_of(result.axes.size()), result),
             "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n"
             "0.5,-0.25,0,0,3,0,0,approach\n");
 }
@@ -33,7 +39,7 @@ TEST(Csv, NamesTheAxisOfEachSampleWhereThereAreSeveral) {
     result.axes.push_back({.name = name, .kicks = {}, .faults = {}, .ideal = {}, .reached = {}, .trace = {}});
     result.axes.back().trace = {{.time_s = 0.5}};
   }
-  EXPECT_EQ(to_csv(result),
+  EXPECT_EQ(to_csv(scenario_of(result.axes.size()), result),
             "axis,time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n"
             "x,0.5,0,0,0,0,0,0,approach\n"
             "y,0.5,0,0,0,0,0,0,approach\n");

@@ -63,7 +63,7 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
 
 // clang-format on
 
-// Why an axis is not taken into a loop.
+// Says why an axis is not taken into a loop.
 enum class AxisError : std::uint8_t {
   none,
   no_room,
@@ -85,7 +85,7 @@ constexpr std::string_view to_string(AxisError error) noexcept {
   return "unknown axis error";
 }
 
-// What one axis did in the last step: for logs and displays.
+// Says what one axis did in the last step, for logs and displays.
 template <class Scalar>
 struct AxisStatus {
   hal::DriveFeedback<Scalar> feedback{};
@@ -94,7 +94,7 @@ struct AxisStatus {
   bool running = false;  // enabled and under control
 };
 
-// Not for use by several threads at once. Axes are named by the AxisId that add_axis() gives: a call with one of
+// The loop is for one thread. Axes are named by the AxisId that add_axis() gives: a call with one of
 // another loop, or of an axis that was refused, changes nothing.
 template <hal::CanPort Port, class Drive, class Controller, class Scalar, std::size_t MaxAxes = 8>
 requires BusDrive<Drive, Scalar> && AxisLaw<Controller, Scalar>
@@ -122,8 +122,9 @@ class ControlLoop {
         statistics_{config.network.period},
         heartbeat_{config.network.node_id, config.network.heartbeat_period} {}
 
-  // Before the first step. The drive is made for this loop's network and the controller's scale, so that nothing is
-  // said twice. limits.feedback_timeout 0: two and a half periods, so that two samples lost in a row stop the axis.
+  // Takes an axis in; to be called before the first step. The drive is made for this loop's network and the
+  // controller's scale, so that nothing is said twice. A limits.feedback_timeout of 0 means two and a half periods, so
+  // that two samples lost in a row stop the axis.
   AddedAxis add_axis(const typename Drive::Config& drive, const Controller& controller,
                      AxisLimits<Scalar> limits) noexcept {
     if (count_ == MaxAxes) return {{}, AxisError::no_room};
@@ -137,12 +138,12 @@ class ControlLoop {
     return {AxisId{count_++}};
   }
 
-  // Whether this many axes at this rate fit the bus; the figures are in canopen::bus_budget().
+  // Says whether this many axes at this rate fit the bus; canopen::bus_budget() gives the figures.
   canopen::BusFit check_bus() const noexcept {
     return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.network.period, config_.network.bit_rate);
   }
 
-  // The axis that was added at this place, for a caller who has a number only.
+  // Returns the axis that was added at this place, for a caller who has a number only.
   std::optional<AxisId> axis(std::size_t index) const noexcept {
     if (index < count_) return AxisId{index};
     return {};
@@ -172,12 +173,13 @@ class ControlLoop {
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
-  // The target as an encoder count: exact at any distance from zero, in any scalar type. May be called at any time.
+  // Sets the target as an encoder count, which is exact at any distance from zero, in any scalar type. May be called at
+  // any time.
   void set_target_counts(AxisId id, std::int32_t counts) noexcept {
     if (Axis* const a = find(id)) move_target(*a, counts);
   }
 
-  // The target in metres, rounded to the nearest encoder count.
+  // Sets the target in metres, rounded to the nearest encoder count.
   void set_target_m(AxisId id, Scalar target_m) noexcept {
     constexpr Scalar most = Scalar(2147483520);  // the largest float below 2^31
     Axis* const a = find(id);
@@ -186,7 +188,7 @@ class ControlLoop {
                 static_cast<std::int32_t>(law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
   }
 
-  // One period. `now` is the time at which the step starts; nothing in it waits.
+  // Does the work of one period. `now` is the time at which the step starts; nothing in it waits.
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
@@ -274,7 +276,7 @@ class ControlLoop {
     a.drive.command(a.status.output.force_N);
   }
 
-  // True: the axis is enabled and may be given force in this period.
+  // Returns true when the axis is enabled and may be given force in this period.
   bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
     const std::uint16_t emergency_code = new_emergency(a);
     if (feedback.state == hal::DriveState::unusable) {
@@ -339,7 +341,7 @@ class ControlLoop {
     }
   }
 
-  // The code of an EMCY message that came since the last step.
+  // Returns the code of an EMCY message that came since the last step.
   static std::uint16_t new_emergency(Axis& a) noexcept {
     const bool is_new = a.drive.emcy_count() != a.emergencies_seen;
     a.emergencies_seen = a.drive.emcy_count();

@@ -13,7 +13,8 @@
 
 namespace breakaway::firmware {
 
-// The axes of a node that verify() has found to be good, in a loop with room for them. The node must outlive the loop.
+// Puts the axes of a node that verify() has found to be good into a loop with room for them. The node must outlive the
+// loop.
 template <class Loop, class Scalar, std::size_t Axes>
 void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
   for (std::size_t i = 0; i < node.count; ++i) {
@@ -25,7 +26,7 @@ void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
 template <hal::CanPort Port, std::size_t Axes, class Scalar = float>
 class ControlNode {
  public:
-  // Periods between two status frames of an axis.
+  // So many periods pass between two status frames of an axis.
   static constexpr std::uint32_t status_interval = 50;
 
   // The flashed node must outlive this one.
@@ -34,10 +35,10 @@ class ControlNode {
     if (verdict_.ok()) add_axes(loop_, node);
   }
 
-  // What keeps the node from running, if anything does: then step() does nothing, and the bus stays silent.
+  // Returns what keeps the node from running. If anything does, step() does nothing and the bus stays silent.
   NodeVerdict verdict() const noexcept { return verdict_; }
 
-  // Once a period.
+  // Does the work of one period.
   void step(hal::Time now) noexcept {
     if (!verdict_.ok()) return;
     for (std::size_t i = 0; i < loop_.axes(); ++i) {

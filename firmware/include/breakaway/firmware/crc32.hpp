@@ -14,10 +14,11 @@ class Crc32 {
     for (int bit = 0; bit < 32; ++bit) state_ = (state_ >> 1U) ^ ((state_ & 1U) != 0 ? 0xEDB88320U : 0U);
   }
 
-  // All bits of a number, an enumerator or a truth value of up to 64 bits, whether they mean something or not.
+  // Adds all bits of a number, an enumerator or a truth value of up to 64 bits, whether they mean something or not.
   template <class T>
   constexpr void add_bits_of(const T& value) noexcept {
-    static_assert(std::is_trivially_copyable_v<T> && (sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4 || sizeof(T) == 8));
+    static_assert(std::is_trivially_copyable_v<T> &&
+                  (sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4 || sizeof(T) == 8));
     if constexpr (sizeof(T) == 1) add(std::bit_cast<std::uint8_t>(value));
     if constexpr (sizeof(T) == 2) add(std::bit_cast<std::uint16_t>(value));
     if constexpr (sizeof(T) == 4) add(std::bit_cast<std::uint32_t>(value));

@@ -1,4 +1,4 @@
-// FaultScope: what else stops when one axis of a node has a fault.
+// FaultScope says what else stops when one axis of a node has a fault.
 #pragma once
 
 #include <cstdint>

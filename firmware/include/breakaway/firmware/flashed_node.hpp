@@ -21,10 +21,10 @@
 
 namespace breakaway::firmware {
 
-// In characters.
+// This many characters are in an axis' name at most.
 inline constexpr std::size_t longest_axis_name = 23;
 
-// As text, with a zero behind it.
+// Holds the name as text with a zero behind it.
 struct AxisName {
   std::array<char, longest_axis_name + 1> characters{};
 
@@ -47,7 +47,7 @@ struct FlashedAxis {
   constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
 };
 
-// Axes: room for so many, 1..8; the first `count` of them are there.
+// There is room for `Axes` axes, 1..8, and the first `count` of them are there.
 template <class Scalar, std::size_t Axes>
 struct FlashedNode {
   LoopConfig loop{};
@@ -58,15 +58,68 @@ struct FlashedNode {
   static constexpr std::size_t capacity = Axes;
 };
 
-// The axes that are there.
+// Returns the axes that are there.
 template <class Node>
 constexpr auto present_axes(Node& node) noexcept {
   return std::span{node.axes}.first(node.count < Node::capacity ? node.count : Node::capacity);
 }
 
-// The numbers of a node, one line each: what is counted into the checksum, written into the header and spoiled in the
-// tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items, body)
-// for an array. Node: a FlashedNode, or a const one.
+namespace internal {
+
+template <class Drive, class Visitor>
+constexpr void visit_drive(Drive& drive, Visitor& visit) {
+  visit.value("node_id", drive.node_id, "");
+  visit.value("force_per_torque_N_per_Nm", drive.force_per_torque_N_per_Nm, "N/(N m)");
+  visit.value("heartbeat_period", drive.heartbeat_period, "ns");
+  visit.value("heartbeat_timeout", drive.heartbeat_timeout, "ns");
+  visit.value("sdo_timeout", drive.sdo_timeout, "ns");
+  visit.value("invert_direction", drive.invert_direction, "");
+}
+
+template <class Limits, class Visitor>
+constexpr void visit_limits(Limits& limits, Visitor& visit) {
+  visit.value("position_min_m", limits.position_min_m, "m");
+  visit.value("position_max_m", limits.position_max_m, "m");
+  visit.value("speed_m_s", limits.speed_m_s, "m/s");
+  visit.value("force_N", limits.force_N, "N");
+  visit.value("following_error_m", limits.following_error_m, "m");
+  visit.value("feedback_timeout", limits.feedback_timeout, "ns");
+}
+
+template <class Parameters, class Visitor>
+constexpr void visit_law(Parameters& p, Visitor& visit) {
+  visit.value("mass_kg", p.mass_kg, "kg");
+  visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
+  visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
+  visit.value("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22");
+  visit.group("friction", [&] {
+    visit.value("lower_N", p.friction.lower_N, "N");
+    visit.value("upper_N", p.friction.upper_N, "N");
+  });
+  visit.value("max_force_N", p.max_force_N, "N");
+  visit.value("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s");
+  visit.value("position_tolerance_m", p.position_tolerance_m, "m");
+  visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
+  visit.value("period_s", p.period_s, "s");
+  visit.value("latency_periods", p.latency_periods, "");
+  visit.value("kick_shape", p.kick_shape, "");
+}
+
+template <class Table, class Visitor>
+constexpr void visit_table(Table& table, Visitor& visit) {
+  visit.value("root_max", table.root_max, "sqrt(m)");
+  visit.value("nodes_per_root", table.nodes_per_root, "1/sqrt(m)");
+  visit.list("nodes", table.nodes, [&](auto& k3) {
+    visit.value("value", k3.value, "");
+    visit.value("slope", k3.slope, "");
+  });
+}
+
+}  // namespace internal
+
+// Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
+// in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items,
+// body) for an array. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
 constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.group("loop", [&] {
@@ -82,48 +135,10 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.value("count", node.count, "");
   visit.list("axes", present_axes(node), [&](auto& axis) {
     visit.value("name", axis.name, "");
-    visit.group("drive", [&] {
-      visit.value("node_id", axis.drive.node_id, "");
-      visit.value("force_per_torque_N_per_Nm", axis.drive.force_per_torque_N_per_Nm, "N/(N m)");
-      visit.value("heartbeat_period", axis.drive.heartbeat_period, "ns");
-      visit.value("heartbeat_timeout", axis.drive.heartbeat_timeout, "ns");
-      visit.value("sdo_timeout", axis.drive.sdo_timeout, "ns");
-      visit.value("invert_direction", axis.drive.invert_direction, "");
-    });
-    visit.group("limits", [&] {
-      visit.value("position_min_m", axis.limits.position_min_m, "m");
-      visit.value("position_max_m", axis.limits.position_max_m, "m");
-      visit.value("speed_m_s", axis.limits.speed_m_s, "m/s");
-      visit.value("force_N", axis.limits.force_N, "N");
-      visit.value("following_error_m", axis.limits.following_error_m, "m");
-      visit.value("feedback_timeout", axis.limits.feedback_timeout, "ns");
-    });
-    visit.group("law", [&] {
-      auto& p = axis.law;
-      visit.value("mass_kg", p.mass_kg, "kg");
-      visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
-      visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
-      visit.value("kick_damping_Ns_per_m", p.kick_damping_Ns_per_m, "N s/m, k22");
-      visit.group("friction", [&] {
-        visit.value("lower_N", p.friction.lower_N, "N");
-        visit.value("upper_N", p.friction.upper_N, "N");
-      });
-      visit.value("max_force_N", p.max_force_N, "N");
-      visit.value("max_approach_speed_m_s", p.max_approach_speed_m_s, "m/s");
-      visit.value("position_tolerance_m", p.position_tolerance_m, "m");
-      visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
-      visit.value("period_s", p.period_s, "s");
-      visit.value("latency_periods", p.latency_periods, "");
-      visit.value("kick_shape", p.kick_shape, "");
-    });
-    visit.group("k3_table", [&] {
-      visit.value("root_max", axis.k3_table.root_max, "sqrt(m)");
-      visit.value("nodes_per_root", axis.k3_table.nodes_per_root, "1/sqrt(m)");
-      visit.list("nodes", axis.k3_table.nodes, [&](auto& k3) {
-        visit.value("value", k3.value, "");
-        visit.value("slope", k3.slope, "");
-      });
-    });
+    visit.group("drive", [&] { internal::visit_drive(axis.drive, visit); });
+    visit.group("limits", [&] { internal::visit_limits(axis.limits, visit); });
+    visit.group("law", [&] { internal::visit_law(axis.law, visit); });
+    visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
     visit.value("certified", axis.certified, "");
   });
 }
@@ -155,7 +170,8 @@ struct ChecksumVisitor {
 
 }  // namespace internal
 
-// Over every number of the node but the checksum itself, and of the axes that are there: the room for more is no fact.
+// Counts every number of the node but the checksum itself. Of the axes it counts those that are there, because how many
+// more there is room for says nothing about the node.
 template <class Scalar, std::size_t Axes>
 constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes>& node) noexcept {
   internal::ChecksumVisitor visit;
@@ -212,7 +228,7 @@ struct NodeVerdict {
   constexpr bool ok() const noexcept { return error == NodeError::none; }
 };
 
-// The period as the law counts it.
+// Returns the period as the law counts it.
 template <class Scalar>
 constexpr Scalar period_s(const LoopConfig& loop) noexcept {
   return static_cast<Scalar>(loop.network.period.count()) * Scalar(1e-9);
@@ -225,7 +241,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
-  // To the rounding of the scalar type.
+  // The two periods may differ by the rounding of the scalar type.
   const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
   if (!(difference_s <= Scalar(1e-6) * p.period_s && -difference_s <= Scalar(1e-6) * p.period_s))
     return NodeError::period_differs;
@@ -240,7 +256,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
 
 }  // namespace internal
 
-// What a controller asks before it moves anything. Written so that a NaN is refused.
+// A controller asks this before it moves anything. The comparisons are written so that a NaN is refused.
 template <class Scalar, std::size_t Axes>
 constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
   if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};

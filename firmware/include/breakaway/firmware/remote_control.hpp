@@ -1,10 +1,10 @@
-// How another node on the bus commands a controller node, and what it is told: the controller's own first PDOs.
+// Another node on the bus commands a controller node, and is told about it, by the controller's own first PDOs.
 //
 //   command, RPDO1 of the node, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
 //   status,  TPDO1 of the node, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
 //
-// Little-endian; the axes of a node count from 0. The reset acts on its rising edge, the rest as long as it is said.
-// Nothing moves before a command.
+// Numbers are little-endian, and the axes of a node count from 0. The reset acts on its rising edge, the rest as long
+// as it is said. Nothing moves before a command.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ class CommandedPort {
   void purge_transmit_queue() noexcept { port_->purge_transmit_queue(); }
   hal::BusState bus_state() const noexcept { return port_->bus_state(); }
 
-  // The newest command, if one came since the last call. axis: below MaxAxes.
+  // Returns the newest command, if one came since the last call. `axis` must be below MaxAxes.
   std::optional<MotionCommand> take_command(std::size_t axis) noexcept {
     return std::exchange(commands_[axis], std::nullopt);
   }
@@ -86,7 +86,7 @@ class RemoteAxis {
   MotionCommand last_{};
 };
 
-// What is told of an axis.
+// Returns the frame that tells of an axis.
 template <class Loop>
 hal::CanFrame status_frame(const Loop& loop, typename Loop::AxisId axis, std::uint8_t node_id) noexcept {
   const auto& status = loop.status(axis);

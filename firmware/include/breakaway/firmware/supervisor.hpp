@@ -29,7 +29,7 @@ enum class AxisFault : std::uint8_t {
   not_a_number,     // feedback was NaN or infinite
   axis_jammed,
   position_diverging,
-  bus_off,         // the CAN controller left the bus
+  bus_off,               // the CAN controller left the bus
   drive_unusable,        // set-up failed
   stopped_with_another,  // another axis of the node has a fault, and the node stops them together
 };
@@ -84,7 +84,7 @@ struct AxisLimits {
   hal::Duration feedback_timeout{};  // age of the newest sample; one lost frame makes two periods
 };
 
-// What the supervisor looks at, beside the feedback.
+// The supervisor looks at these, beside the feedback.
 struct AxisHealth {
   bool heartbeat_lost = false;
   std::uint16_t emergency_code = 0;  // of an EMCY message that came in this period; 0000 means that an error went away
@@ -102,7 +102,7 @@ class Supervisor {
     allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
   }
 
-  // Once a period while the axis is meant to be enabled. Returns the latched fault.
+  // To be called once a period while the axis is meant to be enabled. Returns the latched fault.
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
@@ -112,7 +112,7 @@ class Supervisor {
     return fault_;
   }
 
-  // The first fault stays; code: 603Fh or the EMCY error code, 0 if none.
+  // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.
   void latch(AxisFault fault, std::uint16_t code, hal::Time now) noexcept {
     if (fault == AxisFault::none || fault_ != AxisFault::none) return;
     fault_ = fault;
@@ -134,7 +134,7 @@ class Supervisor {
  private:
   using Feedback = hal::DriveFeedback<Scalar>;
 
-  // In the order in which one thing explains the next.
+  // The order matters: what comes first explains what comes after it.
   AxisFault first_violation(const Feedback& f, const AxisHealth& health, hal::Time now) const noexcept {
     if (health.bus_off) return AxisFault::bus_off;
     if (health.emergency_code != 0) return AxisFault::emergency;

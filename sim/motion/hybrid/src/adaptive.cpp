@@ -34,7 +34,7 @@ void require_valid(const LinearMachine<>& machine, std::size_t laws, const Adapt
   require(options.longest_step_s > 0, "longest_step_s must be above 0");
 }
 
-// With these columns of directions only, and no constant friction.
+// Returns the machine with these columns of directions only, and without constant friction.
 LinearMachine<> with_directions(LinearMachine<> machine, const std::vector<int>& columns) {
   machine.directions = machine.directions(Eigen::all, columns).eval();
   machine.friction_N = Eigen::VectorXd::Zero(machine.frictions());

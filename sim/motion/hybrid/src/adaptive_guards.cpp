@@ -1,4 +1,4 @@
-// What ends a step besides a stop: the edges of laws, and static limits.
+// Besides a stop, the edges of laws and static limits end a step. They are watched here.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -12,13 +12,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-// At the walk's present place.
+// Returns the guard's value at the walk's present place.
 double AdaptiveStep::value(const Guard& guard, double tau_s, const Vector& force) {
   if (guard.is_edge) return sign(guard.direction) * (guard.edge_m - walk_.position_m(guard.direction));
   return walk_.margin_N(guard.limit, force, walk_.time.after(tau_s));
 }
 
-// Whether a static limit was so near at a stage that it may have been exceeded in between.
+// Says whether a static limit was so near at a stage that it may have been exceeded in between.
 bool AdaptiveStep::looks_again(const Trial& trial) {
   move_to(trial.path, trial.speeds);
   const Vector force = walk_.force(trial.duration_s);
@@ -72,7 +72,7 @@ AdaptiveStep::Trial AdaptiveStep::locate(const Trial& beyond) {
   return high;
 }
 
-// Of a step that locate() found.
+// Returns what ended a step that locate() found.
 Ending AdaptiveStep::cause(const Trial& trial) {
   const Vector force = walk_.force(trial.duration_s);
   const auto first = std::min_element(guards_.begin(), guards_.end(), [&](const Guard& one, const Guard& other) {

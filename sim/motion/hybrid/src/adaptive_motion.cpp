@@ -99,7 +99,7 @@ AdaptiveStep::Trial AdaptiveStep::step_in_time(double step_s) {
   return {step.converged, step_s, step.state.head(k), step.state.tail(k), step.suggested_step};
 }
 
-// To zero speed of this direction; the speed takes the place of the time.
+// Steps to zero speed of this direction; the speed takes the place of the time.
 AdaptiveStep::Trial AdaptiveStep::step_to_stop(Index direction) {
   const Index k = u0_.size();
   const double from_m_s = speed_m_s_[direction], rate = rate_m_s2_[direction], step_s = from_m_s / -rate;
@@ -141,7 +141,7 @@ DirectionSet AdaptiveStep::stopped_at_start() const {
   return stopped;
 }
 
-// -1: none slows down.
+// Returns -1 when none slows down.
 AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   Index next = -1;
   double least_s = unlimited;
@@ -155,7 +155,7 @@ AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   return next;
 }
 
-// All that have stopped together with this one.
+// Returns all directions that have stopped together with this one.
 DirectionSet AdaptiveStep::stops_with(const Trial& trial, Index direction) const {
   DirectionSet stopped = only(direction);
   for (Index i = 0; i < speed_m_s_.size(); ++i) {

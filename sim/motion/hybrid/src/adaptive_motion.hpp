@@ -1,4 +1,4 @@
-// One step of an AdaptiveWalk while the same directions slide.
+// AdaptiveStep takes one step of an AdaptiveWalk, during which the same directions slide.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@ namespace breakaway::hybrid {
 
 inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Why a step ended where it did.
+// Says why a step ended where it did.
 struct Ending {
   enum class Kind { none, time, stop, limit, edge };
   Kind kind = Kind::none;
@@ -42,7 +42,8 @@ class AdaptiveStep {
     Vector path, speeds;  // integral of u, u
     double suggested_s;
   };
-  // What must not become negative: the way to the edge of a law while `direction` slides, or a static limit.
+  // A guard must not become negative: it is the way to the edge of a law while `direction` slides, or what is left to a
+  // static limit.
   struct Guard {
     bool is_edge;
     Index direction;

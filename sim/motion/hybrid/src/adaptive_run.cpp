@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-// As motion::Slide: an excess for less than 2^-24 of the laws' scale of time is passed over.
+// As in motion::Slide, an excess for less than 2^-24 of the laws' scale of time is passed over.
 constexpr int scan_depth = 24;
 
 // The shortest of the machine's own scales of time.
@@ -54,7 +54,7 @@ Adaptive::Result AdaptiveRun::finish(Verdict verdict) {
   return outcome_;
 }
 
-// Neither speed nor acceleration, to rounding.
+// Says whether there is neither speed nor acceleration, to rounding.
 bool AdaptiveRun::stands_still() const {
   if (!walk_.all_stick()) return false;
   if (walk_.held->motions() == 0) return true;
@@ -68,7 +68,7 @@ bool AdaptiveRun::stands_still() const {
       .all();
 }
 
-// While everything sticks: until a limit falls below what the machine needs.
+// Waits, while everything sticks, until a limit falls below what the machine needs.
 Ending AdaptiveRun::wait(double duration_s) {
   const Eigen::VectorXd force = walk_.force();
   double steepest_N_per_s = 0, window_s = duration_s;

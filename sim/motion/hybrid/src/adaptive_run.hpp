@@ -1,4 +1,4 @@
-// One run of Adaptive, from event to event.
+// AdaptiveRun is one run of Adaptive, from event to event.
 #pragma once
 
 #include <vector>

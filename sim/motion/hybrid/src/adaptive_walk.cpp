@@ -84,7 +84,7 @@ void AdaptiveWalk::face_laws() {
   }
 }
 
-// With a little more than the tie, so that a limit at which another gave way holds until it is left outwards.
+// It asks for a little more than the tie, so that a limit at which another gave way holds until it is left outwards.
 bool AdaptiveWalk::holds(bool for_ever) {
   const VectorXd applied = force();
   for (std::size_t k = 0; k < held->facets.size(); ++k) {

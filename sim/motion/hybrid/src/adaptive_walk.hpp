@@ -52,10 +52,10 @@ struct AdaptiveWalk {
   // The sum of all forces but those of sticking directions and of inertia, at the present place and tau_s later. The
   // direction `exchanged`, if it is not -1, slides at exactly speed_m_s.
   Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
-  // What static friction bears beyond this force at time_s; negative once it gives way. With `for_ever` it is what
-  // friction bears whatever the laws do with time.
+  // Returns what static friction bears beyond this force at time_s, which is negative once it gives way. With
+  // `for_ever` it is what friction bears whatever the laws do with time.
   double margin_N(Limit limit, const Vector& force, double time_s, bool for_ever = false);
-  // Whether static friction bears what the sticking directions need.
+  // Says whether static friction bears what the sticking directions need.
   bool holds(bool for_ever = false);
 
   // Decides which of the stopped directions stick and which slide, and how, and tells the laws.

@@ -37,13 +37,13 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
   }
 }
 
-// By how much at most the block's amplitude grows within window_s().
+// Returns the factor by which the block's amplitude grows within window_s() at most.
 double Flow::growth_of(const Block& block) const {
   const double x = block.rate > 0 ? block.rate * window_s_ : 0;
   const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
   if (block.kind != Block::Kind::critical) return exponential;
-  // In the 1-norm: e^(mu h) (cosh(delta h) + sinh(delta h) |mu| / delta) with delta <= |mu| / 100. Its largest value
-  // for mu < 0 is below 1.02.
+  // In the 1-norm it is e^(mu h) (cosh(delta h) + sinh(delta h) |mu| / delta) with delta <= |mu| / 100, which stays
+  // below 1.02 for mu < 0.
   return block.rate < 0 ? 1.02 : exponential * exponential * (1 + x);
 }
 
@@ -152,7 +152,7 @@ bool Flow::diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stif
     vectors.col(i) = eigen.vectors.col(i).real();
     if (values[i].imag() != 0) vectors.col(i + 1) = eigen.vectors.col(i).imag();
   }
-  // What the change of coordinates can cost: 1e-16 times this, relative to the largest coordinate.
+  // The change of coordinates can cost 1e-16 times this, relative to the largest coordinate.
   const auto inverse = stability::extended::inverse_if_regular(vectors);
   if (!inverse || !(vectors.norm() * inverse->norm() < 1e4L)) return false;
   for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {

@@ -36,7 +36,7 @@ double exact_ratio_threshold(const UnitKick<double>& kick) noexcept;
 std::optional<double> least_damping_for_18(double mass_kg, double stiffness_N_per_m,
                                            const law::FrictionBounds<double>& friction);
 
-// (19): longest time from rest at y2, |y2| <= c_lower, to rest on the target [s].
+// Returns (19), the longest time from rest at y2, |y2| <= c_lower, to rest on the target [s].
 double finite_time_bound_s(double mass_kg, const law::FrictionBounds<double>& friction,
                            double position_error_m) noexcept;
 

@@ -13,7 +13,7 @@
 
 namespace breakaway::design {
 
-// All finite and positive, damping^2 > 4 mass stiffness (zeta > 1).
+// All must be finite and positive, and damping^2 > 4 mass stiffness (zeta > 1).
 template <class Scalar>
 struct KickPlant {
   Scalar mass_kg{};
@@ -71,7 +71,7 @@ Scalar damping_ratio(Scalar mass_kg, Scalar stiffness_N_per_m, Scalar damping_Ns
   return damping_Ns_per_m / (2 * std::sqrt(stiffness_N_per_m) * std::sqrt(mass_kg));
 }
 
-// The refusal of zeta <= 1.
+// Returns the error that refuses zeta <= 1.
 InputError too_little_damping(double mass_kg, double stiffness_N_per_m, double damping_Ns_per_m);
 
 template <class Scalar>

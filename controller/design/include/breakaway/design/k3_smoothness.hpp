@@ -1,4 +1,4 @@
-// How smooth the impulse law is: what a bound on its interpolation error needs.
+// The fourth derivative of the impulse law is bounded here, as a bound on its interpolation error needs it.
 #pragma once
 
 #include <vector>

@@ -74,7 +74,7 @@ double proved_error_of_interval(const law::K3Table<Scalar, Nodes>& table, const 
                                     std::fabs(rise - s0) + 3 * square + 3 * cubic + 2 * steepest);
   const double results =
       root + rounding<Scalar>(r_left, r_right) + rounding<Scalar>(s_left * r_left, s_right * r_right);
-  // 1.001: products of two errors.
+  // The factor 1.001 stands for products of two errors.
   return 1.001 * ((theory + place * steepest + operations) / r_left + results);
 }
 
@@ -105,7 +105,8 @@ BuiltK3Table<Scalar, Nodes> build_k3_table(const KickPlant<double>& plant, doubl
 
   BuiltK3Table<Scalar, Nodes> built{{}, sizeof(law::K3Table<Scalar, Nodes>), 0, 0};
   auto& table = built.table;
-  // Rounded outwards, then the grid to the float nodes_per_root: its rounding moves the nodes, not the answers.
+  // The range is rounded outwards, then the grid to the float nodes_per_root, whose rounding moves the nodes and not
+  // the answers.
   table.root_max = std::nextafter(static_cast<Scalar>(std::sqrt(range_m)), std::numeric_limits<Scalar>::max());
   table.nodes_per_root = std::nextafter(static_cast<Scalar>(Nodes - 1) / table.root_max, Scalar{0});
   const double spacing = 1.0 / static_cast<double>(table.nodes_per_root);

@@ -21,7 +21,7 @@ class InputError : public std::runtime_error {
         key_{one_line(std::move(key))},
         problem_{one_line(std::move(problem))} {}
 
-  // The same error, found in a file.
+  // Returns the same error with the file that it was found in.
   InputError in_file(const std::string& file) const {
     InputError error{file.empty() ? what() : file + ": " + what()};
     error.file_ = file;

@@ -40,7 +40,7 @@ class AxisController {
     }
   }
 
-  // Once a period. Bounded work, no state outside this object.
+  // To be called once a period. Its work is bounded, and it keeps no state outside this object.
   ControlOutput<Scalar> update(const Measurement<Scalar>& z) noexcept {
     if (!z.fresh) return without_sample();
     if (!(std::abs(z.position_error_m) <= largest)) return fail(ControlFault::not_a_number);
@@ -124,10 +124,10 @@ class AxisController {
     return impulse_Ns > 0 ? start_kick(x, v, impulse_Ns) : output(feedback(x, v));
   }
 
-  // Creeping: inside the maximal stick set, closing in far slower than the k3 curve allows, so that the axis will stop,
-  // or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper counts the
-  // speed in. Near the target, where a few counts of speed error matter, only certified rest will do. Returns |k3(x)|
-  // for an axis that creeps, else zero.
+  // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
+  // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper
+  // counts the speed in. Near the target, where a few counts of speed error matter, only certified rest will do.
+  // Returns |k3(x)| for an axis that creeps, else zero.
   Scalar impulse_against_creeping_Ns(Scalar x, Scalar v) const noexcept {
     const Scalar distance = std::abs(x);
     if (exact() || sighted_ <= p_.latency_periods + 1 || distance > p_.stick_radius_upper_m() ||
@@ -186,8 +186,8 @@ class AxisController {
     return pulse(-p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v);
   }
 
-  // One period of the pulse; after its last one the coast begins, blind for as long as samples show the time before its
-  // end.
+  // Gives one period of the pulse. After the last one the coast begins, which is blind for as long as samples show the
+  // time before the end of the pulse.
   ControlOutput<Scalar> pulse(Scalar feedback_N) noexcept {
     const ControlOutput<Scalar> now = output(kick_force_N_ + feedback_N);
     if (--periods_left_ == 0) {

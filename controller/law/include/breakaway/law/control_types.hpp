@@ -1,4 +1,4 @@
-// What every controller of this room takes and gives, once a period.
+// Every controller of this room takes a Measurement once a period, and gives a ControlOutput.
 #pragma once
 
 #include <cmath>
@@ -68,7 +68,7 @@ constexpr std::string_view to_string(ControlFault fault) noexcept {
   return "unknown control fault";
 }
 
-// The force within +-limit; NaN becomes zero, because a force that nobody computed must not act.
+// Returns the force within +-limit. NaN becomes zero, because a force that nobody computed must not act.
 template <class Scalar>
 constexpr Scalar limited(Scalar force_N, Scalar limit_N) noexcept {
   if (force_N > limit_N) return limit_N;

@@ -62,7 +62,7 @@ struct K3Table {
     return left.value + t * (left.slope + t * (square + t * cubic));
   }
 
-  // x within [0, most]; zero when x is NaN.
+  // Returns x within [0, most], and zero when x is NaN.
   static constexpr Scalar clamped(Scalar x, Scalar most) noexcept {
     if (!(x > 0)) return 0;
     return x < most ? x : most;

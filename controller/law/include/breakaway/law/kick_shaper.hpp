@@ -50,7 +50,7 @@ class KickShaper {
     return plan(table, distance_m, -table.impulse_Ns(distance_m), speed_m_s, least_force_N);
   }
 
-  // The same for a caller who has looked up impulse_Ns = |k3(distance_m)| before.
+  // Does the same for a caller who has looked up impulse_Ns = |k3(distance_m)| before.
   Kick<Scalar> plan(const K3Table<Scalar>& table, Scalar distance_m, Scalar impulse_Ns, Scalar speed_m_s,
                     Scalar least_force_N) const noexcept {
     const Scalar feedback_N = std::min(p_.stiffness_N_per_m * distance_m, p_.max_force_N);
@@ -66,7 +66,7 @@ class KickShaper {
   void limit_force(Scalar force_N) noexcept { p_.max_force_N = force_N; }
 
  private:
-  // Divided once, at construction.
+  // The divisions are done once, at construction.
   struct Response {
     Scalar c_s{};              // g[n] / h[n]
     Scalar force_per_speed{};  // 1 / h[n] in N s/m

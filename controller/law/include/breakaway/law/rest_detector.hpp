@@ -1,4 +1,4 @@
-// Rest certificate from encoder counts.
+// RestDetector certifies rest from encoder counts.
 //
 // While |drive force| <= u < f_lo, a moving axis decelerates by at least (f_lo - u)/m. Had it still been moving after a
 // time W without a change of count, it would have travelled at least (f_lo - u) W^2 / (2 m). That is one count q for W
@@ -29,7 +29,8 @@ class RestDetector {
     anchored_ = false;
   }
 
-  // The newest position and the magnitude of the force commanded in the period before it. True: certified at rest.
+  // Takes the newest position and the magnitude of the force commanded in the period before it. Returns true when rest
+  // is certified.
   constexpr bool update(Scalar position_m, Scalar force_N) noexcept {
     if (blind_ > 0) {
       --blind_;

@@ -1,4 +1,5 @@
-// Velocity from quantised positions: the difference over one period, smoothed only as far as the encoder demands.
+// VelocityEstimator takes the velocity from quantised positions: the difference over one period, smoothed only as far
+// as the encoder demands.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ class VelocityEstimator {
  public:
   constexpr VelocityEstimator() noexcept = default;
 
-  // damping_Ns_per_m: the largest k2 that multiplies the estimate. friction_N: the least friction force.
+  // damping_Ns_per_m is the largest k2 that multiplies the estimate, friction_N the least friction force.
   constexpr VelocityEstimator(Scalar period_s, Scalar resolution_m, Scalar damping_Ns_per_m, Scalar friction_N) noexcept
       : per_period_{1 / period_s} {
     constexpr Scalar tolerated_share = Scalar(0.05);

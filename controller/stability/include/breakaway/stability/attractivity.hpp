@@ -16,7 +16,7 @@
 
 namespace breakaway::stability {
 
-// One condition of the theorem. The margin is how far it is from failing, and not positive where it fails.
+// A Condition is one of the theorem's. Its margin says how far it is from failing, and is not positive where it fails.
 struct Condition {
   std::string name;
   bool holds;

@@ -15,11 +15,11 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;
 };
 
-// A symmetric; only its lower half is read. B is the identity, or symmetric and positive definite.
+// A must be symmetric; only its lower half is read. B is the identity, or symmetric and positive definite.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// The same without the vectors.
+// These give the values alone, which takes less time.
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a);
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
@@ -29,7 +29,7 @@ struct GeneralEigen {
   Eigen::MatrixXcd vectors;
 };
 
-// A square.
+// A must be square.
 GeneralEigen general_eigen(const Eigen::MatrixXd& a);
 
 // The largest |A x| over |x| = 1; 0 for an empty matrix.
@@ -42,7 +42,7 @@ double least_singular_value(const Eigen::MatrixXd& a);
 // A = L L^T by Cholesky's method, which runs to its end just when A is positive definite to rounding.
 class Cholesky {
  public:
-  // A symmetric; only its lower half is read.
+  // A must be symmetric; only its lower half is read.
   explicit Cholesky(const Eigen::MatrixXd& a);
 
   bool succeeded() const { return succeeded_; }

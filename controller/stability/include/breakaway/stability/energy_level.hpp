@@ -1,4 +1,5 @@
-// How far the energy V of (5) of [A] carries, beyond Theorem 1: THEORY.md, "The dissipated level" and "Two motions".
+// The energy V of (5) of [A] certifies more than Theorem 1 does. THEORY.md says why, in "The dissipated level" and "Two
+// motions".
 //
 // [A] = van de Wouw & Leine, "Stability Properties of Equilibrium Sets of Controlled Linear Mechanical Systems with Dry
 // Friction".

@@ -14,15 +14,16 @@
 
 namespace breakaway::stability {
 
-// One unstable mode. Lost is every state with |z| > level, where z = (real + i imaginary) . (q, q').
+// An EscapeLevel stands for one unstable mode. Every state with |z| > level is lost, where z = (real + i imaginary) .
+// (q, q').
 struct EscapeLevel {
   Eigen::VectorXd real, imaginary;  // w, 2n each, |w| = 1
   double growth_rate;               // s_r > 0 [1/s]
   double level;                     // b / s_r, rounded up
 };
 
-// Those of all modes that grow faster than rounding can tell from standing still; none for a stable machine. The
-// proof is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of w and s.
+// Returns the levels of all modes that grow faster than rounding can tell from standing still; none for a stable
+// machine. The proof is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of w and s.
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system);
 
 }  // namespace breakaway::stability

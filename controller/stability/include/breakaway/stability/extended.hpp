@@ -18,7 +18,7 @@ struct GeneralEigen {
   Eigen::Matrix<std::complex<long double>, Eigen::Dynamic, Eigen::Dynamic> vectors;
 };
 
-// A square.
+// A must be square.
 GeneralEigen general_eigen(const Matrix& a);
 
 // The orthonormal eigenvectors of a symmetric matrix, in the order of ascending values.
@@ -27,13 +27,14 @@ Matrix symmetric_eigenvectors(const Matrix& a);
 // L^-1 of a symmetric and positive definite matrix A = L L^T.
 Matrix inverse_cholesky_factor(const Matrix& a);
 
-// Whatever the scales of rows and columns are: a matrix that is singular to rounding has an inverse, too.
+// Inverts a matrix whatever the scales of its rows and columns are. One that is singular to rounding has an inverse,
+// too.
 Matrix inverse(const Matrix& a);
 
-// Nothing for a matrix that is singular to rounding.
+// Returns nothing for a matrix that is singular to rounding.
 std::optional<Matrix> inverse_if_regular(const Matrix& a);
 
-// As dense::Span.
+// This is dense::Span in extended precision.
 struct Span {
   Matrix basis, complement;
 

@@ -22,7 +22,7 @@ struct MachineState {
   Eigen::Matrix<double, N, 1> v;  // their rates
 };
 
-// No constant force: zero where the size is known, else an empty vector, which means the same.
+// Returns what stands for no constant force: zero where the size is known, else an empty vector, which means the same.
 template <int N>
 Eigen::Matrix<double, N, 1> no_force() {
   if constexpr (N == Eigen::Dynamic) return {};
@@ -43,7 +43,7 @@ struct LinearMachine {
   Eigen::Index frictions() const { return directions.cols(); }
 };
 
-// The same machine with sizes that the compiler knows, with which simulation is several times faster.
+// Returns the machine with sizes that the compiler knows, which makes simulation several times faster.
 template <int N, int M>
 LinearMachine<N, M> sized(const LinearMachine<>& machine) {
   LinearMachine<N, M> result{machine.mass, machine.damping, machine.stiffness, machine.directions, machine.friction_N};
@@ -66,14 +66,14 @@ Eigen::Matrix<double, N, 1> constant_force(const LinearMachine<N, M>& machine) {
 // entries that are finite, friction that is not negative.
 void require_valid_statics(const LinearMachine<>& machine);
 
-// The same for all of the machine.
+// Asks the same of all of the machine.
 void require_well_formed(const LinearMachine<>& machine);
 
-// The same, and a mass that is symmetric and positive definite: what can be simulated.
+// Asks, besides, for a mass that is symmetric and positive definite, without which nothing can be simulated.
 void require_valid(const LinearMachine<>& machine);
 
-// Equal to its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far larger than their
-// sum.
+// Says whether a matrix equals its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far
+// larger than their sum.
 bool symmetric(const Eigen::MatrixXd& matrix);
 
 // The least eigenvalue of a symmetric matrix that is scaled to a unit diagonal, so that no unit of length or mass makes

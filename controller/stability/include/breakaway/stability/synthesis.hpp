@@ -60,7 +60,7 @@ struct GainSweepRow {
   bool E_certified;
 };
 
-// For F2 scaled to each of the norms, F1 as it is. F2 must not be zero.
+// Returns a row for each of the norms, to which F2 is scaled while F1 stays as it is. F2 must not be zero.
 std::vector<GainSweepRow> sweep_velocity_gain(const ActuatedSystem& system, const PdGains& gains,
                                               const std::vector<double>& norms_Ns_per_m);
 

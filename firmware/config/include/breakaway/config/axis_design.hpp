@@ -9,10 +9,11 @@
 
 namespace breakaway::config {
 
-// Throws InputError: a PID, or no accuracy asked for.
+// Throws InputError for a PID, and when no accuracy is asked for.
 design::AxisDesign axis_design(const Node& node, const Axis& axis);
 
-// Every axis, in the order of the file. Throws InputError as axis_design(), and when the axes do not fit the bus.
+// Examines every axis, in the order of the file. Throws InputError as axis_design(), and when the axes do not fit the
+// bus.
 std::vector<design::DesignReport> examine(const Node& node);
 
 // Throws InputError with the axis and the first reason unless every axis is certified.

@@ -1,4 +1,5 @@
-// From a node's description to the parameters of the control law, in the scalar type that it computes in.
+// These functions turn a node's description into the parameters of the control law, in the scalar type that it computes
+// in.
 #pragma once
 
 #include "breakaway/config/node.hpp"
@@ -7,7 +8,7 @@
 
 namespace breakaway::config {
 
-// The most that the law asks for: what the file allows it, and what the drive can give.
+// Returns the most that the law asks for, which is what the file allows it and what the drive can give.
 double max_force_N(const Axis& axis);
 
 // Requires axis.controller.impulsive. Real: float or double.

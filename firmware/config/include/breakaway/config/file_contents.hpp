@@ -1,4 +1,4 @@
-// The text of a scenario file.
+// file_contents() reads a file of text, with a bound on its size.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace breakaway::config {
 
-// Throws InputError: not readable, a folder, larger than 1 MiB.
+// Throws InputError for what cannot be read, is a folder, or is larger than 1 MiB.
 std::string file_contents(const std::filesystem::path& file);
 
 }  // namespace breakaway::config

@@ -1,4 +1,5 @@
-// From a node's description to what is flashed, and to the C++ header that an image is compiled with.
+// These functions turn a node's description into what is flashed, and into the C++ header that an image is compiled
+// with.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,8 @@ namespace breakaway::config {
 
 inline constexpr std::size_t most_axes = 8;
 
-// The parts of a node as the loop is told them. Require node.loop and a drive. Real: float or double.
+// These return the parts of a node as the loop is told them. They require node.loop and a drive. Real is float or
+// double.
 firmware::LoopConfig loop_config(const Node& node);
 template <class Real>
 cia402::DriveConfig<Real> drive_config(const Axis& axis);
@@ -23,18 +25,19 @@ firmware::AxisLimits<Real> axis_limits(const Axis& axis);
 template <class Real>
 using AnyNode = firmware::FlashedNode<Real, most_axes>;
 
-// The node with its kick tables, not certified: for simulation. Requires node.loop, and of every axis a drive and
-// impulsive gains. Throws InputError for numbers that the scalar type cannot hold. Real: float or double.
+// Returns the node with its kick tables, not certified, for simulation. Requires node.loop, and of every axis a drive
+// and impulsive gains. Throws InputError for numbers that the scalar type cannot hold. Real: float or double.
 template <class Real>
 AnyNode<Real> flashed(const Node& node);
 
-// The same, certified, under its checksum. Throws InputError as require_certified(), and when firmware::verify() finds
-// something else.
+// Returns the node certified and under its checksum, as it is flashed. Throws InputError as require_certified(), and
+// when firmware::verify() refuses the node for another reason.
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
 
-// The header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace breakaway::flashed, after
-// a statement of what was certified and on which conditions. Numbers are hexadecimal, so that they are exact; the
-// compiler checks the checksum and that nothing contradicts itself. `source`: the file, for the statement.
+// Returns the header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace
+// breakaway::flashed, after a statement of what was certified and on which conditions. Numbers are hexadecimal, so that
+// they are exact; the compiler checks the checksum and that nothing contradicts itself. `source`: the file, for the
+// statement.
 std::string node_header(const AnyNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports);
 

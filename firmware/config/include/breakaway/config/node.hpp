@@ -82,7 +82,7 @@ struct Drive {
   }
 };
 
-// What the supervisor stops the axis for.
+// The supervisor stops the axis when it leaves these.
 struct Limits {
   double position_min_m = -unlimited;
   double position_max_m = unlimited;

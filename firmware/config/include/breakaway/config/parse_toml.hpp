@@ -1,4 +1,4 @@
-// TOML text to a table, around a flaw of the parser.
+// parse_toml() turns TOML text into a table, and keeps a flaw of the parser from doing harm.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::str
   }
 }
 
-// As toml::parse, after a byte order mark, if any. Throws toml::parse_error and InputError.
+// Does what toml::parse does, after a byte order mark if there is one. Throws toml::parse_error and InputError.
 //
 // toml++ 3.3 runs into undefined behaviour on some characters beyond ASCII where white space may stand (fixed upstream
 // after 3.4). A text that has any is therefore parsed with question marks in their place first: neither keys nor
@@ -44,7 +44,7 @@ inline toml::table parse_toml(std::string_view text, std::string_view name) {
   return toml::parse(text);
 }
 
-// use(document) for the document that the text is. Throws InputError for a text that is none.
+// Returns use(document) for the document that the text is. Throws InputError for a text that is none.
 template <class Use>
 auto with_document(std::string_view text, const std::string& name, Use use) {
   try {

@@ -1,4 +1,4 @@
-// Nodes from TOML files.
+// read_node() reads nodes from TOML files.
 //
 // One file describes the node, and the world around it for simulation. The node's keys are read here. Those of the
 // simulation are passed over, by name, so that a misspelt key is found whoever reads the file.
@@ -16,28 +16,28 @@
 
 namespace breakaway::config {
 
-// What else may stand in the tables of an axis: rows of another reader.
+// These rows of another reader say what else may stand in the tables of an axis.
 struct AxisRows {
   std::vector<Key> plant, friction, controller, drive;
 };
 
-// And in the rest of the file.
+// And these say what else may stand in the rest of the file.
 struct FileRows {
   std::vector<Key> root, loop, bus, run;
   // Called once for each axis, from 0; what it gives is read before the next call.
   std::function<AxisRows(std::size_t place)> axis;
 };
 
-// Rows for every key that only the simulation reads; they accept anything.
+// Returns rows for every key that only the simulation reads; they accept anything.
 FileRows passed_over();
 
-// Throw InputError: file not readable, TOML syntax, unknown or missing key, wrong type, value outside its range, or
-// numbers that contradict one another, of one axis or of two. Keys, units and ranges stand in read_node.cpp, one row
-// each.
+// These throw InputError when the file cannot be read or is no TOML, when a key is unknown or missing, when a value is
+// of the wrong type or outside its range, and when numbers of one axis or of two contradict one another. Keys, units
+// and ranges stand in read_node.cpp, one row each.
 Node read_node(const std::filesystem::path& file);
 Node parse_node(std::string_view text, const std::string& name);
 
-// The same of a document that was parsed by parse_toml(). `others` is read in the order of the file's tables.
+// Reads a document that parse_toml() has parsed. `others` is read in the order of the file's tables.
 Node read_node(const toml::table& document, const std::string& name, const FileRows& others);
 
 // Throws InputError with the figures, and the least period that would do, when the axes do not fit the bus. A node

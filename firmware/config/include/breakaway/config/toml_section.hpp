@@ -34,7 +34,7 @@ struct Entry {
   std::string_view key;
 };
 
-// What a key may hold. `take` stores the value, or returns false when it does not fit `expects`.
+// Says what a key may hold. `take` stores the value, or returns false when it does not fit `expects`.
 struct Value {
   std::string expects;
   std::function<bool(const Entry&)> take;
@@ -60,7 +60,7 @@ Value numbers(std::vector<double>& to, std::string_view unit, Range range = {});
 Value table(std::function<void(const Section&)> read);
 Value tables(std::function<void(const Section&)> read_entry);  // an array of tables
 
-// One of the names of `choices`.
+// The key must hold one of the names of `choices`.
 template <class T>
 Value choice(T& to, std::vector<std::pair<std::string_view, T>> choices) {
   std::string names;
@@ -88,12 +88,12 @@ class Section {
   // Reads one row, whatever else is there: for a key that decides which others are valid.
   void read(const Key& row) const;
 
-  // The section of a nested table, as [outer.inner].
+  // Returns the section of a nested table, as [outer.inner].
   Section nested(const toml::table& inner, std::string_view key) const;
 
   bool has(std::string_view key) const { return table_->contains(key); }
 
-  // The text under `key` if there is any: for a key that decides which other keys are valid.
+  // Returns the text under `key` if there is any, for a key that decides which other keys are valid.
   std::optional<std::string_view> word(std::string_view key) const { return (*table_)[key].value<std::string_view>(); }
 
   // Throws InputError with the place of `key` here, or of the section if it is absent.

@@ -36,59 +36,40 @@ enum class SdoAbort : std::uint32_t {
 };
 
 constexpr std::string_view to_string(SdoAbort code) noexcept {
-  switch (code) {
-    case SdoAbort::none:
-      return "not aborted";
-    case SdoAbort::toggle_bit:
-      return "toggle bit not alternated";
-    case SdoAbort::timeout:
-      return "SDO protocol timed out";
-    case SdoAbort::command_specifier:
-      return "command specifier not valid or unknown";
-    case SdoAbort::out_of_memory:
-      return "out of memory";
-    case SdoAbort::unsupported_access:
-      return "unsupported access to the object";
-    case SdoAbort::write_only:
-      return "object is write-only";
-    case SdoAbort::read_only:
-      return "object is read-only";
-    case SdoAbort::no_such_object:
-      return "object does not exist";
-    case SdoAbort::not_mappable:
-      return "object cannot be mapped to a PDO";
-    case SdoAbort::mapping_too_long:
-      return "mapped objects exceed the PDO's length";
-    case SdoAbort::parameter_incompatible:
-      return "parameters are incompatible";
-    case SdoAbort::device_incompatible:
-      return "incompatible inside the device";
-    case SdoAbort::hardware_error:
-      return "access failed by a hardware error";
-    case SdoAbort::length_mismatch:
-      return "data type and length do not match";
-    case SdoAbort::length_too_high:
-      return "data too long";
-    case SdoAbort::length_too_low:
-      return "data too short";
-    case SdoAbort::no_such_subindex:
-      return "sub-index does not exist";
-    case SdoAbort::invalid_value:
-      return "value not valid";
-    case SdoAbort::value_too_high:
-      return "value too high";
-    case SdoAbort::value_too_low:
-      return "value too low";
-    case SdoAbort::general_error:
-      return "general error";
-    case SdoAbort::cannot_store:
-      return "data cannot be transferred or stored";
-    case SdoAbort::local_control:
-      return "refused: the device is under local control";
-    case SdoAbort::device_state:
-      return "refused in the device's present state";
-    case SdoAbort::no_data:
-      return "no data available";
+  struct Name {
+    SdoAbort code;
+    std::string_view text;
+  };
+  constexpr Name names[] = {
+      {SdoAbort::none, "not aborted"},
+      {SdoAbort::toggle_bit, "toggle bit not alternated"},
+      {SdoAbort::timeout, "SDO protocol timed out"},
+      {SdoAbort::command_specifier, "command specifier not valid or unknown"},
+      {SdoAbort::out_of_memory, "out of memory"},
+      {SdoAbort::unsupported_access, "unsupported access to the object"},
+      {SdoAbort::write_only, "object is write-only"},
+      {SdoAbort::read_only, "object is read-only"},
+      {SdoAbort::no_such_object, "object does not exist"},
+      {SdoAbort::not_mappable, "object cannot be mapped to a PDO"},
+      {SdoAbort::mapping_too_long, "mapped objects exceed the PDO's length"},
+      {SdoAbort::parameter_incompatible, "parameters are incompatible"},
+      {SdoAbort::device_incompatible, "incompatible inside the device"},
+      {SdoAbort::hardware_error, "access failed by a hardware error"},
+      {SdoAbort::length_mismatch, "data type and length do not match"},
+      {SdoAbort::length_too_high, "data too long"},
+      {SdoAbort::length_too_low, "data too short"},
+      {SdoAbort::no_such_subindex, "sub-index does not exist"},
+      {SdoAbort::invalid_value, "value not valid"},
+      {SdoAbort::value_too_high, "value too high"},
+      {SdoAbort::value_too_low, "value too low"},
+      {SdoAbort::general_error, "general error"},
+      {SdoAbort::cannot_store, "data cannot be transferred or stored"},
+      {SdoAbort::local_control, "refused: the device is under local control"},
+      {SdoAbort::device_state, "refused in the device's present state"},
+      {SdoAbort::no_data, "no data available"},
+  };
+  for (const Name& name : names) {
+    if (name.code == code) return name.text;
   }
   return "unknown SDO abort code";
 }

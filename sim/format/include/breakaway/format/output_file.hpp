@@ -11,8 +11,8 @@ namespace breakaway::format {
 // it is complete. Throws InputError naming the path and the reason.
 void write_output(const std::string& path, std::string_view text);
 
-// The same for a text in parts, of which only one is in memory: `next` gives them in order, and an empty one after the
-// last.
+// Writes a text in parts, of which only one is in memory at a time: `next` gives them in order, and an empty one after
+// the last.
 void write_output(const std::string& path, const std::function<std::string()>& next);
 
 }  // namespace breakaway::format

@@ -12,7 +12,7 @@ namespace breakaway::model::shape {
 
 ShapePtr constant(double value);  // value in [0, 1]
 
-// One value at rest, one while sliding, both in [0, 1].
+// This shape has one value at rest and one while sliding, both in [0, 1].
 ShapePtr static_kinetic(double static_value, double kinetic_value);
 
 // 1 / (1 + |v| / v_s): the velocity term of the example in section V of van de Wouw & Leine for v_s = 2 m/s. v_s > 0.

@@ -90,9 +90,9 @@ State extrapolate(std::array<State, max_rows>& tableau, const State& increment, 
 
 }  // namespace detail
 
-// One step of y' = slope(t, y), as slope(t, y, derivative), from (t, y). A component's error may reach tolerance times
-// the greater of its magnitudes at the two ends, plus its `floor`: what rounding inside the right-hand side makes of
-// the step. A tolerance of 1e-14 is attainable.
+// Takes one step of y' = slope(t, y), which is called as slope(t, y, derivative), from (t, y). A component's error may
+// reach tolerance times the greater of its magnitudes at the two ends, plus its `floor`: what rounding inside the
+// right-hand side makes of the step. A tolerance of 1e-14 is attainable.
 template <class State, class RightHandSide>
 ExtrapolatedStep<State> extrapolated_step(RightHandSide&& slope, double t, const State& y, double step,
                                           double tolerance, const std::type_identity_t<State>& floor) {

@@ -51,16 +51,17 @@ class Slide {
   // or in the past.
   StopReason advance_to(double time_s, const model::AppliedForce& force, bool stop_at_rest = false);
 
-  // The velocity jump (8): impulse / mass. Throws InputError unless finite.
+  // Makes the velocity jump (8), impulse / mass. Throws InputError unless finite.
   void apply_impulse(double impulse_Ns);
 
   const SlideState& state() const { return state_; }
   bool sticking() const { return direction_ == 0; }
-  // On the mass, under the force of the last advance_to; at rest what balances that force, up to the level at rest.
+  // Returns the friction on the mass under the force of the last advance_to(). At rest it balances that force, up to
+  // the level at rest.
   double friction_force_N() const;
   double mass_kg() const { return mass_kg_; }
-  // Since the last stick, slip or impulse: accurate where the difference of two values of time_s is not. At an instant
-  // of rest: the duration of the motion that ended.
+  // Returns the time since the last stick, slip or impulse, accurate where the difference of two values of time_s is
+  // not. At an instant of rest it is the duration of the motion that ended.
   double time_since_event_s() const { return since_event_s_; }
   const SlideCounters& counters() const { return counters_; }
 
@@ -109,7 +110,7 @@ class Slide {
   double next_step_s_ = 0;  // the integrator's suggestion; 0 before the first step
   SlideCounters counters_;
 
-  // What the friction law's current piece says.
+  // These are what the friction law's current piece says.
   double level_N_ = 0;               // where it is constant between events
   double rest_level_N_[2] = {0, 0};  // to break away in the negative, positive direction
   double next_change_s_ = 0;

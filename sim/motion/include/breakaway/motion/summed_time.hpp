@@ -14,7 +14,7 @@ struct SummedTime {
     compensation_s = step_s - (next_s - sum_s);
     sum_s = next_s;
   }
-  // The instant that lies this far ahead, and how far ahead an instant lies.
+  // These return the instant that lies this far ahead, and how far ahead an instant lies.
   double after(double duration_s) const { return sum_s + (compensation_s + duration_s); }
   double until(double time_s) const { return (time_s - sum_s) - compensation_s; }
 

@@ -14,7 +14,7 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
 
 // One line a sample, with a header line; of several axes one after the other, named in the first column. Requires a
 // recorded trace.
-std::string to_csv(const sil::Result& result);
+std::string to_csv(const scenario::Scenario& scenario, const sil::Result& result);
 
 // The log format of candump -L, which can-utils and Wireshark read: (seconds.microseconds) can0 ID#DATA. Requires
 // recorded frames.

@@ -3,6 +3,7 @@
 
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/sil/result.hpp"
+#include "breakaway/sil/run_machine.hpp"
 
 namespace breakaway::sil {
 
@@ -12,5 +13,10 @@ void require_complete(const scenario::Scenario& scenario);
 
 // Throws InputError as require_complete does, and when the scenario cannot run on its bus.
 Result run_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording);
+
+// A machine has no bus, so that there are no frames to record.
+inline MachineResult run_scenario(const scenario::MachineScenario& scenario, const RecordingOptions& recording) {
+  return run_machine(scenario, recording.trace);
+}
 
 }  // namespace breakaway::sil

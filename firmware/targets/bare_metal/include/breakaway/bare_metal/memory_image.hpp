@@ -1,5 +1,5 @@
-// What C++ expects of memory before main: initialised data copied from flash, the rest zero, constructors run. The
-// linker script of every bare-metal target defines these symbols.
+// C++ expects before main() that initialised data are copied from flash, that the rest is zero and that constructors
+// have run. The linker script of every bare-metal target defines the symbols for it.
 #pragma once
 
 #include <algorithm>

@@ -15,7 +15,7 @@ inline void change_bits(std::uintptr_t address, std::uint32_t mask, std::uint32_
   reg32(address) = (reg32(address) & ~mask) | bits;
 }
 
-// Until all of `bits` read as `bits & wanted`, at most `polls` times. False: they never did.
+// Polls until `bits` read as in `wanted`, at most `polls` times. Returns false if they never did.
 inline bool await_bits(std::uintptr_t address, std::uint32_t bits, std::uint32_t wanted, std::uint32_t polls) noexcept {
   for (std::uint32_t i = 0; i < polls; ++i) {
     if ((reg32(address) & bits) == (wanted & bits)) return true;

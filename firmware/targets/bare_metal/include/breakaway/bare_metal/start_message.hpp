@@ -1,4 +1,4 @@
-// What a debugger reads of a node that does not run: a sentence, and the axis that it is about.
+// A debugger reads this of a node that does not run: a sentence, and the axis that it is about.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace breakaway::bare_metal {
 inline constinit const char* volatile start_message = "not started: reset, or a fault before the start";
 inline constinit volatile std::uint8_t start_axis = 0;
 
-// text: a literal, which has its zero behind it.
+// `text` must be a literal, which has its zero behind it.
 inline void tell(std::string_view text) noexcept { start_message = text.data(); }
 
 inline void tell(const firmware::NodeVerdict& verdict) noexcept {

@@ -30,15 +30,15 @@ struct AdaptiveOptions {
   double longest_step_s = std::numeric_limits<double>::infinity();  // > 0; for an observer that wants to see more
 };
 
-// Not for use by several threads at once: what depends on the sticking directions is computed when first met.
+// Adaptive is for one thread, because what depends on the sticking directions is computed when first met.
 class Adaptive {
  public:
   using Laws = std::vector<model::FrictionLaw>;
   using State = MachineState<Eigen::Dynamic>;
   using Result = Outcome<Eigen::Dynamic>;
 
-  // One law for each direction, in newtons (for a rotary direction newton metres) over t, w_i^T q and |w_i^T q'|;
-  // machine.friction_N is not used. Throws InputError for a machine that require_valid() refuses, another number
+  // `laws` holds one for each direction, in newtons (for a rotary direction newton metres) over t, w_i^T q and |w_i^T
+  // q'|; machine.friction_N is not used. Throws InputError for a machine that require_valid() refuses, another number
   // of laws, more than 16 directions, and options out of range.
   //
   // A decision by certificate may take for granted that each friction stays within its law's bounds and nothing more.
@@ -52,15 +52,15 @@ class Adaptive {
   explicit Adaptive(const LinearMachine<>& machine, AdaptiveOptions options = {},
                     EarlyDecision<Eigen::Dynamic> decision = {});
 
-  // To rest, to a decision or to end_time_s, which is finite. The observer sees every step. at_rest is said when it is
-  // sure to last: the machine is held even if every law that changes with time falls to its lower bound. One that
+  // Runs to rest, to a decision or to end_time_s, which is finite. The observer sees every step. at_rest is said when
+  // it is sure to last: the machine is held even if every law that changes with time falls to its lower bound. One that
   // stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws
   // InputError for a start of the wrong size or with entries that are not finite, and InputError
   // when the directions switch without end at one instant.
   Result run(const State& start, double end_time_s, std::vector<Event>* log = nullptr,
              const Observer<Eigen::Dynamic>& observer = {}) const;
 
-  // The same, going on with laws that have a past: those of random dwell draw on.
+  // Does the same with laws that have a past and keep it: those of random dwell draw on.
   Result resume(Laws& laws, const State& start, double end_time_s, std::vector<Event>* log = nullptr,
                 const Observer<Eigen::Dynamic>& observer = {}) const;
   const Laws& laws() const { return laws_; }  // of the directions that have friction

@@ -29,8 +29,8 @@ class EventDriven {
   // Throws InputError for a machine that require_valid() refuses or with more than 16 directions.
   explicit EventDriven(const LinearMachine<N, M>& machine, EarlyDecision<N> decision = {});
 
-  // To rest, to a decision or to end_time_s, which may be infinite only if rest or a decision is sure to come. Throws
-  // InputError for a start of the wrong size or with entries that are not finite.
+  // Runs to rest, to a decision or to end_time_s, which may be infinite only if rest or a decision is sure to come.
+  // Throws InputError for a start of the wrong size or with entries that are not finite.
   Outcome<N> run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log = nullptr,
                  const Observer<N>& observer = {}) const;
 

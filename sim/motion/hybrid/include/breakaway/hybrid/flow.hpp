@@ -53,10 +53,10 @@ class Flow {
   ExtendedMatrix from_acceleration() const { return inverse_.rightCols(k_); }  //   + from_acceleration a
   const ExtendedMatrix& generator() const { return generator_; }               // x' = generator x
 
-  // How far ahead bound() holds: until what grows has grown by a quarter, or for ever.
+  // bound() holds so far ahead: until what grows has grown by a quarter, or for ever.
   double window_s() const { return window_s_; }
 
-  // Whether the motion dies away: all of it that there is.
+  // Says whether the motion dies away in every block that takes part in it.
   bool decays(const double* x) const {
     return std::all_of(blocks_.begin(), blocks_.end(), [x](const Block& block) {
       return (block.rate < 0 && block.kind != Block::Kind::dense) || norm1(x + block.first, block.size) == 0;
@@ -103,7 +103,7 @@ class Flow {
         break;
       }
       case Block::Kind::complex: {
-        // At least the Euclidean norm, at most 8 % more, and free of overflow.
+        // This is at least the Euclidean norm and at most 8 % more, and it does not overflow.
         const double a = std::abs(state[0]), b = std::abs(state[1]);
         size[0] = std::max(a, b) + 0.41421356237309515 * std::min(a, b);
         break;

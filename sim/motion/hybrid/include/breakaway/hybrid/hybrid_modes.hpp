@@ -19,7 +19,7 @@
 
 namespace breakaway::hybrid {
 
-// Where the machine is, and how its directions are.
+// Says where the machine is and which of its directions stick.
 template <int N, int M>
 struct HybridState {
   Eigen::Matrix<double, N, 1> q, v;
@@ -27,7 +27,7 @@ struct HybridState {
   DirectionSet sticking = 0;          // with all directions that cannot slide while these stick
 };
 
-// Not for use by several threads at once: stick sets are factorised when first met. Copies are cheap and independent.
+// HybridModes is for one thread, because stick sets are factorised when first met. Copies are cheap and independent.
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 class HybridModes {
  public:
@@ -83,7 +83,7 @@ class HybridModes {
   };
 
   bool all_stick(const State& state) const { return (state.signs.array() == 0).all(); }
-  // What static friction must bear in this face so that the sticking directions stick.
+  // Returns what static friction must bear in this face so that the sticking directions stick.
   double needed_N(const State& state, const Facet<N, M>& facet, const Vector& applied) const {
     return facet.stiffness.dot(state.q) + facet.damping.dot(state.v) - facet.normal.dot(applied);
   }
@@ -157,8 +157,8 @@ bool HybridModes<N, M>::lost_in_rounding(const State& state) const {
   return state.v.dot(machine_.mass * state.v) <= 1e-24 * state.q.dot(machine_.stiffness * state.q);
 }
 
-// Whether static friction can bear what sticking needs. At the very limit it can: whether it then gives way is for
-// release() to say.
+// Says whether static friction can bear what sticking needs. At the very limit it can, and release() says whether it
+// then gives way.
 template <int N, int M>
 bool HybridModes<N, M>::holds(const State& state, const Set& held) const {
   const Vector applied = force(state);

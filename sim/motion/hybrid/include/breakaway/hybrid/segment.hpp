@@ -73,7 +73,7 @@ class Segment {
   // moved to duration_s if that is finite.
   Ending advance(double duration_s);
 
-  // Whether the direction's speed is within rounding of zero and falling.
+  // Says whether the direction's speed is within rounding of zero and falling.
   bool stops_too(const Watch<N>& watch) const {
     return watch.direction >= 0 && elapsed_s_ >= watch.departs_s && value(watch) <= 64 * rounding(watch) &&
            slope(watch) < 0;
@@ -107,7 +107,7 @@ class Segment {
     set_->flow.propagate(h, x_.data(), y_.data());
     elapsed_s_ += h;
   }
-  // What is proved about the near future.
+  // Holds what is proved about the near future.
   struct Proof {
     double free_s;      // nothing crosses zero up to here
     double others_s;    // all but one do not up to here
@@ -242,7 +242,7 @@ void Segment<N, M>::polish() {
   }
 }
 
-// Whether the bounds of what is watched over all time exclude an event.
+// Says whether the bounds of what is watched exclude an event for all time.
 template <int N, int M>
 bool Segment<N, M>::eventless() const {
   if (set_->flow.window_s() < never) return false;

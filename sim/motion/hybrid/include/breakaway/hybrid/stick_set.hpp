@@ -63,7 +63,7 @@ struct StickSet {
 
 StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions);
 
-// The same with sizes fixed.
+// Returns the line with its sizes fixed.
 template <int N>
 Line<N> fixed(const Line<Eigen::Dynamic>& line) {
   return {line.integral,     line.now,         line.first,   line.second,        line.third,

@@ -13,7 +13,7 @@
 
 namespace breakaway::hybrid {
 
-// Of each stopped direction, or of each pair; on the stack.
+// These hold an entry for each stopped direction, or for each pair, and lie on the stack.
 using DirectionVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, most_directions, 1>;
 using DirectionMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_directions, most_directions>;

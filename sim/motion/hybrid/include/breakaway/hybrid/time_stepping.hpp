@@ -24,7 +24,7 @@ struct TimeSteppingOptions {
   double theta = 0.5;    // in [0, 1]: 0 explicit Euler, 1/2 midpoint, 1 implicit Euler
 };
 
-// What to tell the user of a choice of theta; empty if there is nothing to tell. theta != 1/2 acts as additional
+// Returns what to tell the user of a choice of theta, or nothing. theta != 1/2 acts as additional
 // damping of about (theta - 1/2) h K. A machine whose own damping is not positive semidefinite may be unstable;
 // implicit steps then bring to rest what in truth never rests, at any h, and say nothing.
 std::string theta_warning(const LinearMachine<>& machine, double theta);
@@ -49,22 +49,22 @@ class TimeStepping {
   explicit TimeStepping(const LinearMachine<N, M>& machine, TimeSteppingOptions options = {},
                         EarlyDecision<N> decision = {});
 
-  // Empty, or why the results for this theta may be wrong.
+  // Says why the results for this theta may be wrong; empty if they are right.
   const std::string& warning() const { return warning_; }
   double step_s() const { return step_s_; }
 
-  // Impulses of the step before, where the search for those of the next step begins.
+  // The search for the impulses of a step begins at those of the step before.
   struct Memory {
     Eigen::Matrix<double, M, 1> impulse_Ns;
     bool sticks = false;  // all directions did
   };
   Memory memory() const { return {Eigen::Matrix<double, M, 1>::Zero(limit_Ns_.size()), false}; }
 
-  // One step.
+  // Takes one step.
   void step(MachineState<N>& state, Memory& memory) const;
 
-  // Until rest, an early decision or end_time_s, which the last step may pass by less than a step. Events are logged at
-  // the end of the step in which they fall.
+  // Runs until rest, an early decision or end_time_s, which the last step may pass by less than a step. Events are
+  // logged at the end of the step in which they fall.
   Outcome<N> run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log = nullptr,
                  const Observer<N>& observer = {}) const;
 
@@ -76,12 +76,12 @@ class TimeStepping {
 
   void solve(const Impulses& sliding_m_s, Memory& memory) const;
 
-  // That which would stop direction i.
+  // Returns the impulse that would stop direction i.
   double wanted_Ns(const Impulses& sliding_m_s, const Impulses& p, Eigen::Index i) const {
     return p[i] - own_mass_kg_[i] * (sliding_m_s[i] + coupling_.row(i).dot(p));
   }
 
-  // Whether friction at its limits, as in the step before, stops no direction.
+  // Says whether friction at its limits, as in the step before, stops no direction.
   bool slides_on(const Impulses& sliding_m_s, const Impulses& p) const {
     bool on = true;
     for (Eigen::Index i = 0; i < p.size(); ++i) {

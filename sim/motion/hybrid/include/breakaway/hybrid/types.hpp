@@ -1,4 +1,4 @@
-// What every way to integrate a LinearMachine takes and gives.
+// Every way to integrate a LinearMachine takes and gives these types.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +40,8 @@ struct Outcome {
   std::uint64_t events = 0;    // entries of the log
 };
 
-// What is known about the future of a state without integrating it: captured or lost if proved, else undecided. Asked
-// at the start and at every event, and at every step of a time-stepping scheme, so it has to be cheap.
+// Says what is known about the future of a state without integrating it: captured or lost if proved, else undecided. It
+// is asked at the start and at every event, and at every step of a time-stepping scheme, so it has to be cheap.
 template <int N>
 using EarlyDecision = std::function<Verdict(const MachineState<N>&)>;
 
