@@ -98,7 +98,8 @@ def main():
         print(f"  {run + ', ' + KINDS[int(kind)]:45} {len(calls):6} steps, {min(calls):4} to {max(calls):4} instructions")
     node = read_counts(f"{a.folder}/emulated/node.counts")
     print(f"  whole node, {target.axes} {'axis' if target.axes == 1 else 'axes'}: {min(node)} to {max(node)} instructions, "
-          f"mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} of 1 ms at {target.core_Hz / 1e6:.0f} MHz and {target.cycles_per_instruction} cycles an instruction")
+          f"mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} of 1 ms at "
+          f"{target.core_Hz / 1e6:.0f} MHz and {target.cycles_per_instruction} cycles an instruction")
     images = {os.path.basename(path): examine(path) for path in sorted(glob.glob(f"{a.images}/*.elf"))}
     with open(f"{a.folder}/costs.json", "w", encoding="utf-8") as file:
         json.dump({"steps": steps, "node": node, "images": images}, file)

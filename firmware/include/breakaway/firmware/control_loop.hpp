@@ -312,7 +312,7 @@ class ControlLoop {
 
   // A new fault of one axis stops all that are wanted. None starts again before every fault was reset; the resets may
   // come one by one.
-  void stop_together(hal::Time now) noexcept {
+  [[gnu::noinline]] void stop_together(hal::Time now) noexcept {
     bool any_new = false;
     for (std::size_t i = 0; i < count_; ++i) {
       const Axis& a = *axes_[i];
