@@ -267,8 +267,7 @@ class ControlLoop {
     const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
     a.status.feedback = feedback;
     a.status.output = {};
-    a.status.running = supervise(a, feedback, was_running, now) && (was_running || may_start);
-    if (may_start && wants_enabling(a, feedback)) a.drive.request_enable();
+    a.status.running = supervise(a, feedback, was_running, may_start, now);
     if (!a.status.running) return;
     if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
     if (!was_running) begin(a);
@@ -277,7 +276,8 @@ class ControlLoop {
   }
 
   // Returns true when the axis is enabled and may be given force in this period.
-  bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
+  bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, bool may_start,
+                 hal::Time now) noexcept {
     const std::uint16_t emergency_code = new_emergency(a);
     if (feedback.state == hal::DriveState::unusable) {
       a.status.fault = AxisFault::drive_unusable;
@@ -294,12 +294,9 @@ class ControlLoop {
     }
     a.status.fault = a.supervisor.fault();
     if (a.status.fault != AxisFault::none) return false;
+    if (feedback.state == hal::DriveState::disabled && a.wanted && may_start) a.drive.request_enable();
     return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
-           (was_running || feedback.fresh);
-  }
-
-  static bool wants_enabling(const Axis& a, const hal::DriveFeedback<Scalar>& feedback) noexcept {
-    return a.wanted && a.status.fault == AxisFault::none && feedback.state == hal::DriveState::disabled;
+           (was_running || (feedback.fresh && may_start));
   }
 
   // A fault that an earlier step saw and that was not reset.
