@@ -2,8 +2,10 @@
 // errors about keys, types and ranges come from here, as InputError.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -74,6 +76,12 @@ Value choice(T& to, std::vector<std::pair<std::string_view, T>> choices) {
             }
             return false;
           }};
+}
+
+// Joins two lists of rows.
+inline std::vector<Key> operator+(std::vector<Key> rows, std::vector<Key> others) {
+  std::ranges::move(others, std::back_inserter(rows));
+  return rows;
 }
 
 class Section {

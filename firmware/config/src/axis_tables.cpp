@@ -1,0 +1,245 @@
+#include "axis_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+namespace {
+
+constexpr Range not_negative{0, 1e12};
+constexpr Range anywhere{-1e9, 1e9};
+constexpr Range up_to_a_second{0, 1};
+
+void require_ordered(const Section& section, std::string_view lower, double low, std::string_view upper, double up) {
+  if (low <= up) return;
+  section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
+}
+
+// Friction is given either in newtons, or as the paper's coefficients with the gravity that makes them newtons.
+Friction read_friction(const Section& section, double mass_kg, std::vector<Key> others) {
+  Friction f;
+  const bool coefficients = section.has("mu_lower") || section.has("mu_upper") || section.has("gravity_m_s2");
+  const std::string_view lower = coefficients ? "mu_lower" : "lower_N", upper = coefficients ? "mu_upper" : "upper_N";
+  const std::string_view unit = coefficients ? "" : "N";
+  double gravity_m_s2 = 0;
+  std::vector<Key> keys{
+      optional("smooth_slope_Ns_per_m", number(f.smooth_slope_Ns_per_m, "N s/m", {-1e12, 1e12})),
+      required(lower, number(f.bounds.lower_N, unit, positive)),
+      required(upper, number(f.bounds.upper_N, unit, positive)),
+  };
+  if (coefficients) keys.push_back(required("gravity_m_s2", number(gravity_m_s2, "m/s^2", positive)));
+  section.read(keys + std::move(others));
+  require_ordered(section, lower, f.bounds.lower_N, upper, f.bounds.upper_N);
+  if (coefficients) {
+    f.normal_force_N = mass_kg * gravity_m_s2;
+    f.bounds.lower_N *= *f.normal_force_N;
+    f.bounds.upper_N *= *f.normal_force_N;
+  }
+  return f;
+}
+
+TargetChange read_target(const Section& section) {
+  TargetChange change;
+  section.read({
+      required("time_s", number(change.time_s, "s", not_negative)),
+      required("position_m", number(change.position_m, "m", anywhere)),
+  });
+  return change;
+}
+
+std::vector<Key> gain_keys(ImpulsiveGains& gains) {
+  return {
+      required("k1_N_per_m", number(gains.stiffness_N_per_m, "N/m", positive)),
+      required("k21_Ns_per_m", number(gains.approach_damping_Ns_per_m, "N s/m", positive)),
+      required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
+      optional("kick",
+               choice(gains.kick, {{"ideal", Kick::ideal}, {"two_phase", Kick::two_phase}, {"naive", Kick::naive}})),
+  };
+}
+
+std::vector<Key> gain_keys(PidGains& gains) {
+  return {
+      required("kp_N_per_m", number(gains.proportional_N_per_m, "N/m", positive)),
+      required("ki_N_per_ms", number(gains.integral_N_per_ms, "N/(m s)", not_negative)),
+      required("kd_Ns_per_m", number(gains.derivative_Ns_per_m, "N s/m", positive)),
+  };
+}
+
+Controller read_controller(const Section& section, bool sampled, std::vector<Key> others) {
+  Controller controller;
+  bool is_pid = false;
+  const Key kind = optional("kind", choice(is_pid, {{"impulsive", false}, {"pid", true}}));
+  section.read(kind);
+  if (is_pid) controller.pid.emplace();
+  if (!is_pid) controller.impulsive.emplace().kick = sampled ? Kick::two_phase : Kick::ideal;
+  const std::vector<Key> common{
+      kind,
+      optional("max_force_N", number(controller.max_force_N, "N", positive)),
+      optional("max_approach_speed_m_s", number(controller.max_approach_speed_m_s, "m/s", positive)),
+      optional("position_tolerance_m", number(controller.position_tolerance_m, "m", not_negative)),
+      optional("target_m", number(controller.target_m, "m", anywhere)),
+      optional("targets", tables([&](const Section& entry) { controller.targets.push_back(read_target(entry)); })),
+  };
+  section.read((is_pid ? gain_keys(*controller.pid) : gain_keys(*controller.impulsive)) + common + std::move(others));
+  if (!std::ranges::is_sorted(controller.targets, {}, &TargetChange::time_s)) {
+    section.fail("targets", "are not in order of time_s; sort them");
+  }
+  return controller;
+}
+
+// These rules hold between the keys of the law of [I]. zeta = k2 / (2 sqrt(k1 m)).
+void check_gains(const Section& section, const ImpulsiveGains& gains, double mass_kg, bool sampled) {
+  const double critical = 2 * std::sqrt(gains.stiffness_N_per_m * mass_kg);
+  const auto refuse = [&](std::string_view key, double value, std::string_view rule) {
+    section.fail(key, fmt::format("is {}, so zeta = {:.6g}; {} 2 sqrt(k1 m) = {:.6g} N s/m", value, value / critical,
+                                  rule, critical));
+  };
+  const double k21 = gains.approach_damping_Ns_per_m, k22 = gains.kick_damping_Ns_per_m;
+  if (!(k21 < critical)) refuse("k21_Ns_per_m", k21, "the approach needs zeta < 1: lower it below");
+  if (!(k22 > critical)) refuse("k22_Ns_per_m", k22, "the kicks need zeta > 1: raise it above");
+  if (sampled && gains.kick == Kick::ideal) {
+    section.fail("kick", "must be \"two_phase\" or \"naive\" with a [loop]: a sampled kick takes time");
+  }
+}
+
+Value thousandths(std::uint32_t& to, std::string_view unit) {
+  return number([&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); }, unit, {1e-3, 4e6});
+}
+
+Drive read_drive(const Section& section, std::size_t place, std::vector<Key> others) {
+  Drive d;
+  d.node_id = static_cast<std::uint8_t>(place + 1);
+  section.read(
+      std::vector<Key>{
+          optional("node_id", integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
+          required("rated_torque_Nm", thousandths(d.rated_torque_mNm, "N m")),
+          optional("rated_current_A", thousandths(d.rated_current_mA, "A")),
+          required("max_torque_per_mille",
+                   integer([&](std::int64_t n) { d.max_torque_per_mille = static_cast<std::uint16_t>(n); }, 1, 32767)),
+          required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
+          optional("peak_force_N", number(d.peak_force_N, "N", positive)),
+          required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
+          optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", up_to_a_second)),
+          optional("invert_direction", boolean(d.invert_direction)),
+          optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
+          optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
+          optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
+      } +
+      std::move(others));
+  // The simulation takes steps of a fraction of it, so a run would take for ever.
+  if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
+    section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");
+  if (d.heartbeat_timeout <= d.heartbeat_period)
+    section.fail("heartbeat_timeout_s", "is not above heartbeat_period_s; raise it to two or three periods");
+  return d;
+}
+
+Limits read_limits(const Section& section) {
+  Limits limits;
+  std::optional<double> both_m, least_m, most_m;
+  hal::Duration feedback_timeout{};
+  section.read({
+      optional("position_m", number(both_m, "m", positive)),
+      optional("position_min_m", number(least_m, "m", anywhere)),
+      optional("position_max_m", number(most_m, "m", anywhere)),
+      optional("speed_m_s", number(limits.speed_m_s, "m/s", positive)),
+      optional("force_N", number(limits.force_N, "N", positive)),
+      optional("following_error_m", number(limits.following_error_m, "m", positive)),
+      optional("feedback_timeout_s", duration_s(feedback_timeout, {1e-6, 60})),
+  });
+  if (both_m && (least_m || most_m))
+    section.fail("position_m", "stands beside position_min_m or position_max_m; give it alone, or those two");
+  limits.position_min_m = both_m ? -*both_m : least_m.value_or(-unlimited);
+  limits.position_max_m = both_m ? *both_m : most_m.value_or(unlimited);
+  if (!(limits.position_min_m < limits.position_max_m))
+    section.fail("position_min_m", "is not below position_max_m; swap or correct them");
+  if (feedback_timeout > hal::Duration::zero()) limits.feedback_timeout = feedback_timeout;
+  return limits;
+}
+
+// What a lawful motion needs must not stop the axis.
+void check_limits(const Section& section, const Axis& axis) {
+  const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
+    if (!holds)
+      section.fail(key,
+                   fmt::format("is {:g}, below {} = {:g}, which the controller may use; raise the one or lower the "
+                               "other",
+                               limit, what, least));
+  };
+  const Limits& l = axis.limits;
+  const Controller& c = axis.controller;
+  const double force_N = max_force_N(axis);
+  const bool by_drive = force_N < c.max_force_N;
+  require(l.force_N >= force_N, "force_N", l.force_N, by_drive ? "what the [drive] gives" : "[controller] max_force_N",
+          force_N);
+  if (c.max_approach_speed_m_s < unlimited)
+    require(l.speed_m_s >= c.max_approach_speed_m_s, "speed_m_s", l.speed_m_s, "[controller] max_approach_speed_m_s",
+            c.max_approach_speed_m_s);
+  require(l.following_error_m >= c.position_tolerance_m, "following_error_m", l.following_error_m,
+          "[controller] position_tolerance_m", c.position_tolerance_m);
+}
+
+// The drive must give what the law may ask for.
+void check_force(const Section& section, const Axis& axis) {
+  if (!axis.drive || axis.controller.max_force_N == unlimited) return;
+  const double given_N = axis.drive->max_force_N();
+  if (axis.controller.max_force_N <= given_N * (1 + 1e-12)) return;
+  section.fail("max_force_N", fmt::format("is {}, but the [drive] gives {:.6g} N at most: lower it, or give the drive "
+                                          "more torque",
+                                          axis.controller.max_force_N, given_N));
+}
+
+void check_in_node(const Section& section, const Drive& drive, const Node& node) {
+  const unsigned id = drive.node_id;
+  if (node.loop && id == node.loop->node_id)
+    section.fail("node_id", fmt::format("is {}, as that of the [loop]; change one of them", id));
+  for (const Axis& other : node.axes) {
+    if (other.drive && other.drive->node_id == drive.node_id)
+      section.fail("node_id", fmt::format("is {}, as that of axis {}; give every drive its own", id, other.name));
+  }
+  // Drive and node watch each other with one timeout.
+  if (node.loop && drive.heartbeat_timeout <= node.loop->heartbeat_period)
+    section.fail("heartbeat_timeout_s",
+                 fmt::format("is {}, not above the [loop] heartbeat_period_s = {}; raise the one or lower the other",
+                             hal::seconds(drive.heartbeat_timeout), hal::seconds(node.loop->heartbeat_period)));
+}
+
+}  // namespace
+
+std::vector<Key> AxisTables::rows() {
+  const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
+  return {optional("plant", keep(plant_)), optional("friction", keep(friction_)),
+          optional("controller", keep(controller_)), optional("drive", keep(drive_)),
+          optional("limits", keep(limits_))};
+}
+
+// The next axis of the node. A table that is missing is missed only after those before it were read, so that a
+// misspelt key in the first table is what an unfinished file is told of.
+Axis AxisTables::read(const Section& parent, std::string name, const Node& node, const FileRows& others) const {
+  const auto need = [&](const std::optional<Section>& part, const char* key) -> const Section& {
+    if (!part) parent.fail(key, "is missing; give it a table");
+    return *part;
+  };
+  const bool sampled = node.loop.has_value();
+  const std::size_t place = node.axes.size();
+  Axis axis;
+  axis.name = std::move(name);
+  const AxisRows also = others.axis ? others.axis(place) : AxisRows{};
+  need(plant_, "plant").read(std::vector<Key>{required("mass_kg", number(axis.mass_kg, "kg", positive))} + also.plant);
+  axis.friction = read_friction(need(friction_, "friction"), axis.mass_kg, also.friction);
+  axis.controller = read_controller(need(controller_, "controller"), sampled, also.controller);
+  if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
+  if (drive_) check_in_node(*drive_, *axis.drive, node);
+  if (limits_) axis.limits = read_limits(*limits_);
+  check_force(*controller_, axis);
+  if (axis.controller.impulsive) check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, sampled);
+  if (limits_) check_limits(*limits_, axis);
+  return axis;
+}
+
+}  // namespace breakaway::config

@@ -1,0 +1,32 @@
+// The tables of an axis in a node's file.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "breakaway/config/node.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/config/toml_section.hpp"
+
+namespace breakaway::config {
+
+// Heartbeats count milliseconds in 16 bits (1016h and 1017h).
+inline constexpr Range heartbeat{1e-3, 65.535};
+
+// The tables of one axis: the whole file, or an entry of [[axis]].
+class AxisTables {
+ public:
+  // Keeps each table that is there for read().
+  std::vector<Key> rows();
+
+  // Reads the next axis of the node. Throws InputError; `parent`: where the tables stand.
+  Axis read(const Section& parent, std::string name, const Node& node, const FileRows& others) const;
+
+ private:
+  std::optional<Section> plant_, friction_, controller_, drive_, limits_;
+};
+
+}  // namespace breakaway::config
