@@ -170,6 +170,7 @@ class ControlLoop {
     a->controller.reset();
     a->drive.reset_fault();
     a->standing_fault = AxisFault::none;
+    waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
@@ -192,10 +193,8 @@ class ControlLoop {
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
-    const bool together = config_.fault_scope == FaultScope::all_axes;
-    const bool may_start = !together || !any_standing_fault();
-    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now, may_start);
-    if (together) stop_together(now);
+    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
+    if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
     send(now);
   }
 
@@ -260,14 +259,13 @@ class ControlLoop {
     }
   }
 
-  // may_start: the axis may be enabled in this period if it is not.
-  void control(Axis& a, hal::Time now, bool may_start) noexcept {
+  void control(Axis& a, hal::Time now) noexcept {
     a.drive.update(now);
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
     const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
     a.status.feedback = feedback;
     a.status.output = {};
-    a.status.running = supervise(a, feedback, was_running, may_start, now);
+    a.status.running = supervise(a, feedback, was_running, now);
     if (!a.status.running) return;
     if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
     if (!was_running) begin(a);
@@ -276,8 +274,7 @@ class ControlLoop {
   }
 
   // Returns true when the axis is enabled and may be given force in this period.
-  bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, bool may_start,
-                 hal::Time now) noexcept {
+  bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
     const std::uint16_t emergency_code = new_emergency(a);
     if (feedback.state == hal::DriveState::unusable) {
       a.status.fault = AxisFault::drive_unusable;
@@ -294,9 +291,9 @@ class ControlLoop {
     }
     a.status.fault = a.supervisor.fault();
     if (a.status.fault != AxisFault::none) return false;
-    if (feedback.state == hal::DriveState::disabled && a.wanted && may_start) a.drive.request_enable();
+    if (feedback.state == hal::DriveState::disabled && a.wanted && !waiting_) a.drive.request_enable();
     return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
-           (was_running || (feedback.fresh && may_start));
+           (was_running || (feedback.fresh && !waiting_));
   }
 
   // A fault that an earlier step saw and that was not reset.
@@ -319,6 +316,7 @@ class ControlLoop {
       if (any_new) stop_with_another(*axes_[i], now);
       axes_[i]->standing_fault = axes_[i]->status.fault;
     }
+    waiting_ = any_standing_fault();
   }
 
   void stop_with_another(Axis& a, hal::Time now) noexcept {
@@ -384,6 +382,7 @@ class ControlLoop {
   std::array<std::optional<Axis>, MaxAxes> axes_{};
   std::size_t count_ = 0;
   std::size_t next_acyclic_ = 0;
+  bool waiting_ = false;  // nobody starts: an axis of those that stop together still has a fault
   std::uint64_t refused_frames_ = 0;
 };
 
