@@ -52,7 +52,7 @@ build_target() {
   images=$root/build/$1/firmware/targets/$1
   tests=$root/build/$1/tests/emulated/$1
   cmake --preset "$1" -DBREAKAWAY_NODE_FOLDER="$host/node/$scenario" --log-level=WARNING
-  cmake --build --preset "$1"
+  cmake --build --preset "$1" --target images test_images
 }
 
 # prove <most bytes of code> <of RAM> <image>...; and that a spoiled image is refused: a proof that nothing fails proves

@@ -5,12 +5,12 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
 usage() {
   cat <<'HELP'
-Usage: toolchain/emulate.sh linux [SCENE...]
+Usage: toolchain/emulate.sh linux [CASE...]
 
 Installs what is needed and missing (Debian packages, as root or by sudo), builds breakaway and breakaway-node and runs them in a
 guest with a PREEMPT_RT kernel (toolchain/guest.sh), in virtual time: 60 s at 1 kHz on vcan without a missed tick, interface
-down and up, bus-off, a killed drive, SIGTERM, bad input, two emulated Kvaser cards, slcan with real error states, and other
-people's CANopen software. With SCENE..., named as in tests/guest/linux_node.py, these only.
+down and up, bus-off, a killed drive, SIGTERM, bad input, three axes of one node, two nodes on one bus, two emulated Kvaser
+cards, slcan with real error states, and other people's CANopen software. With CASE..., named as in tests/guest, these only.
 
 Exit codes: 0 passed, 1 failed, 2 the machine or the command line is at fault.
 HELP

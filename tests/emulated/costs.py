@@ -51,9 +51,9 @@ def node_table(costs):
     rows = []
     for name, cost in costs.items():
         target, node = TARGETS[name], Counts(cost["node"])
-        rows.append((f"{name}, {target.core} at {target.core_Hz / 1e6:.0f} MHz", len(node.calls), node.least, f"{node.mean:.0f}",
+        rows.append((f"{name}, {target.core} at {target.core_Hz / 1e6:.0f} MHz", target.axes, len(node.calls), node.least, f"{node.mean:.0f}",
                      node.most, f"{target.share(worst_of_law(cost['steps'])):.2%}", f"{target.share(node.most):.2%}"))
-    return table(["", "periods", "least", "mean", "most", "worst of the law / period", "worst of the node / period"], rows)
+    return table(["", "axes", "periods", "least", "mean", "most", "worst of the law / period", "worst of the node / period"], rows)
 
 
 def sizes_table(costs):
@@ -84,14 +84,15 @@ equal to the host's bit for bit.
 
 ## Instructions per step of the whole node
 
-Receive, supervise, control and send, one axis, in closed loop on the emulated bus from power-on on. The shares are of a
+Receive, supervise, control and send, in closed loop on the emulated bus from power-on on, with the axis of
+`sim/scenarios/can_axis.toml` or the two of `sim/scenarios/two_axes.toml`. The shares are of a
 period of 1 ms, at {next(iter(TARGETS.values())).cycles_per_instruction} cycles an instruction: a cautious mean, as an instruction takes one cycle or a few (a division or square
 root 14 to 30), and flash or a peripheral may make it wait. `toolchain/emulate.sh` fails above {next(iter(TARGETS.values())).most_share:.0%}.
 
 {node_table(costs)}
 
-On top come, on slcan, the time in which the serial line takes the characters (22 at 1 Mbaud: 220 us), and on the R5F some 30
-accesses to peripherals, whose time on their bus an emulator does not know: 1.5% if each took 0.5 us.
+On top come, on slcan, the time in which the serial line takes the characters (22 at 1 Mbaud: 220 us), and on the R5F some 50
+accesses to peripherals, whose time on their bus an emulator does not know: 2.5% if each took 0.5 us.
 
 ## Memory, in bytes
 

@@ -30,6 +30,7 @@ class Target:
     core: str
     core_Hz: float
     most_instructions: int  # of a step of the law in float
+    axes: int  # of the node that is run
     cycles_per_instruction = 2  # a cautious mean
     period_s = 1e-3
     most_share = 0.05  # of the period, for the worst step of the whole node
@@ -38,7 +39,7 @@ class Target:
         return instructions * self.cycles_per_instruction / (self.core_Hz * self.period_s)
 
 
-TARGETS = {"stm32f405": Target("M4F", 168e6, 600), "zynqmp_r5": Target("R5F", 500e6, 600)}
+TARGETS = {"stm32f405": Target("M4F", 168e6, 600, 1), "zynqmp_r5": Target("R5F", 500e6, 600, 2)}
 
 
 def read_results(path):
@@ -96,8 +97,9 @@ def main():
         run, kind = label.split("/")
         print(f"  {run + ', ' + KINDS[int(kind)]:45} {len(calls):6} steps, {min(calls):4} to {max(calls):4} instructions")
     node = read_counts(f"{a.folder}/emulated/node.counts")
-    print(f"  whole node: {min(node)} to {max(node)} instructions, mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} "
-          f"of 1 ms at {target.core_Hz / 1e6:.0f} MHz and {target.cycles_per_instruction} cycles an instruction")
+    print(f"  whole node, {target.axes} {'axis' if target.axes == 1 else 'axes'}: {min(node)} to {max(node)} instructions, "
+          f"mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} of 1 ms at "
+          f"{target.core_Hz / 1e6:.0f} MHz and {target.cycles_per_instruction} cycles an instruction")
     images = {os.path.basename(path): examine(path) for path in sorted(glob.glob(f"{a.images}/*.elf"))}
     with open(f"{a.folder}/costs.json", "w", encoding="utf-8") as file:
         json.dump({"steps": steps, "node": node, "images": images}, file)

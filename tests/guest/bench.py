@@ -8,12 +8,18 @@ import tempfile
 import time
 
 PERIOD_S = 0.001
-SCENE = "sim/scenarios/can_axis.toml"
+SCENARIO = "sim/scenarios/can_axis.toml"
+CASES = []  # in the order in which they run
 ENABLE_OPERATION = 0x0F
 
 
 class Failure(Exception):
     """A check does not hold."""
+
+
+def case(function):
+    CASES.append(function)
+    return function
 
 
 def require(condition, text):
@@ -88,7 +94,7 @@ class Process:
 
 
 class Bench:
-    """One scene: whatever it starts is ended with it."""
+    """One case: whatever it starts is ended with it."""
 
     def __init__(self, build):
         self.command = f"{build}/sim/cli/breakaway"
@@ -108,17 +114,17 @@ class Bench:
         self.processes.append(Process(command))
         return self.processes[-1]
 
-    def drive(self, interface, *options):
-        drive = self.start(self.command, "drive", "--can", interface, "--realtime", SCENE, *options)
+    def drive(self, interface, *options, scenario=SCENARIO):
+        drive = self.start(self.command, "drive", "--can", interface, "--realtime", scenario, *options)
         drive.wait_for("drive ")
         return drive
 
-    def node(self, interface, *options, scene=SCENE):
-        return self.start(self.node_command, "--can", interface, scene, *options)
+    def node(self, interface, *options, scenario=SCENARIO):
+        return self.start(self.node_command, "--can", interface, scenario, *options)
 
-    def logged_node(self, interface, *options, scene=SCENE):
+    def logged_node(self, interface, *options, scenario=SCENARIO):
         folder = tempfile.mkdtemp(dir="/dev/shm")
-        node = self.node(interface, "--candump", f"{folder}/log", "--csv", f"{folder}/csv", *options, scene=scene)
+        node = self.node(interface, "--candump", f"{folder}/log", "--csv", f"{folder}/csv", *options, scenario=scenario)
         node.folder = folder
         return node
 
@@ -151,17 +157,35 @@ def run(*command):
     subprocess.run(command, check=True)
 
 
-def require_no_force_after(time_s, frames, what):
-    """No command on the bus later than two ticks after time_s asks for torque or keeps the drive enabled."""
-    late = [f for f in frames if f.can_id == 0x201 and f.time_s > time_s + 2 * PERIOD_S + 50e-6]
+def latencies(text):
+    match = re.search(r"(\d+) ticks, (\d+) missed, wake-up latency ([\d.]+) / ([\d.]+) / ([\d.]+) us", text)
+    require(match, f"no timing in:\n{text}")
+    return int(match[1]), int(match[2]), float(match[5])
+
+
+def refuses(b, command, *texts):
+    started = b.start(*command)
+    code, output = started.end(), started.output()
+    require(code == 2, f"exit code {code} instead of 2:\n{output}")
+    lines = [line for line in output.split("\n") if line.startswith("breakaway-node: ")]
+    require(len(lines) == 1, f"not one line:\n{output}")
+    for text in texts:
+        require(text in lines[0], f"'{text}' is missing in: {lines[0]}")
+
+
+COMMANDS = (0x201,)  # RPDO1 of the drives that are looked at
+
+
+def require_no_force_after(time_s, frames, what, commands=COMMANDS):
+    """No command on the bus later than two ticks after time_s asks for torque or keeps a drive enabled."""
+    late = [f for f in frames if f.can_id in commands and f.time_s > time_s + 2 * PERIOD_S + 50e-6]
     bad = [f for f in late if f.torque != 0 or f.controlword == ENABLE_OPERATION]
     require(not bad, f"{what}: {len(bad)} commands with force, the first {bad and bad[0]} after {time_s:.6f}")
     return late
 
 
-def require_force_before(time_s, frames, what):
+def require_force_before(time_s, frames, what, commands=COMMANDS):
     """The check above means something only if there was force."""
-    before = [f for f in frames if f.can_id == 0x201 and time_s - 5 * PERIOD_S < f.time_s <= time_s]
-    require(before and all(f.torque != 0 for f in before), f"{what}: no force before it happened")
-
-
+    for command in commands:
+        before = [f for f in frames if f.can_id == command and time_s - 5 * PERIOD_S < f.time_s <= time_s]
+        require(before and all(f.torque != 0 for f in before), f"{what}: no force of {command:03X} before it happened")

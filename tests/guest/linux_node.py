@@ -1,6 +1,6 @@
 """breakaway-node and `breakaway drive` on real SocketCAN, in the guest of toolchain/guest.sh.
 
-    toolchain/guest.sh --bitrate 1000000 python3 tests/guest/linux_node.py BUILD [scene...]
+    toolchain/guest.sh --bitrate 1000000 python3 tests/guest/linux_node.py BUILD [case...]
 """
 import os
 import re
@@ -11,21 +11,8 @@ import time
 import traceback
 
 import bench
-from bench import Bench, Failure, require
-
-SCENES = []
-
-
-def scene(function):
-    SCENES.append(function)
-    return function
-
-
-def latencies(text):
-    match = re.search(r"(\d+) ticks, (\d+) missed, wake-up latency ([\d.]+) / ([\d.]+) / ([\d.]+) us", text)
-    require(match, f"no timing in:\n{text}")
-    return int(match[1]), int(match[2]), float(match[5])
-
+import several_axes  # noqa: F401: brings its cases
+from bench import CASES, Bench, Failure, case, latencies, refuses, require
 
 def worst_of_cyclictest(seconds):
     shown = subprocess.run(["cyclictest", "-q", "-m", "-p", "80", "-i", "1000", "-l", str(1000 * seconds)], check=True,
@@ -33,7 +20,7 @@ def worst_of_cyclictest(seconds):
     return float(re.search(r"Max:\s*(\d+)", shown)[1])
 
 
-@scene
+@case
 def sixty_seconds_without_a_missed_tick(build):
     """1 kHz on vcan0 over a tour of targets."""
     reference_us = worst_of_cyclictest(10)
@@ -48,15 +35,15 @@ def sixty_seconds_without_a_missed_tick(build):
     return f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, cyclictest {reference_us:.0f} us"
 
 
-def scene_with_period(period_s, path):
-    """The scene at a slower rate, with the accuracy that is certified there."""
+def scenario_with_period(period_s, path):
+    """The scenario at a slower rate, with the accuracy that is certified there."""
     floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
-    with open(bench.SCENE, encoding="utf-8") as text:
+    with open(bench.SCENARIO, encoding="utf-8") as text:
         changed = text.read()
     for old, new in (("period_s = 0.001", f"period_s = {period_s}"),
                      ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
                      ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):
-        require(old in changed, f"{bench.SCENE} has no '{old}'")
+        require(old in changed, f"{bench.SCENARIO} has no '{old}'")
         changed = changed.replace(old, new)
     with open(path, "w", encoding="utf-8") as text:
         text.write(changed)
@@ -89,7 +76,7 @@ def require_recovery(node, tolerance_m=3.5e-6):
     require(error_m <= tolerance_m, f"rests {error_m} m from its target")
 
 
-@scene
+@case
 def interface_down_and_up(build):
     with Bench(build) as b:
         _, node = start_moving(b)
@@ -113,7 +100,7 @@ def interface_down_and_up(build):
     return "named, no force until the reset, then at the target"
 
 
-@scene
+@case
 def injected_bus_off(build):
     with Bench(build) as b:
         _, node = start_moving(b)
@@ -130,7 +117,7 @@ def injected_bus_off(build):
     return "named, no force until the reset, then at the target"
 
 
-@scene
+@case
 def killed_drive(build):
     with Bench(build) as b:
         drive, node = start_moving(b)
@@ -152,7 +139,7 @@ def killed_drive(build):
     return "named, no force until the reset, then at the target"
 
 
-@scene
+@case
 def sigterm_stops_the_axis(build):
     with Bench(build) as b:
         _, node = start_moving(b)
@@ -175,7 +162,7 @@ def sigterm_stops_the_axis(build):
     return f"quick stop {1e3 * (first_s - asked_s):.1f} ms after the signal, drive disabled"
 
 
-@scene
+@case
 def readonly_sends_nothing(build):
     with Bench(build) as b:
         drive = b.drive("vcan0")
@@ -192,20 +179,10 @@ def readonly_sends_nothing(build):
     return "no frame; shows the drive that another node commands"
 
 
-def refuses(b, command, *texts):
-    started = b.start(*command)
-    code, output = started.end(), started.output()
-    require(code == 2, f"exit code {code} instead of 2:\n{output}")
-    lines = [line for line in output.split("\n") if line.startswith("breakaway-node: ")]
-    require(len(lines) == 1, f"not one line:\n{output}")
-    for text in texts:
-        require(text in lines[0], f"'{text}' is missing in: {lines[0]}")
-
-
-@scene
+@case
 def bad_input_is_refused_by_name(build):
     with Bench(build) as b:
-        node, axis = b.node_command, bench.SCENE
+        node, axis = b.node_command, bench.SCENARIO
         recorder = b.record("vcan0")
         refuses(b, [node, "--can", "can9", axis], "no such interface", "ip -br link")
         refuses(b, [node, "--can", "lo", axis], "is not a CAN interface")
@@ -221,7 +198,7 @@ def bad_input_is_refused_by_name(build):
         refuses(b, [node, "--can", "vcan0", "no.toml"], "cannot be read")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "certified")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "1"], "--max-force", "4.5")
-        refuses(b, [node, "--can", "vcan0", axis, "--target", "11"], "target 11", "position_m = 10")
+        refuses(b, [node, "--can", "vcan0", axis, "--target", "11"], "target 11", "position_m = -10 to 10")
         refuses(b, [node, "--can", "vcan0", "sim/scenarios/can_axis_pid.toml"], "pid")
         with open(axis, encoding="utf-8") as text:
             weak = text.read().replace("max_force_N = 50", "max_force_N = 4")
@@ -248,7 +225,7 @@ def bad_input_is_refused_by_name(build):
     return "each with one line that names the remedy; no drive was enabled"
 
 
-@scene
+@case
 def two_kvaser_cards_on_one_bus(build):
     with Bench(build) as b:
         b.drive("can1")
@@ -272,7 +249,7 @@ def wait_for_state(interface, state):
         time.sleep(0.01)
 
 
-@scene
+@case
 def slcan_with_real_error_states(build):
     """The adapter's controller goes error-passive, which is no fault, and bus-off, which is one.
 
@@ -280,7 +257,7 @@ def slcan_with_real_error_states(build):
     with Bench(build) as b:
         adapter = b.adapter("vcan1")
         drive = b.drive("vcan1")
-        node = b.logged_node("slcan0", scene=scene_with_period(0.004, "/dev/shm/slcan.toml"))
+        node = b.logged_node("slcan0", scenario=scenario_with_period(0.004, "/dev/shm/slcan.toml"))
         node.wait_for("enabled")
         time.sleep(0.25)
         adapter.tell("sp128200")
@@ -313,7 +290,7 @@ def slcan_with_real_error_states(build):
 PEERS = "tests/guest/peers"
 
 
-@scene
+@case
 def a_foreign_master_commands_the_drive(build):
     """The npm package canopen as NMT master, SDO client and SYNC producer."""
     with Bench(build) as b:
@@ -325,16 +302,16 @@ def a_foreign_master_commands_the_drive(build):
     return f"{len(master.output().splitlines()) - 1} answers as they should be"
 
 
-@scene
+@case
 def a_foreign_drive_is_set_up_and_enabled(build):
     """The npm package canopen as SDO server and NMT slave with PDOs; it needs some of a period of 4 ms."""
     with Bench(build) as b:
-        slow = scene_with_period(0.004, "/dev/shm/slow.toml")
+        slow = scenario_with_period(0.004, "/dev/shm/slow.toml")
         # Collecting garbage or compiling beside it would stop it for longer than the node waits for a sample.
         steady = ("--single-threaded", "--max-semi-space-size=64", "--min-semi-space-size=64")
         slave = b.start("chrt", "-f", "70", "node", *steady, f"{PEERS}/slave.js", "vcan0", "9")
         slave.wait_for("listens")
-        node = b.node("vcan0", "--node-id", "9", "--target", "0", "--duration", "1", scene=slow)
+        node = b.node("vcan0", "--node-id", "9", "--target", "0", "--duration", "1", scenario=slow)
         code = node.end()
         require(code == 0, f"exit code {code}:\n{node.output()}\n{slave.output()}")
         for text in ("mode 10", "NMT state 5", "controlword 6", "controlword 7", "controlword f", "NMT state 127"):
@@ -342,7 +319,7 @@ def a_foreign_drive_is_set_up_and_enabled(build):
     return "set up by SDO, started, enabled, at rest on the target, released"
 
 
-@scene
+@case
 def other_traffic_passes_by(build):
     """can-utils fill the bus, python-can talks to the drive, and tshark understands every frame of the session."""
     with Bench(build) as b:
@@ -379,12 +356,12 @@ def understood_by_tshark(log):
     return len(shown.splitlines())
 
 
-@scene
+@case
 def no_can_in_the_kernel(build):
     """The last: the module does not come back."""
     with Bench(build) as b:
         bench.run("rmmod", "can_raw")
-        refuses(b, [b.node_command, "--can", "vcan0", bench.SCENE], "no CAN sockets", "modprobe can_raw")
+        refuses(b, [b.node_command, "--can", "vcan0", bench.SCENARIO], "no CAN sockets", "modprobe can_raw")
     return "refused by name"
 
 
@@ -392,7 +369,7 @@ def main():
     build, wanted = sys.argv[1], sys.argv[2:]
     os.nice(19)  # the kernel's own workers carry the bytes of a serial line: nothing here may hold them up
     failures = 0
-    for function in SCENES:
+    for function in CASES:
         if wanted and function.__name__ not in wanted:
             continue
         name = function.__name__.replace("_", " ")
@@ -401,7 +378,7 @@ def main():
         except Failure as failure:
             failures += 1
             print(f"FAIL  {name}: {failure}", flush=True)
-        except Exception:  # a scene that cannot be judged has failed; the others still count
+        except Exception:  # a case that cannot be judged has failed; the others still count
             failures += 1
             print(f"FAIL  {name}:\n{traceback.format_exc()}", flush=True)
     return 1 if failures else 0

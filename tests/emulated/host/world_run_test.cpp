@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
@@ -19,6 +21,28 @@ TEST(WorldRun, ReachesTheLastTargetsOfBothAxesAndRests) {
   const auto& positions_m = run.world().positions_m();
   EXPECT_GT(positions_m[positions_m.size() - 2], 0.11);
   EXPECT_LT(positions_m.back(), -0.11);
+}
+
+// The last that the node said of an axis; nothing: it said nothing.
+std::optional<LoggedFrame> last_status(const NodeWorld& world, std::uint8_t axis) {
+  std::optional<LoggedFrame> last;
+  for (const LoggedFrame& frame : world.frames()) {
+    if (frame.id == canopen::tpdo_cob_id(1, flashed::node.loop.network.node_id) && frame.data[0] == axis) last = frame;
+  }
+  return last;
+}
+
+TEST(WorldRun, TakesTheCommandsOfEachAxisAndTellsOfEachWhereItIs) {
+  const WorldRun run{ticks_to_run};
+  for (std::uint8_t axis = 0; axis < world_axes.size(); ++axis) {
+    const auto told = last_status(run.world(), axis);
+    ASSERT_TRUE(told.has_value()) << axis;
+    EXPECT_EQ(told->data[1], static_cast<std::uint8_t>(firmware::AxisFault::none));
+    EXPECT_EQ(told->data[2], static_cast<std::uint8_t>(law::Mode::hold));
+    EXPECT_EQ(told->data[3], static_cast<std::uint8_t>(hal::DriveState::enabled));
+    const auto counts = canopen::load_little_endian<std::int32_t>(told->data, 4);
+    EXPECT_NEAR(counts, axis == 0 ? 110'520 : -110'520, 3) << "in the axis' direction, whatever the drive's";
+  }
 }
 
 TEST(WorldRun, IsTheSameEveryTime) {

@@ -42,11 +42,11 @@ TEST(InterpolationPeriod, IsExactOrNothing) {
 
 // What a header that is flashed asserts.
 constexpr DriveConfig<float> drive{.node_id = 1, .force_per_torque_N_per_Nm = 50};
-constexpr NetworkConfig network{.period = 1ms};
-constexpr AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
-static_assert(check(drive, network, scale) == DriveConfigError::none);
-static_assert(check(drive, {}, scale) == DriveConfigError::period, "a period is never implied");
-static_assert(check(DriveConfig<double>{.force_per_torque_N_per_Nm = 50}, network, AxisScale<double>{1e-6, 50}) ==
+constexpr NetworkConfig usual_network{.period = 1ms};
+constexpr AxisScale<float> usual_scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
+static_assert(check(drive, usual_network, usual_scale) == DriveConfigError::none);
+static_assert(check(drive, {}, usual_scale) == DriveConfigError::period, "a period is never implied");
+static_assert(check(DriveConfig<double>{.force_per_torque_N_per_Nm = 50}, usual_network, AxisScale<double>{1e-6, 50}) ==
               DriveConfigError::none);
 
 template <class Scalar>

@@ -169,6 +169,8 @@ class ControlLoop {
     a->supervisor.reset();
     a->controller.reset();
     a->drive.reset_fault();
+    a->standing_fault = AxisFault::none;
+    waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
   }
 
@@ -191,11 +193,8 @@ class ControlLoop {
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
-    if (config_.fault_scope == FaultScope::all_axes) {
-      control_together(now);
-    } else {
-      for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now, true);
-    }
+    for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
+    if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
     send(now);
   }
 
@@ -218,7 +217,8 @@ class ControlLoop {
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     std::uint32_t emergencies_seen = 0;
-    std::int32_t reset_periods = 0;  // that the drive still has to leave its fault
+    std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
+    AxisFault standing_fault = AxisFault::none;  // where axes stop together: seen by an earlier step and not reset
     bool wanted = false;
     AxisStatus<Scalar> status{};
   };
@@ -259,15 +259,13 @@ class ControlLoop {
     }
   }
 
-  // may_start: the axis may be enabled in this period if it is not.
-  void control(Axis& a, hal::Time now, bool may_start) noexcept {
+  void control(Axis& a, hal::Time now) noexcept {
     a.drive.update(now);
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
     const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
     a.status.feedback = feedback;
     a.status.output = {};
-    a.status.running = supervise(a, feedback, was_running, now) && (was_running || may_start);
-    if (may_start && wants_enabling(a, feedback)) a.drive.request_enable();
+    a.status.running = supervise(a, feedback, was_running, now);
     if (!a.status.running) return;
     if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
     if (!was_running) begin(a);
@@ -293,31 +291,32 @@ class ControlLoop {
     }
     a.status.fault = a.supervisor.fault();
     if (a.status.fault != AxisFault::none) return false;
+    if (feedback.state == hal::DriveState::disabled && a.wanted && !waiting_) a.drive.request_enable();
     return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
-           (was_running || feedback.fresh);
-  }
-
-  static bool wants_enabling(const Axis& a, const hal::DriveFeedback<Scalar>& feedback) noexcept {
-    return a.wanted && a.status.fault == AxisFault::none && feedback.state == hal::DriveState::disabled;
+           (was_running || (feedback.fresh && !waiting_));
   }
 
   // A fault that an earlier step saw and that was not reset.
-  static bool has_standing_fault(const Axis& a) noexcept {
-    return a.supervisor.fault() != AxisFault::none || a.status.fault == AxisFault::drive_unusable;
+  bool any_standing_fault() const noexcept {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (axes_[i]->standing_fault != AxisFault::none) return true;
+    }
+    return false;
   }
 
   // A new fault of one axis stops all that are wanted. None starts again before every fault was reset; the resets may
   // come one by one.
-  void control_together(hal::Time now) noexcept {
-    std::array<bool, MaxAxes> stood{};
-    bool any_stood = false, any_new = false;
-    for (std::size_t i = 0; i < count_; ++i) any_stood |= stood[i] = has_standing_fault(*axes_[i]);
+  [[gnu::noinline]] void stop_together(hal::Time now) noexcept {
+    bool any_new = false;
     for (std::size_t i = 0; i < count_; ++i) {
-      control(*axes_[i], now, !any_stood);
-      any_new |= !stood[i] && axes_[i]->status.fault != AxisFault::none;
+      const Axis& a = *axes_[i];
+      any_new = any_new || (a.standing_fault == AxisFault::none && a.status.fault != AxisFault::none);
     }
-    if (!any_new) return;
-    for (std::size_t i = 0; i < count_; ++i) stop_with_another(*axes_[i], now);
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (any_new) stop_with_another(*axes_[i], now);
+      axes_[i]->standing_fault = axes_[i]->status.fault;
+    }
+    waiting_ = any_standing_fault();
   }
 
   void stop_with_another(Axis& a, hal::Time now) noexcept {
@@ -383,6 +382,7 @@ class ControlLoop {
   std::array<std::optional<Axis>, MaxAxes> axes_{};
   std::size_t count_ = 0;
   std::size_t next_acyclic_ = 0;
+  bool waiting_ = false;  // nobody starts: an axis of those that stop together still has a fault
   std::uint64_t refused_frames_ = 0;
 };
 

@@ -41,9 +41,7 @@ class ControlNode {
   // Does the work of one period.
   void step(hal::Time now) noexcept {
     if (!verdict_.ok()) return;
-    for (std::size_t i = 0; i < loop_.axes(); ++i) {
-      if (const auto command = port_.take_command(i)) remote_[i].apply(loop_, *loop_.axis(i), *command);
-    }
+    for (std::size_t i = 0; i < Axes; ++i) obey(i);
     loop_.step(now);
     tell(now);
   }
@@ -52,10 +50,17 @@ class ControlNode {
   using Tap = CommandedPort<Port, Axes>;
   using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar>, Scalar, Axes>;
 
+  void obey(std::size_t place) noexcept {
+    const auto command = port_.take_command(place);
+    if (!command) return;
+    if (const auto axis = loop_.axis(place)) remote_[place].apply(loop_, *axis, *command);
+  }
+
   // The axes take turns, so that no period has more than one status frame.
   void tell(hal::Time now) noexcept {
     static_assert(Axes <= status_interval);
-    if (const auto axis = loop_.axis(++periods_ % status_interval))
+    if (++periods_ == status_interval) periods_ = 0;
+    if (const auto axis = loop_.axis(periods_))
       static_cast<void>(port_.send(status_frame(loop_, *axis, network_.node_id), now + network_.period));
   }
 

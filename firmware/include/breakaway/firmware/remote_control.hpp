@@ -61,6 +61,7 @@ class CommandedPort {
 
   // Returns the newest command, if one came since the last call. `axis` must be below MaxAxes.
   std::optional<MotionCommand> take_command(std::size_t axis) noexcept {
+    if (!commands_[axis]) return {};
     return std::exchange(commands_[axis], std::nullopt);
   }
 
