@@ -52,10 +52,10 @@ std::int32_t counts(double position_m, const Axis& axis) {
   if (std::abs(exact) < 2147483648.0 && position_m >= l.position_min_m && position_m <= l.position_max_m)
     return static_cast<std::int32_t>(exact);
   const bool limited = std::isfinite(l.position_min_m) || std::isfinite(l.position_max_m);
-  throw InputError{fmt::format("target {} m of axis {}: is beyond {}; choose one inside", position_m, axis.name,
-                               limited ? fmt::format("its [limits], position_m = {:g} to {:g}", l.position_min_m,
-                                                     l.position_max_m)
-                                       : std::string{"the encoder's range"})};
+  throw InputError{
+      fmt::format("target {} m of axis {}: is beyond {}; choose one inside", position_m, axis.name,
+                  limited ? fmt::format("its [limits], position_m = {:g} to {:g}", l.position_min_m, l.position_max_m)
+                          : std::string{"the encoder's range"})};
 }
 
 // "0.1" is a place for every axis, "0.1,-0.2" one for each of two.

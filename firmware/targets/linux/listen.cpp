@@ -42,9 +42,8 @@ std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Config
   const auto counts = static_cast<std::uint32_t>(values[1]);
   record.position_counts = static_cast<std::int32_t>(sign < 0 ? 0U - counts : counts);
   record.target_counts = record.position_counts;
-  record.reported_N =
-      static_cast<float>(sign) * c.axes[place].force_per_per_mille_N *
-      static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
+  record.reported_N = static_cast<float>(sign) * c.axes[place].force_per_per_mille_N *
+                      static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
   return record;
 }
 

@@ -126,15 +126,15 @@ void NodeRun::refuse_other_master() {
       throw InputError{fmt::format(
           "{}: another master is on the bus ({}); end it, or put its axes into this node's file as [[axis]]",
           options_.interface,
-          canopen::is_sync(received.frame) ? "it sends SYNC" : fmt::format("it is node {}, as we are", network.node_id))};
+          canopen::is_sync(received.frame) ? "it sends SYNC"
+                                           : fmt::format("it is node {}, as we are", network.node_id))};
     }
   } while (now_ - begin < patience && !telemetry_.stop);
 }
 
 bool NodeRun::any_configuring() const {
-  return std::ranges::any_of(axes_, [&](const Axis& axis) {
-    return loop_.status(axis.id).feedback.state == hal::DriveState::configuring;
-  });
+  return std::ranges::any_of(
+      axes_, [&](const Axis& axis) { return loop_.status(axis.id).feedback.state == hal::DriveState::configuring; });
 }
 
 void NodeRun::set_up() {
@@ -156,8 +156,8 @@ void NodeRun::set_up() {
 void NodeRun::refuse_unusable_drives() const {
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     if (status(place).feedback.state != hal::DriveState::unusable) continue;
-    throw InputError{fmt::format("{} on {} {}", named(place), options_.interface,
-                                 why_unusable(loop_.drive(axes_[place].id)))};
+    throw InputError{
+        fmt::format("{} on {} {}", named(place), options_.interface, why_unusable(loop_.drive(axes_[place].id)))};
   }
 }
 
@@ -262,8 +262,8 @@ bool NodeRun::stops_are_confirmed() {
     const auto& feedback = loop_.status(axis.id).feedback;
     const bool holds_force = feedback.state == hal::DriveState::enabled ||
                              feedback.state == hal::DriveState::enabling || feedback.state == hal::DriveState::stopping;
-    const bool told = feedback.state == hal::DriveState::configuring ||
-                      now_ - feedback.sample_time < 3 * c_.node.loop.network.period;
+    const bool told =
+        feedback.state == hal::DriveState::configuring || now_ - feedback.sample_time < 3 * c_.node.loop.network.period;
     axis.confirmed = !holds_force && told && port_.bus_state() != hal::BusState::bus_off;
   }
   return std::ranges::all_of(axes_, &Axis::confirmed);
@@ -289,10 +289,9 @@ void NodeRun::release(std::uint8_t node_id) {
   const hal::Duration period = c_.node.loop.network.period;
   canopen::SdoClient sdo{node_id, 50ms};
   constexpr std::array<std::uint8_t, 4> none{};
-  bool left =
-      port_.send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, node_id), now_ + period) !=
-          hal::SendResult::queued ||
-      sdo.start_write(cia402::object::consumer_heartbeat, 1, none) != canopen::SdoStart::started;
+  bool left = port_.send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, node_id), now_ + period) !=
+                  hal::SendResult::queued ||
+              sdo.start_write(cia402::object::consumer_heartbeat, 1, none) != canopen::SdoStart::started;
   for (const hal::Time begin = now_; !left && now_ - begin < 200ms;) {
     poll();
     for (hal::ReceivedFrame received; port_.receive(received);) sdo.on_frame(received.frame);

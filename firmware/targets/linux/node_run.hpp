@@ -33,8 +33,7 @@ class NodeRun {
  private:
   using SocketPort = socketcan::Port<socketcan::KernelSocket>;
   using Port = NotedPort<SocketPort>;
-  using Loop =
-      firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float, config::most_axes>;
+  using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float, config::most_axes>;
 
   struct Axis {
     Loop::AxisId id;

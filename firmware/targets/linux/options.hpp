@@ -11,11 +11,11 @@ struct Options {
   std::string configuration;
   std::string interface;
   std::vector<std::string> targets;  // visited in order, "x" or "x,y,..." [m]; empty: the configuration's
-  double dwell_s = 1;             // at rest on a target, before the next
-  double duration_s = 0;          // 0: until a signal
-  double max_force_N = 0;         // 0: the configuration's
-  double patience_s = 5;          // for the drive to answer
-  unsigned node_id = 0;           // 0: the configuration's
+  double dwell_s = 1;                // at rest on a target, before the next
+  double duration_s = 0;             // 0: until a signal
+  double max_force_N = 0;            // 0: the configuration's
+  double patience_s = 5;             // for the drive to answer
+  unsigned node_id = 0;              // 0: the configuration's
   int priority = 80;
   bool readonly = false;
   bool realtime = true;

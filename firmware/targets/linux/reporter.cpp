@@ -67,8 +67,7 @@ Reporter::Reporter(const Options& options, Telemetry& telemetry, const std::vect
       terminal_{isatty(STDOUT_FILENO) == 1} {
   for (std::size_t place = 0; place < axes.size(); ++place) newest_[place].axis = static_cast<std::uint8_t>(place);
   if (csv_)
-    fmt::print(csv_.get(),
-               "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
+    fmt::print(csv_.get(), "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
                axes.size() > 1 ? ",axis" : "");
   const sigset_t signals = operator_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
@@ -157,9 +156,8 @@ void Reporter::show_live(hal::Time time) {
   const auto out = std::back_inserter(line_);
   fmt::format_to(out, "{:10.3f} s", seconds(time));
   for (const StepRecord& step : newest_)
-    fmt::format_to(out, "  {}{:<8} {:+.6f} m {:+.3f} N",
-                   axes_.size() > 1 ? axes_[step.axis].name + " " : std::string{}, mode_of(step),
-                   metres(step, step.position_counts), step.reported_N);
+    fmt::format_to(out, "  {}{:<8} {:+.6f} m {:+.3f} N", axes_.size() > 1 ? axes_[step.axis].name + " " : std::string{},
+                   mode_of(step), metres(step, step.position_counts), step.reported_N);
   print_line(true);
   shown_at_ = time;
 }
