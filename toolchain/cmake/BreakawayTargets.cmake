@@ -2,10 +2,16 @@
 # of the leaves that it names: an include which the design forbids does not compile.
 include_guard(GLOBAL)
 
-# breakaway_leaf(<name> [SOURCES file...] [USES breakaway::leaf...] [PRIVATE_USES target...] [FLASHED])
+# breakaway_cold(<target>): what runs once a command is optimised less, because there the compiler's time is the longer one.
+function(breakaway_cold target)
+  target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+endfunction()
+
+# breakaway_leaf(<name> [SOURCES file...] [USES breakaway::leaf...] [PRIVATE_USES target...] [FLASHED] [COLD])
 # FLASHED: may end up on a motion controller, so neither exceptions nor RTTI, and no silent promotion to double.
+# COLD: reads and writes files once a command; see breakaway_cold.
 function(breakaway_leaf name)
-  cmake_parse_arguments(PARSE_ARGV 1 LEAF "FLASHED" "" "SOURCES;USES;PRIVATE_USES")
+  cmake_parse_arguments(PARSE_ARGV 1 LEAF "FLASHED;COLD" "" "SOURCES;USES;PRIVATE_USES")
   set(target breakaway_${name})
   if(LEAF_SOURCES)
     add_library(${target} STATIC ${LEAF_SOURCES})
@@ -13,6 +19,9 @@ function(breakaway_leaf name)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:breakaway_developer_warnings>)
     if(LEAF_PRIVATE_USES)
       target_link_libraries(${target} PRIVATE ${LEAF_PRIVATE_USES})
+    endif()
+    if(LEAF_COLD)
+      breakaway_cold(${target})
     endif()
     if(LEAF_FLASHED)
       target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang>:-fno-exceptions -fno-rtti -Wdouble-promotion>)
@@ -51,6 +60,9 @@ if(BREAKAWAY_DEVELOPER_WARNINGS)
   target_compile_options(breakaway_developer_warnings INTERFACE
     -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Wcast-align
     -Wnull-dereference -Werror)
+  # g++ collects its garbage less often: a tenth less of its time for a fifth more of its memory, of which a file takes 1 GB.
+  target_compile_options(breakaway_developer_warnings INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)
   if(NOT CMAKE_UNITY_BUILD)  # where one file's names are not another's
     target_compile_options(breakaway_developer_warnings INTERFACE -Wshadow)
   endif()
