@@ -36,11 +36,9 @@ Value upper_delay(hal::Duration& to, const hal::Duration& least, std::string_vie
 class WorldReader {
  public:
   FileRows rows() {
-    return {.root = {},
-            .loop = {},
-            .bus = bus_rows(),
-            .run = run_rows(),
-            .axis = [this](std::size_t) { return axis_rows(); }};
+    return {.root = {}, .loop = {}, .bus = bus_rows(), .run = run_rows(), .axis = [this](std::size_t) {
+              return axis_rows();
+            }};
   }
 
   // The scenario around the node that was read with these rows.
@@ -79,10 +77,11 @@ class WorldReader {
     return {.plant = {optional("position_m", number(a.world.position_m, "m", anywhere)),
                       optional("velocity_m_s", number(a.world.velocity_m_s, "m/s", anywhere))},
             .friction = {optional("law", table([&a](const Section& law) { a.shape = read_shape(law); }))},
-            .controller = {optional("scalar", choice(a.scalar, {{"float", ScalarType::float32},
-                                                                {"double", ScalarType::float64}}))},
+            .controller = {optional(
+                "scalar", choice(a.scalar, {{"float", ScalarType::float32}, {"double", ScalarType::float64}}))},
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
-                      optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")), seed(a.seed)}};
+                      optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")),
+                      seed(a.seed)}};
   }
 
   std::vector<Key> bus_rows() {

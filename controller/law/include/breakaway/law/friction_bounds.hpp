@@ -1,10 +1,9 @@
 // FrictionBounds: all that the control law has to know of dry friction, Assumption 1 of van de Wouw & Leine, "Impulsive
-// Control of Mechanical Motion Systems with Uncertain Friction": 0 < f_lower <= f <= f_upper, at any position, speed and
-// time.
+// Control of Mechanical Motion Systems with Uncertain Friction": 0 < f_lower <= f <= f_upper, at any position, speed
+// and time.
 //
 // Forces in place of the paper's coefficients: f_lower = m g mu_lower and f_upper = m g mu_upper.
 #pragma once
-
 
 namespace breakaway::law {
 
