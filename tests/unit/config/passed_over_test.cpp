@@ -55,7 +55,7 @@ TEST(PassedOver, NoKeyOfTheSimulationIsForgotten) {
   std::ostringstream source;
   source << std::ifstream{BREAKAWAY_SOURCE_DIR "/sim/scenario/src/read_scenario.cpp"}.rdbuf();
   const std::string text = source.str();
-  const std::regex row{R"re((?:optional|required)\("(\w+)")re"};
+  const std::regex row{R"re((?:optional|required)\(\s*"(\w+)")re"};
   std::set<std::string> read, passed;
   for (std::sregex_iterator match{text.begin(), text.end(), row}, end; match != end; ++match) read.insert((*match)[1]);
   for (const auto& [table, key] : passed_over_keys()) passed.insert(key);
