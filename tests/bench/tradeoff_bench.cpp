@@ -1,5 +1,5 @@
-// The works of `breakaway tradeoff` under Google Benchmark: integrators, evaluators of k3 and parts of a scene. Compare
-// them within one run only; the counter `each` is the time of one trajectory, call or scene.
+// The works of `breakaway tradeoff` under Google Benchmark: integrators, evaluators of k3 and parts of a scenario.
+// Compare them within one run only; the counter `each` is the time of one trajectory, call or scenario.
 #include <benchmark/benchmark.h>
 
 #include "breakaway/tradeoff/frontiers.hpp"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "breakaway/config/axis_parameters.hpp"
@@ -25,6 +26,22 @@ double accuracy_m(const Node& node, const Axis& axis) {
                    "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach"};
 }
 
+// The drive gives force in steps; of what the law may ask for, it gives the whole steps.
+double granted_N(const Axis& axis, double force_N) {
+  if (!axis.drive || !(force_N < unlimited)) return force_N;
+  const double step_N = axis.drive->force_quantum_N(), steps = force_N / step_N;
+  return std::abs(steps - std::round(steps)) < 1e-6 ? force_N : std::floor(steps) * step_N;
+}
+
+// A kick must not run into a limit that the axis stops for.
+void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  const double kick_m_s = report.largest_impulse_Ns / axis.mass_kg;
+  if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
+  throw InputError{place(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:.4g} m/s that the largest "
+                                                   "kick gives the axis; raise it",
+                                                   axis.limits.speed_m_s, kick_m_s)};
+}
+
 }  // namespace
 
 design::AxisDesign axis_design(const Node& node, const Axis& axis) {
@@ -38,7 +55,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .kick_damping_Ns_per_m = p.kick_damping_Ns_per_m,
           .friction = p.friction,
           .smooth_friction_slope_Ns_per_m = axis.friction.smooth_slope_Ns_per_m,
-          .max_force_N = std::min(p.max_force_N, std::numeric_limits<double>::max()),
+          .max_force_N = std::min(granted_N(axis, p.max_force_N), std::numeric_limits<double>::max()),
           .period_s = p.period_s,
           .encoder_resolution_m = p.encoder_resolution_m,
           .latency_ticks = p.latency_periods,
@@ -48,7 +65,10 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
 std::vector<design::DesignReport> examine(const Node& node) try {
   require_fitting_bus(node);
   std::vector<design::DesignReport> reports;
-  for (const Axis& axis : node.axes) reports.push_back(design::design_axis(axis_design(node, axis)));
+  for (const Axis& axis : node.axes) {
+    reports.push_back(design::design_axis(axis_design(node, axis)));
+    require_room_for_kicks(node, axis, reports.back());
+  }
   return reports;
 } catch (const InputError& error) {
   throw error.file().empty() ? error.in_file(node.file) : error;

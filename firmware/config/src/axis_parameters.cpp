@@ -1,6 +1,9 @@
 #include "breakaway/config/axis_parameters.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace breakaway::config {
 
@@ -40,6 +43,17 @@ law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis) {
   p.friction_lower_N = static_cast<Real>(axis.friction.bounds.lower_N);
   p.period_s = static_cast<Real>(node.period_s());
   return p;
+}
+
+std::string target_problem(double position_m, const Axis& axis) {
+  const Limits& l = axis.limits;
+  if (position_m < l.position_min_m || position_m > l.position_max_m)
+    return fmt::format("is beyond its [limits], position_m = {:g} to {:g}; choose one inside", l.position_min_m,
+                       l.position_max_m);
+  // The loop counts in 32 bits.
+  if (axis.drive && !(std::abs(std::round(position_m / axis.drive->encoder_resolution_m)) < 0x1p31))
+    return "is beyond the encoder's range; choose one inside";
+  return {};
 }
 
 template law::AxisParameters<float> axis_parameters(const Node&, const Axis&);

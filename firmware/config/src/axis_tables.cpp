@@ -163,7 +163,7 @@ Limits read_limits(const Section& section) {
 }
 
 // What a lawful motion needs must not stop the axis.
-void check_limits(const Section& section, const Axis& axis) {
+void check_limits(const Section& section, const Axis& axis, const Node& node) {
   const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
     if (!holds)
       section.fail(key,
@@ -182,6 +182,18 @@ void check_limits(const Section& section, const Axis& axis) {
             c.max_approach_speed_m_s);
   require(l.following_error_m >= c.position_tolerance_m, "following_error_m", l.following_error_m,
           "[controller] position_tolerance_m", c.position_tolerance_m);
+  if (node.loop && l.feedback_timeout)
+    require(*l.feedback_timeout >= node.loop->period, "feedback_timeout_s", hal::seconds(*l.feedback_timeout),
+            "[loop] period_s", node.period_s());
+}
+
+void check_targets(const Section& section, const Axis& axis) {
+  const auto require = [&](const char* key, double position_m) {
+    if (const std::string problem = target_problem(position_m, axis); !problem.empty())
+      section.fail(key, fmt::format("= {} m {}", position_m, problem));
+  };
+  require("target_m", axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) require("targets", change.position_m);
 }
 
 // The drive must give what the law may ask for.
@@ -202,11 +214,15 @@ void check_in_node(const Section& section, const Drive& drive, const Node& node)
     if (other.drive && other.drive->node_id == drive.node_id)
       section.fail("node_id", fmt::format("is {}, as that of axis {}; give every drive its own", id, other.name));
   }
-  // Drive and node watch each other with one timeout.
-  if (node.loop && drive.heartbeat_timeout <= node.loop->heartbeat_period)
+  if (!node.loop) return;
+  // Drive and node watch each other with one timeout. The node's heartbeats leave with its periods.
+  const Loop& loop = *node.loop;
+  const auto periods = (loop.heartbeat_period + loop.period - hal::Duration{1}) / loop.period;
+  if (drive.heartbeat_timeout <= periods * loop.period)
     section.fail("heartbeat_timeout_s",
-                 fmt::format("is {}, not above the [loop] heartbeat_period_s = {}; raise the one or lower the other",
-                             hal::seconds(drive.heartbeat_timeout), hal::seconds(node.loop->heartbeat_period)));
+                 fmt::format("is {}, not above the [loop] heartbeat_period_s = {} in whole periods; raise the one or "
+                             "lower the other",
+                             hal::seconds(drive.heartbeat_timeout), hal::seconds(loop.heartbeat_period)));
 }
 
 }  // namespace
@@ -238,7 +254,8 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (limits_) axis.limits = read_limits(*limits_);
   check_force(*controller_, axis);
   if (axis.controller.impulsive) check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, sampled);
-  if (limits_) check_limits(*limits_, axis);
+  if (limits_) check_limits(*limits_, axis, node);
+  check_targets(*controller_, axis);
   return axis;
 }
 

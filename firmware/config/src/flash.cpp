@@ -12,6 +12,19 @@
 
 namespace breakaway::config {
 
+void require_flashable(const Node& node) {
+  const auto refuse = [&](const Axis& axis, const char* what) {
+    const std::string prefix = node.axes.size() > 1 ? "axis " + axis.name + ": " : std::string{};
+    throw InputError{prefix + what}.in_file(node.file);
+  };
+  if (!node.loop)
+    throw InputError{"[loop] is missing: what runs on a controller needs its period_s"}.in_file(node.file);
+  for (const Axis& axis : node.axes) {
+    if (!axis.drive) refuse(axis, "[drive] is missing: what runs on a controller needs one");
+    if (!axis.controller.impulsive) refuse(axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
+  }
+}
+
 firmware::LoopConfig loop_config(const Node& node) {
   return {.network = {.period = node.loop->period,
                       .bit_rate = *node.bit_rate,
@@ -84,13 +97,14 @@ template AnyNode<float> flashed(const Node&);
 template AnyNode<double> flashed(const Node&);
 
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports) {
+  require_flashable(node);
   require_certified(node, reports);
   AnyNode<float> result = flashed<float>(node);
   for (std::size_t i = 0; i < result.count; ++i) result.axes[i].certified = true;
   result.checksum = checksum_of(result);
   if (const firmware::NodeVerdict verdict = firmware::verify(result); !verdict.ok())
-    throw InputError{fmt::format("axis {}: {}", node.axes[verdict.axis].name, to_string(verdict.error))}.in_file(
-        node.file);
+    throw InputError{fmt::format("axis {}, in float: {}", node.axes[verdict.axis].name, to_string(verdict.error))}
+        .in_file(node.file);
   return result;
 }
 

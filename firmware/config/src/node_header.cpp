@@ -94,6 +94,26 @@ std::string statement(const Node& node, const std::vector<design::DesignReport>&
   return text;
 }
 
+// Each contradiction stops the compiler with its own sentence.
+std::string assertions() {
+  using enum firmware::NodeError;
+  const std::pair<const char*, firmware::NodeError> errors[] = {
+      {"count_impossible", count_impossible},
+      {"not_certified", not_certified},
+      {"law_invalid", law_invalid},
+      {"drive_invalid", drive_invalid},
+      {"period_differs", period_differs},
+      {"node_id_taken", node_id_taken},
+      {"name_taken", name_taken},
+      {"limits_below_law", limits_below_law},
+      {"bus_overloaded", bus_overloaded},
+  };
+  std::string text;
+  for (const auto& [name, error] : errors)
+    text += fmt::format("static_assert(verdict.error != firmware::NodeError::{}, \"{}\");\n", name, to_string(error));
+  return text;
+}
+
 }  // namespace
 
 std::string node_header(const AnyNode<float>& flashed, const Node& node,
@@ -107,9 +127,9 @@ std::string node_header(const AnyNode<float>& flashed, const Node& node,
              "inline constexpr float infinity = std::numeric_limits<float>::infinity();\n\n"
              "inline constexpr firmware::FlashedNode<float, {}> node{{\n{}    .checksum = 0x{:08X}U,\n}};\n\n"
              "static_assert(checksum_of(node) == node.checksum, \"this file was edited: generate it again\");\n"
-             "static_assert(verify(node).ok(), \"this node contradicts itself: generate it again\");\n\n"
+             "inline constexpr firmware::NodeVerdict verdict = verify(node);\n{}\n"
              "}}  // namespace breakaway::flashed\n",
-             flashed.count, writer.text(), flashed.checksum);
+             flashed.count, writer.text(), flashed.checksum, assertions());
 }
 
 }  // namespace breakaway::config

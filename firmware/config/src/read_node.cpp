@@ -64,6 +64,21 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
               fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
 }
 
+// What the law calls reached must be what counts as settled.
+void check_tolerances(const Section& run, const Node& node) {
+  if (node.settle_tolerance_m == 0) return;
+  for (const Axis& axis : node.axes) {
+    if (!axis.controller.impulsive) continue;
+    const double reached_m = axis.controller.position_tolerance_m + half_count_m(axis);
+    if (axis.controller.position_tolerance_m == 0 || reached_m <= node.settle_tolerance_m * (1 + 1e-9)) continue;
+    run.fail(
+        "settle_tolerance_m",
+        fmt::format("is {:g}, below position_tolerance_m of axis {} and half an encoder count, {:g}: there the law "
+                    "leaves the axis alone; raise the one or lower the other",
+                    node.settle_tolerance_m, axis.name, reached_m));
+  }
+}
+
 Key keep_table(std::string_view name, std::optional<Section>& to) {
   return optional(name, table([&to](const Section& part) { to = part; }));
 }
@@ -98,12 +113,16 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
                                 keep_table("run", run)};
   const Key entries = optional("axis", tables([](const Section&) {}));
+  for (const char* part : {"plant", "friction", "controller", "drive", "limits"})
+    if (root.has("axis") && root.has(part))
+      root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
   root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root);
   if (loop) node.loop = read_loop(*loop, others.loop);
   if (run)
     run->read(std::vector<Key>{optional("settle_tolerance_m", number(node.settle_tolerance_m, "m", positive))} +
               others.run);
   read_axes(root, node, alone, others);
+  if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
   return node;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -14,18 +15,6 @@ namespace {
 
 using config::Axis;
 using config::Node;
-
-void require_parts(const Node& node) {
-  const auto lacks = [&](const char* part) {
-    throw InputError{fmt::format("has no {}; a node needs [loop] and [drive]", part)}.in_file(node.file);
-  };
-  if (!node.loop) lacks("[loop]");
-  for (const Axis& axis : node.axes) {
-    if (!axis.drive) lacks("[drive]");
-    if (!axis.controller.impulsive)
-      throw InputError{"[controller] kind is \"pid\"; a node runs the impulsive law only"}.in_file(node.file);
-  }
-}
 
 void apply_node_id(Node& node, unsigned node_id) {
   if (node.axes.size() > 1)
@@ -47,21 +36,15 @@ void lower_force_limit(Axis& axis, double max_force_N) {
 }
 
 std::int32_t counts(double position_m, const Axis& axis) {
-  const double exact = std::round(position_m / axis.drive->encoder_resolution_m);
-  const config::Limits& l = axis.limits;
-  if (std::abs(exact) < 2147483648.0 && position_m >= l.position_min_m && position_m <= l.position_max_m)
-    return static_cast<std::int32_t>(exact);
-  const bool limited = std::isfinite(l.position_min_m) || std::isfinite(l.position_max_m);
-  throw InputError{
-      fmt::format("target {} m of axis {}: is beyond {}; choose one inside", position_m, axis.name,
-                  limited ? fmt::format("its [limits], position_m = {:g} to {:g}", l.position_min_m, l.position_max_m)
-                          : std::string{"the encoder's range"})};
+  if (const std::string problem = config::target_problem(position_m, axis); !problem.empty())
+    throw InputError{fmt::format("target {} m of axis {}: {}", position_m, axis.name, problem)};
+  return static_cast<std::int32_t>(std::round(position_m / axis.drive->encoder_resolution_m));
 }
 
 // "0.1" is a place for every axis, "0.1,-0.2" one for each of two.
 std::vector<double> places(const std::string& text, std::size_t axes) {
   std::vector<double> numbers;
-  std::istringstream parts{text};
+  std::istringstream parts{text + ","};
   for (std::string part; std::getline(parts, part, ',');) {
     std::size_t used = 0;
     double number = 0;
@@ -98,7 +81,7 @@ void plan_times(AxisPlan& plan, const Axis& axis) {
 
 Configuration read_configuration(const Options& options) {
   Node node = config::read_node(options.configuration);
-  require_parts(node);
+  config::require_flashable(node);
   if (options.node_id != 0) apply_node_id(node, options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);

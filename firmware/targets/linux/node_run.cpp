@@ -53,7 +53,6 @@ NodeRun::NodeRun(const Configuration& configuration, const Options& options, soc
   for (std::size_t place = 0; place < loop_.axes(); ++place) {
     axes_.push_back({.id = *loop_.axis(place)});
     visit(place, 0);
-    loop_.request_enable(axes_.back().id);
   }
 }
 
@@ -137,8 +136,10 @@ bool NodeRun::any_configuring() const {
       axes_, [&](const Axis& axis) { return loop_.status(axis.id).feedback.state == hal::DriveState::configuring; });
 }
 
+// No axis is enabled before all drives are set up: whoever is refused here has moved nothing, nor has its neighbour.
 void NodeRun::set_up() {
-  constexpr hal::Duration longest = 20s;  // the mode alone may take ten
+  // The mode alone may take ten seconds, and every object takes periods.
+  const hal::Duration longest = 20s + 1000 * c_.node.loop.network.period;
   const hal::Time begin = ticker_.wait();
   while (!telemetry_.stop) {
     step();
@@ -148,9 +149,11 @@ void NodeRun::set_up() {
     if (now_ - begin > nanoseconds(options_.patience_s)) refuse_silent_drives();
     if (now_ - begin > longest) refuse_standing_drives();
   }
-  if (!options_.reset) return;
-  for (const Axis& axis : axes_)
-    if (loop_.status(axis.id).feedback.state == hal::DriveState::fault) loop_.reset_fault(axis.id);
+  if (telemetry_.stop) return;
+  for (const Axis& axis : axes_) {
+    if (options_.reset && loop_.status(axis.id).fault != AxisFault::none) loop_.reset_fault(axis.id);
+    loop_.request_enable(axis.id);
+  }
 }
 
 void NodeRun::refuse_unusable_drives() const {

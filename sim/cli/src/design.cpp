@@ -6,12 +6,12 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/report/design_html.hpp"
-#include "breakaway/scenario/read_scenario.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -120,21 +120,28 @@ std::string why_not(const Node& node, const Reports& reports) try {
   return error.what();
 }
 
+// Without --header nothing is written, but what could not be flashed is refused as well.
+std::string flashed_header(const DesignCommand& options, const Node& node, const Reports& reports, bool certified) {
+  if (options.header.empty() && !node.loop) return {};  // a study of the ideal law, for which no drive is chosen yet
+  if (!certified) return {};
+  const auto flashed = config::certified(node, reports);
+  return options.header.empty() ? std::string{} : config::node_header(flashed, node, reports);
+}
+
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const DesignCommand& options) {
-  const Node node = scenario::read_scenario(options.file).node;
+  const Node node = config::read_node(options.file);
   const Reports reports = config::examine(node);
   const bool certified = std::ranges::all_of(reports, &DesignReport::certified);
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string page = options.report.empty() ? "" : html(options.file, node, reports);
-  const std::string header = !options.header.empty() && certified
-                                 ? config::node_header(config::certified(node, reports), node, reports)
-                                 : std::string{};
+  const std::string header = flashed_header(options, node, reports, certified);
   if (!options.json.empty()) format::write_output(options.json, to_json(node, reports));
   if (!page.empty()) format::write_output(options.report, page);
   if (!header.empty()) format::write_output(options.header, header);
   if (options.json != "-" && options.report != "-" && options.header != "-") print_reports(node, reports);
-  if (!options.header.empty() && !certified) fmt::print(stderr, "{}: no header is written\n", why_not(node, reports));
+  if (!options.header.empty() && !certified)
+    fmt::print(stderr, "breakaway: {}: no header is written\n", why_not(node, reports));
   return certified ? done : failed_check;
 }
 

@@ -22,7 +22,7 @@ using scenario::Scenario;
 
 struct StudyCommand {
   std::string scenario, against, axis, json;
-  std::vector<std::pair<double, double>> starts{{-4, -4}, {-0.1, 0}, {-0.01, 0}};
+  std::vector<std::pair<double, double>> starts;
   StudyOptions study;
 };
 
@@ -34,10 +34,10 @@ struct Study {
 
 const char* controller_name(const Scenario& s) { return s.node.axes.front().controller.pid ? "PID" : "impulsive"; }
 
-// The axis of this name, or the only one.
+// Returns the axis of this name, or the only one.
 Scenario read_axis(const std::string& file, const std::string& axis) {
   Scenario s = scenario::read_scenario(file);
-  if (!axis.empty() && s.axes() > 1) s = only_axis(s, axis);
+  if (!axis.empty()) s = only_axis(s, axis);
   if (s.axes() > 1) throw InputError{file + ": has several axes: say which to study with --axis NAME"};
   if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};
   sil::require_complete(s);
@@ -143,9 +143,23 @@ std::string to_json(const std::vector<Study>& studies, const StudyOptions& optio
   return json.text();
 }
 
+// From far, near and very near, as far as the limits of the axis allow.
+std::vector<Start> default_starts(const Scenario& s) {
+  const config::Axis& axis = s.node.axes.front();
+  const double room_m = axis.controller.target_m - axis.limits.position_min_m;
+  const double far_m = std::min(4.0, 0.8 * room_m), speed_m_s = std::min(4.0, 0.5 * axis.limits.speed_m_s);
+  const bool moving = far_m == 4.0 && speed_m_s == 4.0;  // else it might run out of its limits on the way
+  std::vector<Start> starts{{axis.controller.target_m - far_m, moving ? -speed_m_s : 0}};
+  for (const double distance_m : {0.1, 0.01}) {
+    if (distance_m < far_m) starts.push_back({axis.controller.target_m - distance_m, 0});
+  }
+  return starts;
+}
+
 int study(const StudyCommand& options) {
   StudyOptions what = options.study;
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
+  if (what.starts.empty()) what.starts = default_starts(read_axis(options.scenario, options.axis));
   std::vector<Study> studies{run(options.scenario, options.axis, what)};
   if (!options.against.empty()) studies.push_back(run(options.against, options.axis, what));
   if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
@@ -167,8 +181,9 @@ void add_study(CLI::App& app, int& exit_code) {
   command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")
       ->check(CLI::NonNegativeNumber);
   command
-      ->add_option("--start", options->starts,
-                   "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0")
+      ->add_option(
+          "--start", options->starts,
+          "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0, within the limits")
       ->check(finite_number);
   command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output")
       ->check(file_name);

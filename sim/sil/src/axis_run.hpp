@@ -46,7 +46,7 @@ class AxisRun {
   void release(double time_s) {
     mechanism_.release(time_s);
     note_fault(0);
-    if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled within 10 s"});
+    if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled in time"});
   }
 
   void change_target(double time_s) {

@@ -61,7 +61,8 @@ class LoopRun {
   // Sets the drives up over the bus, enables them together, and opens the brakes with the first command. False: no axis
   // runs.
   bool commission() {
-    const hal::Time give_up = hal::Time{} + std::chrono::seconds{10};
+    // Setting up takes some hundred periods, and a drive some time of its own.
+    const hal::Time give_up = hal::Time{} + std::chrono::seconds{10} + 1000 * period_;
     const auto settled = [](const Axis& axis) { return axis.running() || axis.faulted(); };
     bool enabled = false;
     while (!(enabled && std::ranges::all_of(axes_, settled)) && now_ < give_up) {

@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                 two_axes + axis_text("a", 3) + axis_text("b", 4) + axis_text("c", 5) + axis_text("d", 6) +
                     axis_text("e", 7) + axis_text("f", 8) + axis_text("g", 9),
                 {"axis", "9 times", "8"}},
-        BadNode{"AxisBesideTables", "[plant]\nmass_kg = 1\n" + two_axes, {"plant", "not a key"}},
+        BadNode{"AxisBesideTables", "[plant]\nmass_kg = 1\n" + two_axes, {"plant", "beside [[axis]]"}},
         BadNode{"ForceLimitBelowLaw",
                 with_line("limits", "force_N = 40"),
                 {"[axis.limits] force_N", "40", "max_force_N = 50", "raise"}},

@@ -77,9 +77,9 @@ static_assert(!MotorDrive<AmplifierDrive<TestAmplifier>, double>, "a drive has o
 // What setup_status() may return.
 enum class Mute : std::uint8_t { ready };
 enum class Talkative : std::uint8_t { ready };
-const char* to_string(Talkative) noexcept { return "ready"; }
+[[maybe_unused]] const char* to_string(Talkative) noexcept { return "ready"; }
 enum class MayThrow : std::uint8_t { ready };
-std::string_view to_string(MayThrow) { return "ready"; }
+[[maybe_unused]] std::string_view to_string(MayThrow) { return "ready"; }
 struct Numbered {
   int code = 0, detail = 0;
 };

@@ -91,7 +91,7 @@ TEST(RunMachine, AppliesImpulsesWithEveryIntegrator) {
   EXPECT_NEAR(stepped.outcome.end.q[0], back_to, 1e-4);  // of the first order in 1e-4 s
 }
 
-TEST(RunMachine, FollowsLawsThroughTheScene) {
+TEST(RunMachine, FollowsLawsThroughTheScenario) {
   auto s = scenario::read_machine_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/two_mass_stribeck.toml");
   const auto result = sil::run_machine(s);
   EXPECT_TRUE(result.settled());

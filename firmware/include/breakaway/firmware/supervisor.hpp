@@ -95,7 +95,10 @@ struct AxisHealth {
 template <class Scalar>
 class Supervisor {
  public:
-  constexpr explicit Supervisor(const AxisLimits<Scalar>& limits) noexcept : limits_{limits} {}
+  constexpr explicit Supervisor(const AxisLimits<Scalar>& limits) noexcept : limits_{limits} {
+    // A drive reports whole steps of force, which are the limit but for rounding.
+    limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();
+  }
 
   // The drive was just enabled, or the target just moved: the error may be this large from now on.
   void begin_motion(Scalar position_error_m) noexcept {

@@ -2,6 +2,8 @@
 // in.
 #pragma once
 
+#include <string>
+
 #include "breakaway/config/node.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/pid_controller.hpp"
@@ -18,5 +20,8 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis);
 // Requires axis.controller.pid and axis.drive.
 template <class Real>
 law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis);
+
+// Says why the axis cannot have its target there; nothing when it can.
+std::string target_problem(double position_m, const Axis& axis);
 
 }  // namespace breakaway::config

@@ -16,6 +16,9 @@ inline constexpr std::size_t most_axes = 8;
 
 // These return the parts of a node as the loop is told them. They require node.loop and a drive. Real is float or
 // double.
+// Throws InputError with what is missing unless the node has a [loop] and every axis a [drive] and impulsive gains.
+void require_flashable(const Node& node);
+
 firmware::LoopConfig loop_config(const Node& node);
 template <class Real>
 cia402::DriveConfig<Real> drive_config(const Axis& axis);

@@ -1,8 +1,8 @@
 // Scenario: a node as its file describes it, and the world around it. A simulation pays only for the parts that the
 // file names: without [loop] and [drive] it is the ideal law on the bare plant.
 //
-// SI units; a rotary axis reads kg m^2, N m and rad for kg, N and m. Ranges of all members stand in read_node.cpp of
-// firmware/config and in read_scenario.cpp.
+// SI units; a rotary axis reads kg m^2, N m and rad for kg, N and m. Ranges of all members stand in the readers
+// of firmware/config and of this room.
 #pragma once
 
 #include <cstdint>
