@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -46,8 +47,8 @@ class Lemke {
   int artificial() const { return 2 * size_; }
   int right() const { return 2 * size_ + 1; }
 
-  double* row_of(int row) { return table_.data() + row * width_; }
-  double entry(int row, int column) const { return table_[static_cast<std::size_t>(row * width_ + column)]; }
+  double* row_of(int row) { return table_.data() + std::ptrdiff_t{row} * width_; }
+  double entry(int row, int column) const { return *(table_.data() + std::ptrdiff_t{row} * width_ + column); }
   int& basis(int row) { return basis_[static_cast<std::size_t>(row)]; }
 
   int pivot(int row, int entering) {
@@ -93,7 +94,8 @@ class Lemke {
   }
 
   int size_, width_;
-  std::array<double, most_unknowns*(2 * most_unknowns + 2)> table_;  // row by row, `width_` each
+  std::array<double, std::size_t{most_unknowns} * (2 * std::size_t{most_unknowns} + 2)>
+      table_;  // row by row, `width_` each
   std::array<int, most_unknowns> basis_;
 };
 
