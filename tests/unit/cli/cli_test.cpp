@@ -249,6 +249,54 @@ TEST_F(Command, RefusesAxesThatContradictOneAnother) {
   expect_refused("study --axis z " + scenarios + "three_axes.toml", {"\"z\"", "gantry, slide, table"});
 }
 
+// What a node could not run or would stop on is refused before it is certified, with --header and without.
+TEST_F(Command, DesignsNothingThatTheNodeWouldRefuseOrStopOn) {
+  const std::string can_axis = content(scenarios + "can_axis.toml");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = can_axis;
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  const auto expect_no_design = [&](const std::string& file, const std::vector<std::string>& named) {
+    expect_refused("design " + file, named);
+    expect_refused("design " + file + " --header " + path("no.hpp"), named);
+    EXPECT_FALSE(fs::exists(path("no.hpp")));
+  };
+  const std::string drive =
+      can_axis.substr(can_axis.find("[drive]"), can_axis.find("[limits]") - can_axis.find("[drive]"));
+  expect_no_design(with(drive, ""), {"[drive] is missing"});
+  expect_no_design(with("[loop]", "[loop]\nheartbeat_period_s = 0.3"),
+                   {"heartbeat_timeout_s", "heartbeat_period_s = 0.3"});
+  expect_no_design(with("[controller]", "[controller]\ntarget_m = 20"), {"target_m", "[limits]", "-10 to 10"});
+  expect_no_design(with("speed_m_s = 20", "speed_m_s = 20\nfeedback_timeout_s = 0.0009"),
+                   {"feedback_timeout_s", "period_s"});
+}
+
+TEST_F(Command, RefusesToCallSettledWhatTheLawNeverReaches) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("settle_tolerance_m = 3e-6"), 25, "settle_tolerance_m = 2e-6");
+  for (const char* command : {"simulate ", "design ", "study --laws 0 "})
+    expect_refused(command + scenario(text), {"settle_tolerance_m is 2e-06", "position_tolerance_m", "2.3e-06"});
+}
+
+// A limit is for what is beyond it: the drive reports whole steps of force, which are the limit but for rounding.
+TEST_F(Command, LetsTheForceReachItsLimit) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("max_force_N = 50"), 16, "max_force_N = 19.1340602");
+  text.replace(text.find("speed_m_s = 20"), 14, "speed_m_s = 20\nforce_N = 19.1340602");
+  const Ended ended = run("simulate " + scenario(text) + " --json -");
+  EXPECT_EQ(ended.exit_code, 0) << ended.out;
+  EXPECT_LE(figure(ended.out, "max_force_N"), 19.1340602);
+}
+
+TEST_F(Command, CertifiesNoDriveWhoseWholeStepsAreTooWeak) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("rated_torque_Nm = 0.5"), 21, "rated_torque_Nm = 80");  // steps of 4 N
+  text.replace(text.find("max_force_N = 50"), 16, "max_force_N = 7");
+  const Ended ended = run("design " + scenario(text));
+  EXPECT_EQ(ended.exit_code, 1) << ended.out;
+  EXPECT_NE(ended.out.find("4.5 is not below 4"), std::string::npos) << ended.out;
+}
+
 TEST_F(Command, StudiesOneAxisOfSeveral) {
   const Ended ended = run("study --laws 4 --start 0.05 0 --axis slide " + scenarios + "three_axes.toml --json -");
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
