@@ -1,0 +1,252 @@
+// simulate, design and study, on scenarios with axes.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+
+namespace breakaway::testing {
+namespace {
+
+TEST_F(Command, NamesWhatAScenarioOnTheBusLacks) {
+  const std::string can_axis = content(scenarios + "can_axis.toml");
+  const auto without = [&](const std::string& line) {
+    std::string text = can_axis;
+    return scenario(text.erase(text.find(line), line.size()));
+  };
+  for (const char* command : {"simulate ", "study --laws 0 "}) {
+    expect_refused(command + without("[run]\nduration_s = 30\nsettle_tolerance_m = 3e-6\nsettle_time_s = 0.2\n"),
+                   {"axis.toml", "[run]", "missing"});
+    expect_refused(command + without("[loop]\nperiod_s = 0.001\n"), {"axis.toml", "[loop]", "missing"});
+  }
+}
+
+TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  const Ended weak = run("design " + with("max_force_N = 50", "max_force_N = 4"));
+  EXPECT_EQ(weak.exit_code, 1) << weak.err;
+  EXPECT_NE(weak.out.find("force_breaks_away"), std::string::npos);
+  expect_refused("design " + with("max_torque_per_mille = 2000", "max_torque_per_mille = 100"),
+                 {"axis.toml", "max_force_N is 50", "gives 2.5 N"});
+  expect_refused("simulate " + with("max_force_N = 50", "max_force_N = 4"), {"axis.toml", "max_force_N", "4", "4.5"});
+}
+
+TEST_F(Command, NamesTheMissingPartOfAScenario) {
+  const std::string axis =
+      "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n"
+      "[controller]\nk1_N_per_m = 1\nk21_Ns_per_m = 0.5\nk22_Ns_per_m = 3\n";
+  expect_refused("simulate " + scenario(axis), {"[run]"});
+  expect_refused("simulate " + scenario(axis + "[run]\nduration_s = 1\n[loop]\nperiod_s = 0.001\n"), {"[drive]"});
+  EXPECT_EQ(run("design " + scenario(axis)).exit_code, 0);
+}
+
+TEST_F(Command, KeepsTheContractOfTheExample) {
+  const Ended ended = run("simulate " + scenarios + "impulsive_example.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"t1_s", "t2_s", "y2_m", "t_inf_s", "bound_s", "final_error_m", "settled", "kicks", "time_s",
+                          "position_m", "velocity_after_m_s", "wall_s", "steps"});
+  std::ifstream reference{BREAKAWAY_SOURCE_DIR "/tests/reference/impulsive_example.csv"};
+  int compared = 0;
+  for (std::string line; std::getline(reference, line);) {
+    const auto comma = line.find(',');
+    if (line[0] == '#' || line.starts_with("kick")) continue;
+    const double expected = std::stod(line.substr(comma + 1));
+    EXPECT_NEAR(figure(ended.out, line.substr(0, comma)), expected, 1e-9 * std::fabs(expected)) << line;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 5);
+}
+
+TEST_F(Command, KeepsTheContractOfTheAxisOnCan) {
+  const Ended ended = run("simulate " + scenarios + "can_axis.toml --json - --candump " + path("can.log"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"settled", "settling_time_s", "final_error_m", "max_force_N", "kicks", "ticks",
+                          "missed_ticks", "bus_load", "faults"});
+  EXPECT_LE(std::fabs(figure(ended.out, "final_error_m")), 3e-6);
+  EXPECT_LE(figure(ended.out, "max_force_N"), 50);
+  EXPECT_TRUE(content(path("can.log")).starts_with("(0000000000."));
+}
+
+// The bus of three axes: every figure of an axis stands beside its name.
+TEST_F(Command, KeepsTheContractOfSeveralAxes) {
+  const Ended ended = run("simulate " + scenarios + "three_axes.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(ended.out.starts_with("{\n  \"title\": \"Three axes on one bus\",\n  \"settled\": true"));
+  EXPECT_EQ(figure(ended.out, "missed_ticks"), 0);
+  const std::vector<std::pair<std::string, double>> tolerances{
+      {"gantry", 2.5e-6}, {"slide", 2.5e-6}, {"table", 2.5e-5}};
+  for (const auto& [name, tolerance_m] : tolerances) {
+    const auto at = ended.out.find("{\"name\": \"" + name + "\", \"settled\": true");
+    ASSERT_NE(at, std::string::npos) << name;
+    const std::string axis = ended.out.substr(at);
+    expect_keys(axis, {"settling_time_s", "final_error_m", "max_force_N", "kicks", "faults"});
+    EXPECT_LE(std::fabs(figure(axis, "final_error_m")), tolerance_m) << name;
+  }
+}
+
+TEST_F(Command, DesignsEveryAxisAndWritesNoHeaderUnlessAllAreCertified) {
+  const Ended good = run("design " + scenarios + "three_axes.toml --json - --header " + path("good.hpp"));
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  expect_keys(good.out, {"certified", "axes", "name", "checks", "accuracy_floor_m"});
+  EXPECT_NE(content(path("good.hpp")).find("FlashedNode<float, 3> node"), std::string::npos);
+
+  std::string text = content(scenarios + "three_axes.toml");
+  text.replace(text.find("position_tolerance_m = 2e-5"), 27, "position_tolerance_m = 1e-5");
+  const Ended bad = run("design " + scenario(text) + " --header " + path("bad.hpp"));
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.err.find("axis table: not certified"), std::string::npos) << bad.err;
+  EXPECT_FALSE(fs::exists(path("bad.hpp")));
+}
+
+TEST_F(Command, RefusesAxesThatContradictOneAnother) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "three_axes.toml");
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  for (const char* command : {"simulate ", "design "}) {
+    expect_refused(command + with("node_id = 2", "node_id = 1"), {"axis.toml:35", "node_id", "gantry"});
+    expect_refused(command + with("\"slide\"", "\"gantry\""), {"axis.toml:", "name", "gantry"});
+    expect_refused(command + with("period_s = 0.001", "period_s = 0.0005"), {"axis.toml", "bus", "us", "period"});
+  }
+  expect_refused("study " + scenarios + "three_axes.toml", {"--axis"});
+  expect_refused("study --axis z " + scenarios + "three_axes.toml", {"\"z\"", "gantry, slide, table"});
+}
+
+// What a node could not run or would stop on is refused before it is certified, with --header and without.
+TEST_F(Command, DesignsNothingThatTheNodeWouldRefuseOrStopOn) {
+  const std::string can_axis = content(scenarios + "can_axis.toml");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = can_axis;
+    return scenario(text.replace(text.find(from), from.size(), to));
+  };
+  const auto expect_no_design = [&](const std::string& file, const std::vector<std::string>& named) {
+    expect_refused("design " + file, named);
+    expect_refused("design " + file + " --header " + path("no.hpp"), named);
+    EXPECT_FALSE(fs::exists(path("no.hpp")));
+  };
+  const std::string drive =
+      can_axis.substr(can_axis.find("[drive]"), can_axis.find("[limits]") - can_axis.find("[drive]"));
+  expect_no_design(with(drive, ""), {"[drive] is missing"});
+  expect_no_design(with("[loop]", "[loop]\nheartbeat_period_s = 0.3"),
+                   {"heartbeat_timeout_s", "heartbeat_period_s = 0.3"});
+  expect_no_design(with("[controller]", "[controller]\ntarget_m = 20"), {"target_m", "[limits]", "-10 to 10"});
+  expect_no_design(with("speed_m_s = 20", "speed_m_s = 20\nfeedback_timeout_s = 0.0009"),
+                   {"feedback_timeout_s", "period_s"});
+}
+
+TEST_F(Command, RefusesToCallSettledWhatTheLawNeverReaches) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("settle_tolerance_m = 3e-6"), 25, "settle_tolerance_m = 2e-6");
+  for (const char* command : {"simulate ", "design ", "study --laws 0 "})
+    expect_refused(command + scenario(text), {"settle_tolerance_m is 2e-06", "position_tolerance_m", "2.3e-06"});
+}
+
+// A limit is for what is beyond it: the drive reports whole steps of force, which are the limit but for rounding.
+TEST_F(Command, LetsTheForceReachItsLimit) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("max_force_N = 50"), 16, "max_force_N = 19.1340602");
+  text.replace(text.find("speed_m_s = 20"), 14, "speed_m_s = 20\nforce_N = 19.1340602");
+  const Ended ended = run("simulate " + scenario(text) + " --json -");
+  EXPECT_EQ(ended.exit_code, 0) << ended.out;
+  EXPECT_LE(figure(ended.out, "max_force_N"), 19.1340602);
+}
+
+TEST_F(Command, CertifiesNoDriveWhoseWholeStepsAreTooWeak) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("rated_torque_Nm = 0.5"), 21, "rated_torque_Nm = 80");  // steps of 4 N
+  text.replace(text.find("max_force_N = 50"), 16, "max_force_N = 7");
+  const Ended ended = run("design " + scenario(text));
+  EXPECT_EQ(ended.exit_code, 1) << ended.out;
+  EXPECT_NE(ended.out.find("4.5 is not below 4"), std::string::npos) << ended.out;
+}
+
+TEST_F(Command, StudiesOneAxisOfSeveral) {
+  const Ended ended = run("study --laws 4 --start 0.05 0 --axis slide " + scenarios + "three_axes.toml --json -");
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(figure(ended.out, "settled"), 8);
+}
+
+TEST_F(Command, KeepsTheContractOfDesign) {
+  const Ended ended = run("design " + scenarios + "can_axis.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err << ended.out;
+  expect_keys(ended.out, {"certified", "reasons", "checks", "margin", "zeta_approach", "zeta_kick", "accuracy_floor_m",
+                          "bound_s", "table", "bytes", "proved_error"});
+  EXPECT_NE(ended.out.find("\"certified\": true"), std::string::npos);
+}
+
+TEST_F(Command, ExitsWithOneWhenTheAxisDoesNotSettleOrIsNotCertified) {
+  std::string text = content(scenarios + "impulsive_example.toml");
+  text.replace(text.find("duration_s = 60"), 15, "duration_s = 4");
+  const Ended ended = run("simulate " + scenario(text));
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_NE(ended.out.find("NOT settled"), std::string::npos);
+
+  // 1 ms periods and friction between 0.1 N and 4.5 N: the accuracy floor is far above 3 um.
+  std::string weak = content(scenarios + "can_axis.toml");
+  weak.replace(weak.find("mu_lower = 0.25"), 15, "mu_lower = 0.01");
+  const Ended design = run("design " + scenario(weak) + " --json -");
+  EXPECT_EQ(design.exit_code, 1);
+  EXPECT_NE(design.out.find("\"certified\": false"), std::string::npos);
+  EXPECT_NE(design.out.find("tolerance_above_floor"), std::string::npos);
+}
+
+TEST_F(Command, RefusesAForceThatTheDriveCannotGiveAndAPeriodThatTheBusCannotCarry) {
+  const auto ended_with = [&](const std::string& command, const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    return run(command + " " + scenario(text.replace(text.find(from), from.size(), to)));
+  };
+  const Ended weak = ended_with("simulate", "max_torque_per_mille = 2000", "max_torque_per_mille = 1000");
+  EXPECT_EQ(weak.exit_code, 2);
+  EXPECT_NE(weak.err.find("max_force_N is 50, but the [drive] gives 25 N"), std::string::npos) << weak.err;
+  for (const char* command : {"simulate", "design", "study"}) {
+    const Ended slow = ended_with(command, "bit_rate = 1_000_000", "bit_rate = 125_000");
+    EXPECT_EQ(slow.exit_code, 2) << command;
+    EXPECT_NE(slow.err.find("needs 3360 us on the bus and has 1000 us"), std::string::npos) << slow.err;
+  }
+}
+
+// An axis that has no time to get near its target; and one that stands on it from the start.
+TEST_F(Command, ReportsRunsInWhichLittleHappens) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto exit_code_with = [&](const std::string& from, const std::string& to) {
+    std::string text = content(scenarios + "can_axis.toml");
+    const Ended ended =
+        run("simulate " + scenario(text.replace(text.find(from), from.size(), to)) + " --report " + path("a.html"));
+    EXPECT_TRUE(content(path("a.html")).ends_with("</html>\n")) << ended.err;
+    fs::remove(path("a.html"));
+    return ended.exit_code;
+  };
+  EXPECT_EQ(exit_code_with("duration_s = 30", "duration_s = 0.05"), 1);
+  EXPECT_EQ(exit_code_with("position_m = -4\nvelocity_m_s = -4", "position_m = 0"), 0);
+}
+
+TEST_F(Command, KeepsTheReportOfALongRunModest) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const std::string text = content(scenarios + "can_axis.toml") + "stop_when_settled = false\n";  // 30 s
+  ASSERT_EQ(run("simulate " + scenario(text) + " --report " + path("a.html")).exit_code, 0);
+  EXPECT_LT(fs::file_size(path("a.html")), 1'000'000u);
+}
+
+TEST_F(Command, WritesASelfContainedReport) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  ASSERT_EQ(run("simulate " + scenarios + "impulsive_example.toml --report " + path("a.html")).exit_code, 0);
+  const std::string html = content(path("a.html"));
+  EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
+  EXPECT_TRUE(html.ends_with("</html>\n"));
+  EXPECT_EQ(html.find("src="), std::string::npos);  // nothing is fetched
+  EXPECT_EQ(html.find("<link"), std::string::npos);
+  for (const char* title : {"Response", "Phase plane", "Impulse law", "Friction", "Kicks"}) {
+    EXPECT_NE(html.find("<h2>" + std::string{title}), std::string::npos) << title;
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::testing

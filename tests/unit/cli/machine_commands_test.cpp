@@ -1,0 +1,101 @@
+// simulate, attract and basin, on scenarios with a machine.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+
+namespace breakaway::testing {
+namespace {
+
+const std::string two_masses = scenarios + "two_mass_example.toml";
+
+TEST_F(Command, KeepsTheContractOfASimulatedMachine) {
+  const Ended ended = run("simulate " + two_masses + " --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"modes", "events", "time_s", "kind", "dof", "settled", "settling_time_s", "q_end", "v_end"});
+  EXPECT_NE(ended.out.find("\"settled\": true"), std::string::npos);
+  expect_refused("simulate " + two_masses + " --candump " + path("a.log"), {"--candump", "bus"});
+}
+
+TEST_F(Command, KeepsTheContractOfBasin) {
+  const Ended ended = run("basin " + two_masses + " --grid 41 --window 6 --json - --csv " + path("a.csv"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(ended.err.empty()) << "progress is for terminals";
+  expect_keys(ended.out, {"attracted", "lost", "undecided", "area_true", "area_certified", "trajectories_per_s"});
+  EXPECT_NEAR(figure(ended.out, "area_true"), 106.372, 0.5);  // 41 points an axis tell it to a few tenths
+  EXPECT_NEAR(figure(ended.out, "area_certified"), 58.0416, 1e-4);
+  const std::string csv = content(path("a.csv"));
+  EXPECT_TRUE(csv.starts_with("x1,x2,attracted,time_s\n-6,-6,1,"));
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 41 * 41 + 1);
+}
+
+TEST_F(Command, KeepsTheContractOfAttract) {
+  const Ended ended = run("attract " + two_masses + " --depth 7 --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out,
+              {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star", "rho_star_closed_form",
+               "equilibrium_set", "vertices", "extent", "E_certified", "global", "certified_area", "sweep", "d1"});
+  EXPECT_NEAR(figure(ended.out, "alpha"), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-10);
+  EXPECT_NEAR(figure(ended.out, "rho_star_closed_form"), 4, 1e-12);
+  EXPECT_NEAR(figure(ended.out, "window"), 6, 1e-12);
+  EXPECT_GT(figure(ended.out, "certified_area"), 0.9 * 106.372);
+  EXPECT_LT(figure(ended.out, "certified_area"), 106.372);
+  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"E_certified\": true, \"global\": true"),
+            std::string::npos);
+}
+
+TEST_F(Command, RefusesOrDoubtsWhatCannotBeAttracted) {
+  expect_refused("attract " + two_masses + " --plane 1,5", {"--plane", "1,5"});
+  expect_refused("attract " + two_masses + " --depth 99", {"--depth"});
+  expect_refused("attract " + two_masses + " --picture a.pdf", {"a.pdf", ".svg"});
+  expect_refused("attract " + scenarios + "can_axis.toml", {"can_axis.toml", "machine"});
+  const auto machine = [&](const std::string& stiffness, const std::string& friction) {
+    return scenario("[machine]\nmass = [[1, 0], [0, 1]]\ndamping = [[-0.1, 0], [0, -0.1]]\nstiffness = " + stiffness +
+                    "\ndirections = [[1, 0], [0, 1]]\nfriction_N = " + friction + "\n");
+  };
+  const Ended soft = run("attract " + machine("[[1, 2], [2, 1]]", "[1, 1]") + " --json -");
+  EXPECT_EQ(soft.exit_code, 1);
+  EXPECT_NE(soft.out.find("stiffness is not symmetric and positive definite"), std::string::npos) << soft.out;
+  const Ended frictionless = run("attract " + machine("[[2, 0], [0, 2]]", "[1, 0]") + " --depth 3");
+  EXPECT_EQ(frictionless.exit_code, 1);
+  EXPECT_NE(frictionless.out.find("condition 2"), std::string::npos) << frictionless.out;
+}
+
+TEST_F(Command, MergesShardsToTheSameTable) {
+  const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
+  ASSERT_EQ(run(basin + "--csv " + path("whole") + " --threads 1").exit_code, 0);
+  ASSERT_EQ(run(basin + "--shard 1/2 --csv " + path("1")).exit_code, 0);
+  expect_refused(basin + "--merge " + path("1") + " --csv " + path("all"), {"--merge", "missing"});
+  EXPECT_FALSE(fs::exists(path("all")));
+  ASSERT_EQ(run(basin + "--shard 2/2 --resume " + path("2")).exit_code, 0);
+  ASSERT_EQ(run(basin + "--merge " + path("1") + " " + path("2") + " --csv " + path("all")).exit_code, 0);
+  EXPECT_EQ(content(path("all")), content(path("whole")));
+}
+
+TEST_F(Command, RefusesBasinsThatCannotBe) {
+  const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
+  expect_refused("basin " + two_masses + " --window 6", {"--grid"});
+  expect_refused("basin " + two_masses + " --grid 1 --window 6", {"--grid"});
+  expect_refused("basin " + two_masses + " --grid 15 --window nan", {"--window", "nan"});
+  expect_refused("basin " + two_masses + " --grid 100000 --window 6", {"--grid", "--shard"});
+  expect_refused(basin + "--plane 1,5", {"--plane", "1,5"});
+  expect_refused(basin + "--plane 2,2", {"--plane"});
+  expect_refused(basin + "--shard 3/2", {"--shard", "3/2"});
+  expect_refused(basin + "--shard 1", {"--shard"});
+  expect_refused(basin + "--picture a.pdf", {"a.pdf", ".svg"});
+  expect_refused(basin + "--csv a --json a", {"two outputs"});
+  expect_refused(basin + "--merge /nowhere", {"/nowhere"});
+  expect_refused(basin + "--resume /nowhere/a", {"/nowhere/a"});
+  expect_refused("basin " + scenarios + "can_axis.toml --grid 15 --window 6", {"can_axis.toml", "machine"});
+  expect_refused(basin + "--csv /nowhere/a", {"/nowhere/a"});
+}
+
+}  // namespace
+}  // namespace breakaway::testing
