@@ -358,9 +358,9 @@ class ControlLoop {
     hal::CanFrame frame;
     for (std::size_t i = 0; i < count_; ++i) {
       if (axes_[i]->drive.next_command_frame(frame)) transmit(frame, deadline);
+      axes_[i]->drive.on_sync(now);  // the SYNC below
     }
     transmit(canopen::sync_frame(), deadline);
-    for (std::size_t i = 0; i < count_; ++i) axes_[i]->drive.on_sync(now);
     if (heartbeat_.next_frame(frame, canopen::NmtState::operational, now)) {
       transmit(frame, deadline);
       return;

@@ -17,8 +17,9 @@ class TimingStatistics {
       const hal::Duration interval = now - last_;
       if (ticks_ == 1 || interval < shortest_) shortest_ = interval;
       if (interval > longest_) longest_ = interval;
-      const auto periods = (interval + period_ / 2) / period_;
-      if (periods > 1) missed_ += static_cast<std::uint64_t>(periods - 1);
+      // To the nearest period. It is divided only when a period was missed.
+      if (interval >= 2 * period_ - period_ / 2)
+        missed_ += static_cast<std::uint64_t>((interval + period_ / 2) / period_ - 1);
     }
     last_ = now;
     ++ticks_;
