@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "breakaway/input/input_error.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/motion/gragg_bulirsch_stoer.hpp"
 
 namespace breakaway::hybrid {
@@ -212,7 +212,10 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
     walk_.step_s = step < step_s ? std::max(step_s, trial.suggested_s) : trial.suggested_s;
     return accept(trial, {step == duration_s ? Ending::Kind::time : Ending::Kind::none, 0, {}, 0, 0});
   }
-  if (stopping < 0) throw InputError{"the integration cannot go on: its steps became too short"};
+  if (stopping < 0) {
+    throw Refused{"the steps of the adaptive method became too short at t = " + shown(walk_.time.sum_s) + " s",
+                  "use a larger tolerance or the event-driven method"};
+  }
   move_to(Vector::Zero(u0_.size()), u0_);
   return {Ending::Kind::stop, only(stopping), {}, 0, 0};
 }

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
-#include "breakaway/input/input_error.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/motion/roots.hpp"
 #include "breakaway/stability/dense.hpp"
 
@@ -104,8 +105,14 @@ Ending AdaptiveRun::wait(double duration_s) {
   return {Ending::Kind::time, 0, {}, 0, 0};
 }
 
+void AdaptiveRun::spend_a_step(double end_s) {
+  if (outcome_.steps++ < options_.most_steps) return;
+  throw Refused{"the adaptive method has taken " + std::to_string(options_.most_steps) +
+                    " steps by t = " + shown(walk_.time.sum_s) + " s of " + shown(end_s) + " s",
+                "end earlier, or use a larger tolerance or another method"};
+}
+
 Ending AdaptiveRun::move(double duration_s) {
-  ++outcome_.steps;
   if (walk_.held->motions() == 0) return wait(duration_s);
   // What stands still lets steps grow without end, and laws that change with time would go unseen.
   double longest_s = options_.longest_step_s;
@@ -166,12 +173,14 @@ Adaptive::Result AdaptiveRun::go_on(double end_s, const EarlyDecision<Eigen::Dyn
     }
     if (!(walk_.time.until(end_s) > 0)) return finish(Verdict::undecided);
     const motion::SummedTime before = walk_.time;
+    spend_a_step(end_s);
     const double next_s = std::min(end_s, walk_.next_change_s());
     const Ending ending = move(walk_.time.until(next_s));
     handle(ending, next_s);
     at_once = walk_.time == before ? at_once + 1 : 0;
   }
-  throw InputError{"the friction directions switch without end at one instant: the machine is too ill-scaled"};
+  throw Refused{"the friction directions switch without end at t = " + shown(walk_.time.sum_s) + " s",
+                "the machine is too ill-scaled for double precision; leave out its least friction or its least mass"};
 }
 
 }  // namespace breakaway::hybrid

@@ -21,6 +21,7 @@ class AdaptiveRun {
   Adaptive::State state() const { return {walk_.time.sum_s, walk_.q, walk_.v}; }
   Adaptive::Result finish(Verdict verdict);
   bool stands_still() const;
+  void spend_a_step(double end_s);
   Ending wait(double duration_s);
   Ending move(double duration_s);
   void handle(const Ending& ending, double end_s);

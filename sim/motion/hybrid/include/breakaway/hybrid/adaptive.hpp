@@ -12,6 +12,7 @@
 // less than the time between two stages, and by less than an eighth of its change in the step, may be passed over.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <memory>
@@ -28,6 +29,7 @@ struct HeldSet;
 struct AdaptiveOptions {
   double tolerance = 1e-12;  // of a step, relative to the speeds in the norm of the mass; in [1e-14, 1e-2]
   double longest_step_s = std::numeric_limits<double>::infinity();  // > 0; for an observer that wants to see more
+  std::uint64_t most_steps = 200'000;  // > 0; a run that takes more is refused, so that none goes on without end
 };
 
 // Adaptive is for one thread, because what depends on the sticking directions is computed when first met.
@@ -54,9 +56,9 @@ class Adaptive {
 
   // Runs to rest, to a decision or to end_time_s, which is finite. The observer sees every step. at_rest is said when
   // it is sure to last: the machine is held even if every law that changes with time falls to its lower bound. One that
-  // stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws
-  // InputError for a start of the wrong size or with entries that are not finite, and InputError
-  // when the directions switch without end at one instant.
+  // stands still under stronger friction which may yet fall is watched to the end, and `undecided`. Throws InputError
+  // for a start of the wrong size or with entries that are not finite. Throws Refused when the directions switch
+  // without end at one instant, when steps become too short, and when there are more of them than most_steps.
   Result run(const State& start, double end_time_s, std::vector<Event>* log = nullptr,
              const Observer<Eigen::Dynamic>& observer = {}) const;
 
