@@ -7,6 +7,7 @@
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "read_told.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -229,9 +230,9 @@ void check_in_node(const Section& section, const Drive& drive, const Node& node)
 
 std::vector<Key> AxisTables::rows() {
   const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
-  return {optional("plant", keep(plant_)), optional("friction", keep(friction_)),
+  return {optional("plant", keep(plant_)),           optional("friction", keep(friction_)),
           optional("controller", keep(controller_)), optional("drive", keep(drive_)),
-          optional("limits", keep(limits_))};
+          optional("limits", keep(limits_)),         optional("told", keep(told_))};
 }
 
 // The next axis of the node. A table that is missing is missed only after those before it were read, so that a
@@ -251,6 +252,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   axis.controller = read_controller(need(controller_, "controller"), sampled, also.controller);
   if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
   if (drive_) check_in_node(*drive_, *axis.drive, node);
+  if (told_) read_told(*told_, axis);
   if (limits_) axis.limits = read_limits(*limits_);
   check_force(*controller_, axis);
   if (axis.controller.impulsive) check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, sampled);

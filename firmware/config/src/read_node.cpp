@@ -113,7 +113,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
                                 keep_table("run", run)};
   const Key entries = optional("axis", tables([](const Section&) {}));
-  for (const char* part : {"plant", "friction", "controller", "drive", "limits"})
+  for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told"})
     if (root.has("axis") && root.has(part))
       root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
   root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root);
@@ -146,7 +146,7 @@ FileRows passed_over() {
           .bus = named({"loss_probability", "delay_min_s", "delay_max_s", "seed"}),
           .run = named({"duration_s", "settle_time_s", "stop_when_settled"}),
           .axis = [=](std::size_t) {
-            return AxisRows{.plant = named({"position_m", "velocity_m_s"}),
+            return AxisRows{.plant = named({"position_m", "velocity_m_s", "force_N", "encoder_error", "drift"}),
                             .friction = named({"law"}),
                             .controller = named({"scalar"}),
                             .drive = named({"tpdo_delay_min_s", "tpdo_delay_max_s", "seed"})};

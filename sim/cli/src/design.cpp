@@ -64,17 +64,22 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
   });
 }
 
+void write_axis(format::JsonWriter& json, const config::Axis& axis, const DesignReport& report) {
+  write_report(json, report);
+  if (const std::string told = config::told_otherwise(axis); !told.empty()) json.member("told", told);
+}
+
 // Of several axes each has what a single one has at the top.
 std::string to_json(const Node& node, const Reports& reports) {
   format::JsonWriter json;
   json.object([&] {
-    if (reports.size() == 1) return write_report(json, reports.front());
+    if (reports.size() == 1) return write_axis(json, node.axes.front(), reports.front());
     json.member("certified", std::ranges::all_of(reports, &DesignReport::certified));
     json.array("axes", [&] {
       for (std::size_t i = 0; i < reports.size(); ++i) {
         json.object([&] {
           json.member("name", node.axes[i].name);
-          write_report(json, reports[i]);
+          write_axis(json, node.axes[i], reports[i]);
         });
       }
     });
@@ -102,6 +107,8 @@ void print_report(const design::DesignReport& r) {
 void print_reports(const Node& node, const Reports& reports) {
   for (std::size_t i = 0; i < reports.size(); ++i) {
     if (reports.size() > 1) fmt::print("{}axis {}\n", i > 0 ? "\n" : "", node.axes[i].name);
+    const std::string told = config::told_otherwise(node.axes[i]);
+    if (!told.empty()) fmt::print("designed for what the controller is told: {}\n\n", told);
     print_report(reports[i]);
   }
 }

@@ -61,9 +61,9 @@ class LiveDrives {
   void print_summary() const {
     for (const Axis& axis : axes_) {
       const std::string name = axes_.size() > 1 ? "axis " + axis.name + ": " : std::string{};
-      fmt::print("{}position {:.9g} m, {}, largest force {:.4g} N, {} frames lost\n", name, axis.mechanism.position_m(),
-                 axis.mechanism.slide().sticking() ? "at rest" : "moving", axis.drive.largest_force_N(last_),
-                 axis.lost);
+      fmt::print("{}position {:.9g} m, {}, largest force {:.4g} N, {} frames lost\n", name,
+                 axis.mechanism.axis->state().position_m, axis.mechanism.axis->state().sticking ? "at rest" : "moving",
+                 axis.drive.largest_force_N(last_), axis.lost);
     }
   }
 
@@ -72,8 +72,8 @@ class LiveDrives {
     Axis(LiveDrives& drives, const config::Axis& axis, const scenario::AxisWorld& world,
          const drive_emulator::EmulatorConfig& config)
         : name{axis.name},
-          mechanism{sil::braked_slide(axis, world)},
-          drive{config, mechanism, [this, &drives](const hal::CanFrame& frame, hal::Time) {
+          mechanism{sil::axis_mechanism(axis, world)},
+          drive{config, mechanism.seen_by_drive(), [this, &drives](const hal::CanFrame& frame, hal::Time) {
                   if (!drives.transmit(frame)) ++lost;
                 }} {
       drive.power_on(hal::Time{});
@@ -84,12 +84,12 @@ class LiveDrives {
     // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
     void advance_to(hal::Time now) {
       drive.advance_to(now);
-      if (!mechanism.released() && drive.state() == cia402::State::operation_enabled)
-        mechanism.release(hal::seconds(now));
+      if (!mechanism.axis->released() && drive.state() == cia402::State::operation_enabled)
+        mechanism.axis->release(hal::seconds(now));
     }
 
     std::string name;
-    sil::BrakedSlide mechanism;
+    sil::AxisMechanism mechanism;
     std::uint64_t lost = 0;
     drive_emulator::DriveEmulator drive;
   };

@@ -46,6 +46,9 @@ void print_axis(const AxisResult& axis, double duration_s) {
   } else {
     fmt::print("  largest force  {:.4g} N\n", axis.max_force_N);
   }
+  if (axis.load_position_m) fmt::print("  load at        {:.9g} m\n", *axis.load_position_m);
+  if (!axis.told.empty()) fmt::print("  told           {}\n", axis.told);
+  if (axis.encoder_noise_seed) fmt::print("  encoder noise  seed {}\n", *axis.encoder_noise_seed);
   for (const auto& fault : axis.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
 }
 

@@ -85,13 +85,21 @@ void print_rows(const Study& study) {
   }
 }
 
+void print_told(const std::vector<Study>& studies) {
+  for (const Study& study : studies) {
+    const std::string told = config::told_otherwise(study.scenario.node.axes.front());
+    if (!told.empty()) fmt::print("{}: the controller is told {}\n", study.file, told);
+  }
+}
+
 void print_table(const std::vector<Study>& studies, const StudyOptions& options) {
   const config::Node& node = studies.front().scenario.node;
   const config::Axis& axis = node.axes.front();
   fmt::print(
       "Friction between {:g} N and {:g} N: both bounds, the scenario's law, static/kinetic, {} random laws (seeds from "
       "{})\n",
-      axis.friction.bounds.lower_N, axis.friction.bounds.upper_N, options.random_laws, options.seed);
+      config::truth_of(axis).bounds.lower_N, config::truth_of(axis).bounds.upper_N, options.random_laws, options.seed);
+  print_told(studies);
   fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
              studies.front().scenario.run->settle_time_s, config::max_force_N(axis));
   fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled", "median",
@@ -115,6 +123,8 @@ void write_run(format::JsonWriter& json, const StudyRun& run) {
 void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row) {
   json.member("controller", controller_name(study.scenario));
   json.member("scenario", study.file);
+  if (const std::string told = config::told_otherwise(study.scenario.node.axes.front()); !told.empty())
+    json.member("told", told);
   json.member("position_m", row.start.position_m);
   json.member("velocity_m_s", row.start.velocity_m_s);
   json.member("settled", settled_runs(row));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -55,6 +56,9 @@ void write_axis(format::JsonWriter& json, const sil::AxisResult& axis, const std
   json.member("settling_time_s", axis.settling_time_s);
   json.member("final_error_m", axis.final_error_m);
   json.member("max_force_N", axis.max_force_N);
+  if (axis.load_position_m) json.member("load_position_m", *axis.load_position_m);
+  if (!axis.told.empty()) json.member("told", axis.told);
+  if (axis.encoder_noise_seed) json.member("encoder_noise_seed", *axis.encoder_noise_seed);
   if (axis.ideal) write_ideal(json, *axis.ideal);
   if (loop) write_loop(json, *loop);
   json.array("kicks", [&] {
@@ -76,10 +80,12 @@ void write_axes(format::JsonWriter& json, const sil::Result& result) {
   });
 }
 
-void append_sample(std::string& text, const sil::Sample& s) {
-  fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}\n", s.time_s,
+void append_sample(std::string& text, const sil::Sample& s, bool loads) {
+  fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}", s.time_s,
                  s.position_m, s.velocity_m_s, s.target_m, s.force_N, s.friction_level_N, s.bus_load,
                  law::to_string(s.mode));
+  if (loads) fmt::format_to(std::back_inserter(text), ",{:.17g}", s.load_position_m.value_or(s.position_m));
+  text += '\n';
 }
 
 }  // namespace
@@ -102,11 +108,15 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
 std::string to_csv(const scenario::Scenario& scenario, const sil::Result& result) {
   const bool several = scenario.axes() > 1;
   std::string text = several ? "axis," : "";
-  text += "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode\n";
+  // A column that is there only where an axis has a load apart; the position of others is their load's as well.
+  const bool loads =
+      std::ranges::any_of(result.axes, [](const auto& axis) { return axis.load_position_m.has_value(); });
+  text += "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode";
+  text += loads ? ",load_position_m\n" : "\n";
   for (const sil::AxisResult& axis : result.axes) {
     for (const auto& sample : axis.trace) {
       if (several) text += axis.name + ',';
-      append_sample(text, sample);
+      append_sample(text, sample, loads);
     }
   }
   return text;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "breakaway/config/file_contents.hpp"
@@ -10,6 +11,7 @@
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "read_friction.hpp"
+#include "read_plant.hpp"
 
 namespace breakaway::scenario {
 namespace {
@@ -32,6 +34,28 @@ Value upper_delay(hal::Duration& to, const hal::Duration& least, std::string_vie
   return value;
 }
 
+constexpr double fastest_rad_s = 1e6;
+
+// What no run could follow, and what contradicts itself.
+void require_sound_plant(const Node& node, const Axis& axis, const AxisWorld& world) {
+  const auto fail = [&](const std::string& what) {
+    throw InputError{(node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ") + what}.in_file(node.file);
+  };
+  const model::CompliantPlant& plant = world.plant;
+  if (world.gap_m > 0 && !plant.load) fail("[plant.backlash] needs a [plant.load]: give the load behind the gap");
+  double mass_kg = truth_of(axis).mass_kg, stiffness_N_per_m = 0;
+  if (plant.presliding) stiffness_N_per_m += plant.presliding->stiffness_N_per_m;
+  if (plant.load) {
+    mass_kg = std::min(mass_kg, plant.load->mass_kg);
+    stiffness_N_per_m += plant.load->coupling.stiffness_N_per_m;
+  }
+  if (const double fast_rad_s = std::sqrt(stiffness_N_per_m / mass_kg); fast_rad_s > fastest_rad_s)
+    fail(
+        fmt::format("[plant] vibrates at about {:.2g} rad/s, faster than the {:g} rad/s that a run can follow; lower "
+                    "stiffness_N_per_m to {:.2g} at most",
+                    fast_rad_s, fastest_rad_s, mass_kg * fastest_rad_s * fastest_rad_s));
+}
+
 // What a file says of the world, while it is read.
 class WorldReader {
  public:
@@ -46,8 +70,10 @@ class WorldReader {
     Scenario s;
     for (std::size_t i = 0; i < node.axes.size(); ++i) {
       AxisWorld& world = worlds_[i].world;
-      world.friction = {node.axes[i].friction.bounds, std::move(worlds_[i].shape)};
-      if (node.axes[i].drive) world.drive = emulator(*node.axes[i].drive, worlds_[i]);
+      world.friction = {truth_of(node.axes[i]).bounds, std::move(worlds_[i].shape)};
+      if (node.axes[i].drive) world.drive = emulator(node.axes[i], worlds_[i]);
+      if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
+      require_sound_plant(node, node.axes[i], world);
       s.worlds.push_back(std::move(world));
     }
     s.scalar = scalar_type(node);
@@ -74,14 +100,23 @@ class WorldReader {
   // A deque, because the rows refer to its elements.
   AxisRows axis_rows() {
     ReadAxis& a = worlds_.emplace_back();
-    return {.plant = {optional("position_m", number(a.world.position_m, "m", anywhere)),
-                      optional("velocity_m_s", number(a.world.velocity_m_s, "m/s", anywhere))},
+    return {.plant = plant_rows(a.world),
             .friction = {optional("law", table([&a](const Section& law) { a.shape = read_shape(law); }))},
             .controller = {optional(
                 "scalar", choice(a.scalar, {{"float", ScalarType::float32}, {"double", ScalarType::float64}}))},
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
                       optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")),
                       seed(a.seed)}};
+  }
+
+  static std::vector<Key> plant_rows(AxisWorld& world) {
+    const auto part = [&world](void (*read)(const Section&, AxisWorld&)) {
+      return table([&world, read](const Section& section) { read(section, world); });
+    };
+    return {optional("position_m", number(world.position_m, "m", anywhere)),
+            optional("velocity_m_s", number(world.velocity_m_s, "m/s", anywhere)),
+            optional("force_N", number(world.plant.force_N, "N", {-1e12, 1e12})),
+            optional("encoder_error", part(read_encoder_error)), optional("drift", part(read_drift))};
   }
 
   std::vector<Key> bus_rows() {
@@ -101,13 +136,14 @@ class WorldReader {
             optional("stop_when_settled", boolean(run_.stop_when_settled))};
   }
 
-  drive_emulator::EmulatorConfig emulator(const Drive& drive, const ReadAxis& axis) const {
+  drive_emulator::EmulatorConfig emulator(const Axis& described, const ReadAxis& axis) const {
+    const Drive& drive = *described.drive;
     drive_emulator::EmulatorConfig c;
     c.node_id = drive.node_id;
     c.rated_torque_mNm = drive.rated_torque_mNm;
     c.rated_current_mA = drive.rated_current_mA;
     c.max_torque_per_mille = drive.max_torque_per_mille;
-    c.force_per_torque_N_per_Nm = drive.force_per_torque_N_per_Nm;
+    c.force_per_torque_N_per_Nm = truth_of(described).force_per_torque_N_per_Nm;
     c.peak_force_N = drive.peak_force_N;
     c.current_loop_time_constant_s = drive.current_loop_time_constant_s;
     c.encoder_resolution_m = drive.encoder_resolution_m;

@@ -25,12 +25,15 @@ class AxisRun {
   AxisRun(const scenario::Scenario& s, std::size_t place, SimulatedNetwork& network, Loop& loop)
       : axis_{s.node.axes[place]},
         world_{s.worlds[place]},
-        mechanism_{braked_slide(axis_, world_)},
-        drive_{network.add_drive(*world_.drive, mechanism_)},
+        mechanism_{axis_mechanism(axis_, world_)},
+        drive_{network.add_drive(*world_.drive, mechanism_.seen_by_drive())},
         loop_{loop},
         id_{*loop.axis(place)},
-        judge_{*s.run, judged_tolerance_m(s.node, axis_), mechanism_.slide()} {
+        judge_{*s.run, judged_tolerance_m(s.node, axis_), *mechanism_.axis} {
     result_.name = axis_.name;
+    result_.told = config::told_otherwise(axis_);
+    if (world_.encoder_error && world_.encoder_error->noise_m > 0)
+      result_.encoder_noise_seed = world_.encoder_error->seed;
     move_target(axis_.controller.target_m);
   }
   AxisRun(const AxisRun&) = delete;
@@ -44,7 +47,7 @@ class AxisRun {
 
   // The brake opens.
   void release(double time_s) {
-    mechanism_.release(time_s);
+    mechanism_.axis->release(time_s);
     note_fault(0);
     if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled in time"});
   }
@@ -70,7 +73,7 @@ class AxisRun {
   // Nothing more is to come: it rests on its last target, or it has a fault and stands.
   bool over() const {
     const bool last = next_target_ == axis_.controller.targets.size();
-    return (judge_.settled() && last) || (!result_.faults.empty() && mechanism_.slide().sticking());
+    return (judge_.settled() && last) || (!result_.faults.empty() && mechanism_.axis->state().sticking);
   }
   std::uint64_t periods_without_feedback() const { return periods_without_feedback_; }
 
@@ -78,6 +81,7 @@ class AxisRun {
     result_.settled = judge_.settled() && result_.faults.empty();
     result_.settling_time_s = judge_.settling_time_s();
     result_.final_error_m = position_m() - target_m_;
+    result_.load_position_m = mechanism_.axis->load_position_m();
     result_.reached = judge_.reached();
     result_.limit_cycle = judge_.limit_cycle();
     result_.max_force_N = drive_.largest_force_N(now);
@@ -85,7 +89,7 @@ class AxisRun {
   }
 
  private:
-  double position_m() const { return mechanism_.slide().state().position_m; }
+  double position_m() const { return mechanism_.axis->state().position_m; }
 
   void move_target(double target_m) {
     target_m_ = target_m;
@@ -94,7 +98,7 @@ class AxisRun {
 
   void note_kick(double time_s, bool kicked, law::Mode mode, double force_N) {
     if (velocity_pending_ && --velocity_pending_ == 0) {
-      result_.kicks.back().velocity_after_m_s = mechanism_.velocity_at_segment_start_m_s();
+      result_.kicks.back().velocity_after_m_s = mechanism_.axis->velocity_at_segment_start_m_s();
     }
     if (kicked) result_.kicks.push_back({time_s, position_m(), position_m() - target_m_, 0, 0, force_N, 0});
     if (mode != law::Mode::kick) return;
@@ -114,13 +118,15 @@ class AxisRun {
   }
 
   void note_sample(double time_s, hal::Time now, double bus_load, law::Mode mode) {
-    const motion::Slide& slide = mechanism_.slide();
+    const BrakedMechanism& axis = *mechanism_.axis;
+    const AxisState state = axis.state();
     Sample sample;
     sample.time_s = time_s;
-    sample.position_m = slide.state().position_m;
-    sample.velocity_m_s = slide.state().velocity_m_s;
-    sample.force_N = mechanism_.on_axis_N(drive_.force().at_N(hal::seconds(now), 0, 0));
-    sample.friction_level_N = slide.sticking() ? std::nan("") : std::fabs(slide.friction_force_N());
+    sample.position_m = state.position_m;
+    sample.velocity_m_s = state.velocity_m_s;
+    sample.load_position_m = axis.load_position_m();
+    sample.force_N = axis.on_axis_N(drive_.force().at_N(hal::seconds(now), 0, 0));
+    sample.friction_level_N = axis.friction_level_N();
     sample.target_m = target_m_;
     sample.bus_load = bus_load;
     sample.mode = mode;
@@ -129,7 +135,7 @@ class AxisRun {
 
   const config::Axis& axis_;
   const scenario::AxisWorld& world_;
-  BrakedSlide mechanism_;
+  AxisMechanism mechanism_;
   drive_emulator::DriveEmulator& drive_;
   Loop& loop_;
   AxisId id_;

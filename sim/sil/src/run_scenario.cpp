@@ -27,7 +27,8 @@ class Requirements {
   std::string prefix_;
 };
 
-void check_ideal(const scenario::Scenario& s, const config::Axis& axis) {
+// The ideal law's figures are proved for a rigid axis inside the bounds that the law is told.
+void check_ideal(const scenario::Scenario& s, const config::Axis& axis, const scenario::AxisWorld& world) {
   const Requirements require{s, &axis};
   const config::Controller& c = axis.controller;
   require(!axis.drive && !s.bus, "[loop] is missing: a scenario with a [drive] needs it");
@@ -36,6 +37,11 @@ void check_ideal(const scenario::Scenario& s, const config::Axis& axis) {
   require(c.max_force_N == unlimited && c.max_approach_speed_m_s == unlimited && c.position_tolerance_m == 0,
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
+  require(!axis.truth, "[told] needs a [loop] and a [drive]: the ideal law knows the truth");
+  require(
+      world.plant.rigid() && world.plant.force_N == 0 && !world.drift && !world.encoder_error,
+      "[plant] force_N, presliding, load, cogging, ripple, drift and encoder_error need a [loop] and a [drive]: the "
+      "ideal law is for a rigid axis on friction within its bounds");
 }
 
 void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
@@ -55,7 +61,8 @@ void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
 
 void require_complete(const scenario::Scenario& s) {
   Requirements{s}(s.run.has_value(), "[run] is missing: say how long to simulate with duration_s");
-  for (const config::Axis& axis : s.node.axes) s.ideal() ? check_ideal(s, axis) : check_sampled(s, axis);
+  for (std::size_t i = 0; i < s.axes(); ++i)
+    s.ideal() ? check_ideal(s, s.node.axes[i], s.worlds[i]) : check_sampled(s, s.node.axes[i]);
 }
 
 Result run_scenario(const scenario::Scenario& s, const RecordingOptions& recording) {

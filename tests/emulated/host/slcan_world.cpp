@@ -14,9 +14,9 @@ constexpr const char* refused = "\a";
 
 SlcanWorld::SlcanWorld(const scenario::Scenario& s)
     : period_{s.node.loop->period},
-      mechanism_{sil::braked_slide(s.node.axes[0], s.worlds[0])},
+      mechanism_{sil::axis_mechanism(s.node.axes[0], s.worlds[0])},
       network_{*s.bus},
-      drive_{network_.add_drive(*s.worlds[0].drive, mechanism_)} {
+      drive_{network_.add_drive(*s.worlds[0].drive, mechanism_.seen_by_drive())} {
   network_.log_to(frames_);
 }
 
@@ -68,8 +68,8 @@ std::string SlcanWorld::take_frame(std::string_view command) {
 
 // The brake opens with the period that first finds the drive enabled.
 std::string SlcanWorld::pass_period() {
-  if (!mechanism_.released() && drive_.state() == cia402::State::operation_enabled)
-    mechanism_.release(hal::seconds(network_.bus().now()));
+  if (!mechanism_.axis->released() && drive_.state() == cia402::State::operation_enabled)
+    mechanism_.axis->release(hal::seconds(network_.bus().now()));
   ++periods_;
   network_.advance_to(hal::Time{period_ * static_cast<std::int64_t>(periods_)});
   positions_m_.push_back(mechanism_.position_m());

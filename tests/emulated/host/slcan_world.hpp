@@ -29,9 +29,9 @@ class SlcanWorld {
   void tell(const hal::CanFrame& frame) { told_ += line(frame); }
 
   std::uint64_t periods() const { return periods_; }
-  double position_m() const { return mechanism_.position_m(); }
-  bool sticking() const { return mechanism_.slide().sticking(); }
-  bool released() const { return mechanism_.released(); }
+  double position_m() const { return mechanism_.axis->position_m(); }
+  bool sticking() const { return mechanism_.axis->state().sticking; }
+  bool released() const { return mechanism_.axis->released(); }
   const std::vector<sil::TimedFrame>& frames() const { return frames_; }
   // At the end of every period, and of all frames that the bus carried, with their times: equal only for equal runs.
   const std::vector<double>& positions_m() const { return positions_m_; }
@@ -44,7 +44,7 @@ class SlcanWorld {
   static std::string line(const hal::CanFrame& frame);
 
   hal::Duration period_;
-  sil::BrakedSlide mechanism_;
+  sil::AxisMechanism mechanism_;
   sil::SimulatedNetwork network_;
   drive_emulator::DriveEmulator& drive_;
   std::vector<sil::TimedFrame> frames_;

@@ -92,6 +92,15 @@ struct Limits {
   std::optional<hal::Duration> feedback_timeout{};  // age of the newest sample; nothing: two and a half periods
 };
 
+// What is true of an axis whose file tells its node something else, in [told].
+struct Truth {
+  double mass_kg = 0;
+  law::FrictionBounds<double> bounds{1, 1};
+  double force_per_torque_N_per_Nm = 1;
+};
+
+// What the node is told of an axis. Where the file has a table [told], that is what stands here, and the truth beside
+// it is for the simulation.
 struct Axis {
   std::string name;  // unique in the node
   double mass_kg = 0;
@@ -99,6 +108,8 @@ struct Axis {
   Controller controller;
   std::optional<Drive> drive;
   Limits limits;
+  std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
+  std::optional<Truth> truth;        // where the file has [told]
 };
 
 struct Loop {
@@ -134,5 +145,15 @@ inline double tolerance_m(const Node& node, const Axis& axis) {
 inline double judged_tolerance_m(const Node& node, const Axis& axis) {
   return node.settle_tolerance_m > 0 ? node.settle_tolerance_m : tolerance_m(node, axis) + half_count_m(axis);
 }
+
+// What is true of the axis, whatever its node is told.
+inline Truth truth_of(const Axis& axis) {
+  return axis.truth.value_or(
+      Truth{axis.mass_kg, axis.friction.bounds, axis.drive ? axis.drive->force_per_torque_N_per_Nm : 1.0});
+}
+
+// Returns one line of what the node is told that differs from the truth, as "mass_kg 1.2 (truly 1)"; nothing where the
+// file has no [told].
+std::string told_otherwise(const Axis& axis);
 
 }  // namespace breakaway::config

@@ -12,6 +12,9 @@
 
 #include "breakaway/config/node.hpp"
 #include "breakaway/drive_emulator/config.hpp"
+#include "breakaway/model/compliant_plant.hpp"
+#include "breakaway/model/encoder_error.hpp"
+#include "breakaway/model/friction_drift.hpp"
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/virtual_bus/virtual_bus.hpp"
@@ -20,11 +23,17 @@ namespace breakaway::scenario {
 
 using config::unlimited;
 
-// What is true of an axis and its node is not told.
+// What is true of an axis and its node is not told: a rigid axis on dry friction with a perfect encoder, unless the
+// file says otherwise.
 struct AxisWorld {
   double position_m = 0;  // at time 0
   double velocity_m_s = 0;
-  model::FrictionLaw friction{{1, 1}, model::shape::constant(1)};  // between the node's bounds
+  model::FrictionLaw friction{{1, 1}, model::shape::constant(1)};  // between the true bounds
+  model::CompliantPlant plant{};  // all of it but mass_kg and the gap; the mass is config::truth_of(axis).mass_kg
+  double gap_m = 0;               // of the backlash between the motor and plant.load
+  bool encoder_on_load = false;   // it sits on the motor otherwise
+  std::optional<model::FrictionDrift> drift;
+  std::optional<model::EncoderErrorParameters> encoder_error;
   std::optional<drive_emulator::EmulatorConfig> drive;
 };
 

@@ -1,15 +1,25 @@
 // A scenario's axis as the mechanism of its drive. Apart from BrakedSlide, which an image without files has, too.
 #pragma once
 
+#include <memory>
+
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/misread_encoder.hpp"
 
 namespace breakaway::sil {
 
-// The axis as its drive moves it. Requires axis.drive.
-inline BrakedSlide braked_slide(const config::Axis& axis, const scenario::AxisWorld& world) {
-  return BrakedSlide{{axis.mass_kg, world.friction, {0.0, world.position_m, world.velocity_m_s}},
-                     axis.drive->invert_direction ? Mounting::inverted : Mounting::straight};
-}
+// What a drive moves, and what its encoder makes of it.
+struct AxisMechanism {
+  std::unique_ptr<BrakedMechanism> axis;
+  std::unique_ptr<MisreadEncoder> encoder;  // none: the encoder is perfect
+
+  drive_emulator::Mechanism& seen_by_drive() const {
+    return encoder ? static_cast<drive_emulator::Mechanism&>(*encoder) : *axis;
+  }
+};
+
+// The axis as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide.
+AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world);
 
 }  // namespace breakaway::sil

@@ -1,59 +1,46 @@
-// The plant as a drive's mechanism: held by a brake until it is released, so that setting the drive up over the bus
-// does not count as motion. Scenario time starts at the release.
+// A rigid axis on dry friction, under the drive's force and a constant one, behind a brake.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
-#include "breakaway/drive_emulator/mechanism.hpp"
 #include "breakaway/motion/slide.hpp"
+#include "breakaway/sil/braked_mechanism.hpp"
 
 namespace breakaway::sil {
 
-// The direction of the drive and its encoder, seen from the axis.
-enum class Mounting { straight, inverted };
-
-class BrakedSlide final : public drive_emulator::Mechanism {
+class BrakedSlide final : public BrakedMechanism {
  public:
-  explicit BrakedSlide(motion::Slide slide, Mounting mounting = Mounting::straight)
-      : slide_{std::move(slide)}, sign_{mounting == Mounting::inverted ? -1.0 : 1.0} {}
-
-  void release(double time_s) {
-    released_ = true;
-    release_s_ = time_s;
-  }
-
-  bool released() const { return released_; }
+  // constant_force_N acts beside the drive's force, in the axis' direction.
+  explicit BrakedSlide(motion::Slide slide, Mounting mounting = Mounting::straight, double constant_force_N = 0)
+      : BrakedMechanism{mounting}, slide_{std::move(slide)}, constant_force_N_{constant_force_N} {}
 
   // Mechanism, in the drive's direction
 
   void advance_to(double time_s, const model::AppliedForce& force) override {
-    if (!released_ || time_s < release_s_) return;
-    if (force.start_s != segment_start_s_) {
-      segment_start_s_ = force.start_s;
-      velocity_at_segment_start_m_s_ = slide_.state().velocity_m_s;
-    }
-    model::AppliedForce on_axis = force;
-    on_axis.start_s -= release_s_;
-    on_axis.constant_N *= sign_;
-    on_axis.transient_N *= sign_;
-    slide_.advance_to(time_s - release_s_, on_axis);
+    if (!moves_at(time_s)) return;
+    note_segment(force, slide_.state().velocity_m_s);
+    model::AppliedForce applied = on_axis(force);
+    if (constant_force_N_ != 0) applied.constant_N += constant_force_N_;
+    slide_.advance_to(since_release_s(time_s), applied);
   }
-  double position_m() const override { return sign_ * slide_.state().position_m; }
+  double position_m() const override { return sign() * slide_.state().position_m; }
 
   // In the axis' direction
 
-  // A force that the drive says it makes.
-  double on_axis_N(double drive_force_N) const { return sign_ * drive_force_N; }
-  double velocity_at_segment_start_m_s() const { return velocity_at_segment_start_m_s_; }
+  AxisState state() const override {
+    const motion::SlideState& state = slide_.state();
+    return {state.position_m, state.velocity_m_s, slide_.sticking(), slide_.counters().slips};
+  }
+  double friction_level_N() const override {
+    return slide_.sticking() ? std::numeric_limits<double>::quiet_NaN() : std::fabs(slide_.friction_force_N());
+  }
   const motion::Slide& slide() const { return slide_; }
 
  private:
   motion::Slide slide_;
-  double sign_;
-  double release_s_ = 0;
-  double segment_start_s_ = -1;
-  double velocity_at_segment_start_m_s_ = 0;
-  bool released_ = false;
+  double constant_force_N_;
 };
 
 }  // namespace breakaway::sil

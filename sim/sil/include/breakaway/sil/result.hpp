@@ -38,8 +38,9 @@ struct Sample {
   double time_s = 0;
   double position_m = 0;
   double velocity_m_s = 0;
-  double force_N = 0;           // by the actuator, impulses excepted
-  double friction_level_N = 0;  // of the moving axis; may be NaN at rest, where friction balances the force
+  std::optional<double> load_position_m{};  // where there is a load apart from the motor
+  double force_N = 0;                       // by the actuator, impulses excepted
+  double friction_level_N = 0;              // of the moving axis; may be NaN at rest, where friction balances the force
   double target_m = 0;
   double bus_load = 0;  // share of the last period that the bus was busy
   law::Mode mode = law::Mode::approach;
@@ -77,9 +78,12 @@ struct Reached {
 struct AxisResult {
   std::string name;
   bool settled = false;
-  double settling_time_s = 0;  // since the last target change; NaN if never settled
-  double final_error_m = 0;    // position - target
-  double max_force_N = 0;      // largest |force| of the actuator; NaN for the ideal law, which has impulses
+  double settling_time_s = 0;             // since the last target change; NaN if never settled
+  double final_error_m = 0;               // position - target
+  std::optional<double> load_position_m;  // at the end, where there is a load apart from the motor
+  std::string told;  // what the controller is told otherwise than it is; see config::told_otherwise
+  std::optional<std::uint64_t> encoder_noise_seed;  // where the encoder is noisy
+  double max_force_N = 0;  // largest |force| of the actuator; NaN for the ideal law, which has impulses
   std::vector<KickRecord> kicks;
   std::vector<FaultRecord> faults;
   std::optional<IdealFigures> ideal;
