@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <variant>
 
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/report/accuracy_json.hpp"
 #include "breakaway/report/formats.hpp"
 #include "breakaway/report/html.hpp"
 #include "breakaway/report/machine_report.hpp"
@@ -26,6 +28,7 @@ using sil::Result;
 
 struct SimulateCommand {
   std::string scenario, json, csv, candump, report;
+  std::optional<double> accuracy_m;
   std::array<std::string, 4> outputs() const { return {json, csv, candump, report}; }
   bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
   sil::RecordingOptions recording() const {
@@ -63,6 +66,12 @@ void print_figures(const Scenario& s, const Result& r) {
   }
 }
 
+void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
+  if (!accuracy) return;
+  fmt::print("  method         {}\n  error          about {:.2g} m, of {:g} m allowed\n", to_string(accuracy->method),
+             accuracy->error_estimate_m, accuracy->asked_m);
+}
+
 void print_figures(const MachineScenario&, const MachineResult& r) {
   const auto& end = r.outcome.end;
   fmt::print("  {:<14} at {:.9g} s\n", r.settled() ? "at rest" : "NOT at rest", end.time_s);
@@ -74,6 +83,7 @@ void print_figures(const MachineScenario&, const MachineResult& r) {
     const bool captured = r.proved == hybrid::Verdict::captured;
     fmt::print("  certified      {}\n", captured ? "to come to rest" : "never to come to rest");
   }
+  print_accuracy(r.accuracy);
 }
 
 const std::string& title(const Scenario& s) { return s.node.title; }
@@ -133,9 +143,22 @@ int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenari
   return result.settled() ? done : failed_check;
 }
 
-int simulate(const SimulateCommand& options) {
-  return std::visit([&](const auto& scenario) { return simulate_scenario(options, scenario); },
-                    scenario::read_any_scenario(options.scenario));
+void ask_for(double, const Scenario&) {
+  throw InputError{"--accuracy: is for a [machine]; an axis is followed to rounding, so leave it out"};
+}
+void ask_for(double accuracy_m, MachineScenario& scenario) { scenario.accuracy_m = accuracy_m; }
+
+int simulate(const SimulateCommand& options) try {
+  auto any = scenario::read_any_scenario(options.scenario);
+  return std::visit(
+      [&](auto& scenario) {
+        if (options.accuracy_m) ask_for(*options.accuracy_m, scenario);
+        return simulate_scenario(options, scenario);
+      },
+      any);
+} catch (const sil::AccuracyRefused& refusal) {
+  if (!options.json.empty()) format::write_output(options.json, report::to_json(refusal));
+  throw;
 }
 
 }  // namespace
@@ -153,6 +176,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(file_name);
   command->add_option("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)")
       ->check(file_name);
+  command
+      ->add_option("--accuracy", options->accuracy_m,
+                   "Allow this error (m) at the end, and take the cheapest method that holds it: [run] accuracy_m")
+      ->check(positive_number);
   command->footer(
       std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +
       exit_codes);

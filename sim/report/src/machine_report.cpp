@@ -8,6 +8,7 @@
 #include "breakaway/format/html_page.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/plot_style.hpp"
+#include "breakaway/report/accuracy_json.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -66,18 +67,6 @@ std::string outcome(const MachineScenario& s, const sil::MachineResult& result) 
   return table.text();
 }
 
-const char* name(scenario::Integrator integrator) {
-  switch (integrator) {
-    case scenario::Integrator::event_driven:
-      return "event_driven";
-    case scenario::Integrator::time_stepping:
-      return "time_stepping";
-    case scenario::Integrator::adaptive:
-      return "adaptive";
-  }
-  return "";
-}
-
 const char* name(hybrid::EventKind kind) {
   switch (kind) {
     case hybrid::EventKind::stick:
@@ -109,9 +98,10 @@ std::string to_json(const scenario::MachineScenario& s, const sil::MachineResult
     write_vector(json, "v_end", result.outcome.end.v);
     json.member("certified_attracted", result.proved == hybrid::Verdict::captured);
     json.member("certified_lost", result.proved == hybrid::Verdict::lost);
-    json.member("integrator", name(s.integrator));
+    json.member("integrator", scenario::to_string(result.accuracy ? result.accuracy->method.integrator : s.integrator));
     json.member("steps", result.outcome.steps);
     json.member("warning", result.warning);
+    if (result.accuracy) write_accuracy(json, *result.accuracy);
     json.array("modes", [&] {
       for (const auto& mode : result.modes) {
         json.array([&] {

@@ -163,7 +163,13 @@ void read_run(const Section& section, MachineScenario& s) {
       optional("step_s", number(s.step_s, "s", {1e-9, 1e9})),
       optional("theta", number(s.theta, "", {0, 1})),
       optional("tolerance", number(s.tolerance, "", {1e-14, 1e-2})),
+      optional("accuracy_m", number(s.accuracy_m, "m", positive)),
   });
+  s.integrator_is_named = section.has("integrator");
+  for (const char* chosen : {"step_s", "tolerance"}) {
+    if (s.accuracy_m && section.has(chosen))
+      section.fail(chosen, "stands beside accuracy_m, which chooses it; leave one of them out");
+  }
   const bool stepping = s.integrator == Integrator::time_stepping, adaptive = s.integrator == Integrator::adaptive;
   if (!s.laws.empty() && !adaptive) {
     section.fail("integrator", fmt::format("= \"{}\" knows constant friction only, and a friction of the machine has a "
@@ -217,6 +223,18 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
 }
 
 }  // namespace
+
+const char* to_string(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::event_driven:
+      return "event_driven";
+    case Integrator::time_stepping:
+      return "time_stepping";
+    case Integrator::adaptive:
+      return "adaptive";
+  }
+  return "";
+}
 
 MachineScenario parse_machine_scenario(std::string_view text, const std::string& name) {
   return with_document(text, name, [&](const toml::table& document) { return read_machine_document(document, name); });

@@ -10,6 +10,9 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/certificates.hpp"
+#include "breakaway/sil/method_choice.hpp"
+#include "impulse_walk.hpp"
+#include "machine_end.hpp"
 
 namespace breakaway::sil {
 namespace {
@@ -30,25 +33,11 @@ constexpr double samples_of_a_trace = 1000;  // between events
 
 double sample_interval_s(const scenario::MachineScenario& s) { return s.duration_s / samples_of_a_trace; }
 
-// From impulse to impulse, `run(start, end_s)` each: the impulsive equation (8) of van de Wouw & Leine, v+ = v- + M^-1
-// p.
 template <class RunTo>
 void run_from_impulse_to_impulse(const scenario::MachineScenario& s, MachineResult& result, const RunTo& run) {
-  State state = *s.start;
-  const auto run_to = [&](double end_s) {
-    const std::uint64_t steps = result.outcome.steps, events = result.outcome.events;
-    result.outcome = run(state, std::max(state.time_s, end_s));
-    result.outcome.steps += steps;
-    result.outcome.events += events;
-    state = result.outcome.end;
-  };
-  for (const scenario::MachineImpulse& impulse : s.impulses) {
-    run_to(impulse.time_s);
-    state.time_s = std::max(state.time_s, impulse.time_s);  // it may have come to rest before
-    state = stability::after_impulse(s.machine, state, impulse.impulse_Ns);
-  }
-  result.proved = ProvenFate<Eigen::Dynamic>{s.machine, certify(s)}(state);
-  run_to(s.duration_s);
+  result.outcome = walk_impulses(s, run, [&](const State& state) {
+    result.proved = ProvenFate<Eigen::Dynamic>{s.machine, certify(s)}(state);
+  });
 }
 
 // At an event a direction that begins to slide has no velocity yet: the mode shows half-way to the next one.
@@ -120,25 +109,42 @@ std::vector<int> sliding_signs(const stability::LinearMachine<>& machine, const 
   return signs;
 }
 
+namespace {
+
+MachineResult run_as_it_says(const scenario::MachineScenario& s, bool trace) {
+  MachineResult result;
+  switch (s.integrator) {
+    case scenario::Integrator::event_driven:
+      run_event_driven(s, result, trace);
+      break;
+    case scenario::Integrator::time_stepping:
+      run_time_stepping(s, result, trace);
+      break;
+    case scenario::Integrator::adaptive:
+      run_adaptive(s, result, trace);
+      break;
+  }
+  return result;
+}
+
+MachineResult run_to_accuracy(const scenario::MachineScenario& s, bool trace) {
+  const Accuracy accuracy = choose_method(s);
+  MachineResult result = run_as_it_says(with_method(s, accuracy.method), trace);
+  result.accuracy = accuracy;
+  return result;
+}
+
+}  // namespace
+
 MachineResult run_machine(const scenario::MachineScenario& s, bool trace) {
   if (!s.start) throw InputError{fmt::format("{}: [start] is missing; give it q, and v unless 0", s.file)};
-  MachineResult result;
   try {
-    switch (s.integrator) {
-      case scenario::Integrator::event_driven:
-        run_event_driven(s, result, trace);
-        break;
-      case scenario::Integrator::time_stepping:
-        run_time_stepping(s, result, trace);
-        break;
-      case scenario::Integrator::adaptive:
-        run_adaptive(s, result, trace);
-        break;
-    }
+    return s.accuracy_m ? run_to_accuracy(s, trace) : run_as_it_says(s, trace);
+  } catch (const AccuracyRefused&) {
+    throw;  // it names the file
   } catch (const InputError& error) {
     throw error.in_file(s.file);
   }
-  return result;
 }
 
 }  // namespace breakaway::sil

@@ -23,6 +23,25 @@ TEST_F(Command, KeepsTheContractOfASimulatedMachine) {
   expect_refused("simulate " + two_masses + " --candump " + path("a.log"), {"--candump", "bus"});
 }
 
+TEST_F(Command, TakesTheMethodThatHoldsTheAccuracyAskedFor) {
+  const Ended ended = run("simulate " + two_masses + " --accuracy 1e-6 --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"accuracy_m", "method", "error_estimate_m", "estimated_cost_s", "refused", "integrator"});
+  EXPECT_NE(ended.out.find("\"name\": \"event_driven\""), std::string::npos);
+  EXPECT_LT(figure(ended.out, "error_estimate_m"), 1e-12);
+  const std::string coarse = run("simulate " + two_masses + " --accuracy 0.1 --json -").out;
+  EXPECT_GT(figure(coarse, "step_s"), 0);
+}
+
+TEST_F(Command, WritesWhyNoMethodHoldsTheAccuracyAskedFor) {
+  expect_refused("simulate " + two_masses + " --accuracy 1e-20 --json " + path("a.json"),
+                 {"two_mass_example.toml", "1e-20", "event_driven", "rounding", "about"});
+  const std::string json = content(path("a.json"));
+  expect_keys(json, {"method", "error_estimate_m", "refused", "reason", "estimated_cost_s"});
+  EXPECT_NE(json.find("\"method\": null"), std::string::npos);
+  expect_refused("simulate " + two_masses + " --accuracy 0", {"--accuracy", "above 0"});
+}
+
 TEST_F(Command, KeepsTheContractOfBasin) {
   const Ended ended = run("basin " + two_masses + " --grid 41 --window 6 --json - --csv " + path("a.csv"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;

@@ -6,7 +6,7 @@
 //   [start]    q, v
 //   [[impulse]] time_s, impulse_Ns
 //   [run]      duration_s, integrator ("event_driven", "time_stepping" or "adaptive"), step_s and theta of time
-//              stepping, tolerance of the adaptive method
+//              stepping, tolerance of the adaptive method; or accuracy_m, from which these are chosen
 //   [sweep]    damping, per_d1, d1: the damping matrix as a function of a gain, Figure 4 of the same
 #pragma once
 
@@ -24,6 +24,9 @@
 namespace breakaway::scenario {
 
 enum class Integrator { event_driven, time_stepping, adaptive };
+
+// Returns the word that a file writes.
+const char* to_string(Integrator integrator);
 
 struct MachineImpulse {
   double time_s;
@@ -49,6 +52,10 @@ struct MachineScenario {
   double step_s = 1e-3;
   double theta = 0.5;
   double tolerance = 1e-12;
+  // The error that the end of the motion may have, in any coordinate. Given, it decides on step_s and tolerance, and
+  // where the file leaves that open on the integrator, too.
+  std::optional<double> accuracy_m;
+  bool integrator_is_named = false;  // by the file
 };
 
 // Throw InputError: file not readable, TOML syntax, unknown or missing key, wrong type or size, a matrix that is no

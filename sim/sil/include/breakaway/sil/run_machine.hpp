@@ -1,11 +1,13 @@
 // One motion of a machine: `breakaway simulate` on a scenario with a [machine].
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "breakaway/hybrid/types.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/sil/accuracy.hpp"
 
 namespace breakaway::sil {
 
@@ -16,6 +18,7 @@ struct MachineResult {
   // Of the start, or of the state after the last impulse: captured or lost by a certificate.
   hybrid::Verdict proved = hybrid::Verdict::undecided;
   std::string warning;                                      // why the figures may be wrong; empty if nothing is known
+  std::optional<Accuracy> accuracy;                         // where the scenario asks for one
   std::vector<hybrid::MachineState<Eigen::Dynamic>> trace;  // in the order of time; empty unless asked for
 
   bool settled() const { return outcome.verdict == hybrid::Verdict::at_rest; }
@@ -23,7 +26,7 @@ struct MachineResult {
 
 // From scenario.start to rest after the last impulse, or to duration_s. `trace`: keep the states at all events and some
 // thousand in between. Throws InputError when the scenario has no start, or the integrator cannot take the
-// machine.
+// machine; AccuracyRefused when scenario.accuracy_m is given and no method holds it.
 MachineResult run_machine(const scenario::MachineScenario& scenario, bool trace = false);
 
 // The sign of each direction's sliding velocity, 0 while it is zero to rounding.
