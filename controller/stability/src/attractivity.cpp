@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/stability/definite_proof.hpp"
 #include "breakaway/stability/dense.hpp"
-#include "breakaway/stability/energy_level.hpp"
+#include "breakaway/stability/mass_units.hpp"
 #include "eigencolumns.hpp"
 #include "infinite.hpp"
+#include "power_proof.hpp"
+#include "proved_level.hpp"
 #include "zonotope.hpp"
 
 namespace breakaway::stability {
@@ -40,13 +44,19 @@ double greatest_rest_energy_J(const MatrixXd& h) {
   return greatest / 2;
 }
 
-Condition positive_definite(const std::string& name, const MatrixXd& matrix) {
-  const double margin = definiteness(matrix), rounding = 1e-15 * static_cast<double>(matrix.rows());
-  const bool holds = margin > rounding;
-  return {"1: " + name + " is symmetric and positive definite", holds, holds ? margin : std::min(margin, 0.0),
-          holds ? "margin: its smallest eigenvalue, scaled to a unit diagonal"
-                : name + " is not symmetric and positive definite (condition 1); " +
-                      (name == "mass" ? "give every coordinate a mass" : "add feedback of position")};
+std::string indefinite(const std::string& name, Proof proof) {
+  const std::string remedy = name == "mass" ? "give every coordinate a mass" : "add feedback of position";
+  if (proof == Proof::fails) return name + " is not symmetric and positive definite (condition 1); " + remedy;
+  return name + " is so nearly singular that rounding hides whether it is positive definite (condition 1); " + remedy;
+}
+
+Condition definite_condition(const std::string& name, const MatrixXd& matrix) {
+  const Proof proof = positive_definite(matrix);
+  const bool holds = proof == Proof::holds;
+  const double margin = definiteness(matrix);
+  return {"1: " + name + " is symmetric and positive definite", holds,
+          holds ? std::max(margin, std::numeric_limits<double>::min()) : std::min(margin, 0.0),
+          holds ? "margin: its smallest eigenvalue, scaled to a unit diagonal" : indefinite(name, proof)};
 }
 
 // Holds in any case, for the symmetric part; [A] demands a symmetric C.
@@ -58,10 +68,15 @@ Condition symmetric_damping(const MatrixXd& damping) {
                              : "not symmetric, but the skew part does no work: the symmetric part is certified"};
 }
 
-Condition in_span(const Attractivity& a, double outside) {
+Condition in_span(const Attractivity& a, double outside, bool proved) {
   const std::string name = "2: the eigencolumns of the non-positive eigenvalues of the damping are in span{W}";
+  if (!proved) {
+    return {name, false, std::min(0.0, -outside),
+            "no friction is proved to act against all that the damping does not hold (condition 2), or rounding hides "
+            "it; damp it by feedback"};
+  }
   if (a.unstable == 0) return {name, true, infinite, "the damping has no non-positive eigenvalue"};
-  if (a.alpha < infinite) return {name, true, a.beta, "margin: beta of (9), N"};
+  if (a.alpha < infinite) return {name, true, a.beta, "margin: beta of (9), N/sqrt(kg)"};
   return {name, false, -outside,
           "an eigencolumn of the damping with a non-positive eigenvalue is not in span{W} (condition 2): no friction "
           "acts against it; damp it by feedback"};
@@ -82,13 +97,23 @@ double rho_J(double beta, double eigenvalue, double mobility) {
   return speed * speed / (2 * mobility);
 }
 
-// Conditions 2 and 3, given condition 1 and a list of corners that is not too long.
-void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes, Attractivity& a) {
-  Eigencolumns basis = eigencolumns(dense::symmetric_part(system.damping));
+// The theorem's level never exceeds the one of energy_level.hpp by more than rounding, and that one is proved: where
+// rounding has made it larger, the proof counts.
+void hold_to_the_proof(Attractivity& a) {
+  constexpr double rounding = 1e-6;
+  if (a.rho_star_J > a.level_J * (1 + rounding)) a.rho_star_J = a.level_J;
+  a.level_J = std::max(a.rho_star_J, a.level_J);
+}
+
+// Conditions 2 and 3, given condition 1 and a list of corners that is not too long. `system` is in mass units.
+void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes,
+                   const PowerProof& proof, Attractivity& a) {
+  const MatrixXd damping = dense::symmetric_part(system.damping);
+  Eigencolumns basis = eigencolumns(damping, proof.definite(), proof.semidefinite());
   a.unstable = (basis.values.array() <= 0).count();
   const MatrixXd inverse_mass = dense::Cholesky(system.mass).inverse();
   const double outside = (space.complement.transpose() * basis.columns.leftCols(a.unstable)).norm();
-  const bool spanned = a.unstable == 0 || outside <= 1e-9;
+  const bool spanned = proof.found() && (a.unstable == 0 || outside <= 1e-9);
   if (spanned && a.unstable > 0) {
     // Sum |eta_i| over i <= n_q is convex and h(v) = p^T |W^T v| a support function: their ratio is greatest at a
     // corner.
@@ -100,7 +125,7 @@ void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, con
   a.beta = 1 / a.alpha;
   a.eigencolumns = basis.columns;
   a.eigenvalues = basis.values;
-  a.conditions.push_back(in_span(a, outside));
+  a.conditions.push_back(in_span(a, outside, proof.found()));
   if (!spanned) return;
   a.certified = true;
   a.rho_J.resize(a.unstable);
@@ -109,6 +134,7 @@ void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, con
     a.rho_J[i] = rho_J(a.beta, basis.values[i], column.dot(inverse_mass * column));
   }
   a.rho_star_J = a.unstable == 0 ? infinite : a.rho_J.minCoeff();
+  hold_to_the_proof(a);
   a.all_of_E = a.greatest_rest_J < a.rho_star_J;
   a.conditions.push_back(rests_inside(a));
 }
@@ -135,24 +161,28 @@ double Attractivity::certified_share_of_E() const {
   return std::sqrt(level_J / greatest_rest_J);
 }
 
-Attractivity certify_attractivity(const LinearMachine<>& system) {
+Attractivity certify_attractivity(const LinearMachine<>& machine) {
   Attractivity a;
-  if (const std::string error = ill_formed(system); !error.empty()) return refused(a, error);
-  a.conditions = {positive_definite("mass", system.mass), positive_definite("stiffness", system.stiffness),
-                  symmetric_damping(system.damping)};
+  if (const std::string error = ill_formed(machine); !error.empty()) return refused(a, error);
+  a.conditions = {definite_condition("mass", machine.mass), definite_condition("stiffness", machine.stiffness),
+                  symmetric_damping(machine.damping)};
   for (const Condition& condition : a.conditions) {
     if (!condition.holds) return refused(a, condition.reason);
   }
+  const LinearMachine<> system = in_units(machine, mass_units(machine.mass));
+  if (!system.damping.allFinite() || !system.directions.allFinite())
+    return refused(a, "the masses differ by more than numbers can hold; use other units of length or mass");
   a.definite = true;
-  const MatrixXd rest = rest_energy_form(system);
+  const MatrixXd rest = rest_energy_form(machine);
   a.greatest_rest_J = greatest_rest_energy_J(rest);
   a.remark_3_J = rest.sum() / 2;
   const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
   const SpannedSpace space = spanned_space(pushes);
   if (facet_candidates(space) > most_facet_candidates)
     return refused(a, "the linear program (9) has more than a million corners; merge frictions");
-  apply_theorem(system, space, pushes, a);
-  a.level_J = std::max(a.rho_star_J, dissipated_level_J(system));
+  const PowerProof proof{machine};
+  a.level_J = dissipated_level_J(machine, proof);
+  apply_theorem(system, space, pushes, proof, a);
   return a.certified ? a : refused(a, a.conditions.back().reason);
 }
 

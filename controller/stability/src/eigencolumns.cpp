@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "breakaway/stability/dense.hpp"
@@ -52,13 +53,19 @@ MatrixXd turned(MatrixXd columns, Index i, Index j, double angle) {
 
 }  // namespace
 
-Eigencolumns eigencolumns(const MatrixXd& damping) {
+Eigencolumns eigencolumns(const MatrixXd& damping, Proof definite, Proof semidefinite) {
   const dense::SymmetricEigen eigen = dense::symmetric_eigen(damping);
   Eigencolumns basis{eigen.vectors, eigen.values};
   const double rounding = 1e-15 * static_cast<double>(damping.rows()) * damping.norm();
   for (Index i = 0; i < basis.values.size(); ++i) {
     double& value = basis.values[i];
-    if (std::abs(value) <= rounding) value = 0;
+    if (definite == Proof::holds) {
+      value = std::max(value, std::numeric_limits<double>::min());
+    } else if (semidefinite == Proof::holds) {
+      if (value <= rounding) value = 0;
+    } else if (std::abs(value) <= rounding) {
+      value = -rounding;
+    }
     if (i > 0 && value - basis.values[i - 1] <= 4 * rounding) value = basis.values[i - 1];
   }
   return basis;

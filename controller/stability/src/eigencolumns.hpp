@@ -6,15 +6,18 @@
 
 #include <Eigen/Core>
 
+#include "breakaway/stability/definite_proof.hpp"
+
 namespace breakaway::stability {
 
 struct Eigencolumns {
   Eigen::MatrixXd columns;
-  Eigen::VectorXd values;  // ascending; of a repeated one all are the least, and what is 0 to rounding is 0
+  Eigen::VectorXd values;  // ascending; of a repeated one all are the least
 };
 
-// `damping` must be symmetric.
-Eigencolumns eigencolumns(const Eigen::MatrixXd& damping);
+// `damping` must be symmetric. What is 0 to rounding is what has been proved of the damping: above 0 where it is
+// `definite`, 0 where it is `semidefinite`, and otherwise as far below 0 as rounding may have hidden.
+Eigencolumns eigencolumns(const Eigen::MatrixXd& damping, Proof definite, Proof semidefinite);
 
 // Turns the first `unstable` columns within equal eigenvalues, two at a time, for the largest rho*: the smallest
 // alpha * max |lambda_i| |M^-1/2 U_i|. `corners` as from unit_corners(). A local optimum; every basis is valid.

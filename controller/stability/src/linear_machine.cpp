@@ -38,7 +38,10 @@ void require_positive_mass(const MatrixXd& mass) {
 }  // namespace
 
 bool symmetric(const MatrixXd& matrix) {
-  return (matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * matrix.cwiseAbs().maxCoeff();
+  const auto size = matrix.diagonal().cwiseAbs().cwiseSqrt().eval();
+  const MatrixXd entries =
+      (size * size.transpose()).cwiseMax(matrix.cwiseAbs()).cwiseMax(matrix.transpose().cwiseAbs());
+  return ((matrix - matrix.transpose()).cwiseAbs().array() <= 1e-12 * entries.array()).all();
 }
 
 double definiteness(const MatrixXd& matrix) {

@@ -1,6 +1,7 @@
 #include "zonotope.hpp"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "breakaway/stability/dense.hpp"
@@ -63,8 +64,15 @@ void facet_directions(const SpannedSpace& space, const Visit& visit) {
 }
 
 MatrixXd unit_corners(const SpannedSpace& space, const MatrixXd& pushes) {
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() * static_cast<double>(pushes.rows());
+  const VectorXd zero = rounding * pushes.colwise().stableNorm().transpose();
   std::vector<VectorXd> found;
-  facet_directions(space, [&](const VectorXd& u) { found.push_back(u / (pushes.transpose() * u).lpNorm<1>()); });
+  facet_directions(space, [&](const VectorXd& u) {
+    // A generator that is orthogonal to u but for rounding must not count: it may be far larger than the others.
+    const VectorXd along = (pushes.transpose() * u).cwiseAbs();
+    const double support = (along.array() > zero.array()).select(along, 0).sum();
+    if (support > 0) found.push_back(u / support);
+  });
   MatrixXd corners(pushes.rows(), static_cast<Index>(found.size()));
   for (Index j = 0; j < corners.cols(); ++j) corners.col(j) = found[static_cast<std::size_t>(j)];
   return corners;

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
 namespace {
@@ -39,19 +40,14 @@ TEST(Theorem1, FindsTheTightAlphaOfTheExample) {
   EXPECT_NEAR(a.rho_star_J / (0.5 * 0.5 * gamma * gamma), 4, 1e-13);
 }
 
-MatrixXd random_matrix(std::mt19937_64& random, Eigen::Index rows, Eigen::Index columns) {
-  std::normal_distribution<double> normal;
-  return MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
-}
-
 // (9) holds for random etadot, comes close to equality for some, and V does not grow inside { V < rho* }, by (10).
 TEST(Theorem1, HoldsForRandomSystems) {
   std::mt19937_64 random{11};
   for (const auto& [n, m] : {std::pair<Eigen::Index, Eigen::Index>{2, 2}, {2, 5}, {3, 3}, {3, 6}, {4, 4}}) {
     LinearMachine<> s;
-    const MatrixXd k = random_matrix(random, n, n), mass = random_matrix(random, n, n), c = random_matrix(random, n, n);
+    const MatrixXd k = random_matrix(random, n, n), c = random_matrix(random, n, n);
     s.stiffness = k * k.transpose() + MatrixXd::Identity(n, n);
-    s.mass = mass * mass.transpose() + MatrixXd::Identity(n, n);
+    s.mass = random_mass(random, n);
     s.damping = c + c.transpose() - MatrixXd::Identity(n, n);
     s.directions = random_matrix(random, n, m);
     s.friction_N = random_matrix(random, m, 1).cwiseAbs();

@@ -19,6 +19,15 @@ inline Eigen::MatrixXd random_definite(std::mt19937_64& random, Eigen::Index n) 
   return root * root.transpose() + 0.3 * Eigen::MatrixXd::Identity(n, n);
 }
 
+// A mass of unit diagonal, as in the units in which condition 2 is asked.
+inline Eigen::MatrixXd random_mass(std::mt19937_64& random, Eigen::Index n) {
+  Eigen::MatrixXd mass = random_definite(random, n);
+  const Eigen::VectorXd scale = mass.diagonal().cwiseSqrt().cwiseInverse();
+  mass = (scale.asDiagonal() * mass * scale.asDiagonal()).eval();
+  mass.diagonal().setOnes();
+  return (mass + mass.transpose()) / 2;
+}
+
 // An orthonormal basis, whose first columns span what the columns of `directions` span.
 inline Eigen::MatrixXd basis_along(const Eigen::MatrixXd& directions) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(directions).householderQ() *
@@ -35,7 +44,7 @@ inline Eigen::MatrixXd with_eigenvalues(const Eigen::MatrixXd& columns, const Ei
 // or equally negative along several.
 inline LinearMachine<> random_theorem_1_system(std::mt19937_64& random, Eigen::Index n, Eigen::Index m) {
   LinearMachine<> s;
-  s.mass = random_definite(random, n);
+  s.mass = random_mass(random, n);
   s.stiffness = random_definite(random, n);
   s.directions = random_matrix(random, n, m);
   s.friction_N = random_matrix(random, m, 1).cwiseAbs() + Eigen::VectorXd::Constant(m, 0.05);

@@ -29,11 +29,11 @@ struct Attractivity {
   std::string reason;                 // why not, and the remedy; empty when certified
   bool definite = false;              // condition 1 holds, so that V is an energy: level_J and what follows are known
   std::vector<Condition> conditions;  // all three, as far as they could be examined; none for a malformed system
-  Eigen::MatrixXd eigencolumns;       // U_c; of repeated eigenvalues those that make rho* large
-  Eigen::VectorXd eigenvalues;        // the diagonal of Omega_c, ascending: the first n_q are not positive
+  Eigen::MatrixXd eigencolumns;       // U_c in mass units; of repeated eigenvalues those that make rho* large
+  Eigen::VectorXd eigenvalues;        // 1/s, the diagonal of Omega_c, ascending: the first n_q are not positive
   Eigen::Index unstable = 0;          // n_q
   double alpha = 0;                   // the smallest for which (9) holds; 0 when n_q = 0
-  double beta = 0;                    // 1 / alpha, infinite when n_q = 0
+  double beta = 0;                    // N/sqrt(kg): 1 / alpha, infinite when n_q = 0
   Eigen::VectorXd rho_J;              // rho_i of (7), i = 1..n_q
   double rho_star_J = 0;              // (7); infinite: attractive from everywhere (remark 4)
   double level_J = 0;                 // >= rho_star_J: the larger level of energy_level.hpp, proven as well
@@ -47,6 +47,10 @@ struct Attractivity {
 
 // Works on the symmetric part of the damping: the skew part, as of gyroscopes, does no work, so (10) does not see it.
 // Without condition 3 a motion from inside { V < rho* } still ends in E; only not all of E is certified.
+//
+// The theorem is applied in mass units (mass_units.hpp), so no unit of a coordinate changes what is said. What rests on
+// a sign is proved for the stored numbers (definite_proof.hpp); what rounding hides is not certified, and the reason
+// says so. An infinite level means that the damping is proved to give no power.
 Attractivity certify_attractivity(const LinearMachine<>& system);
 
 // (27) of [A], for machines of the form (24): two masses, equal dampers c1 to the ground and c2 between them, friction

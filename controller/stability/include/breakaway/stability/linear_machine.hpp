@@ -72,8 +72,9 @@ void require_well_formed(const LinearMachine<>& machine);
 // Asks, besides, for a mass that is symmetric and positive definite, without which nothing can be simulated.
 void require_valid(const LinearMachine<>& machine);
 
-// Says whether a matrix equals its transpose up to 1e-12 of its largest entry: a closed loop K + S F may have terms far
-// larger than their sum.
+// Says whether each entry equals the one across the diagonal up to 1e-12 of it, or of the two diagonal entries in its
+// row and column: a closed loop K + S F is symmetric to rounding only, and no unit of a coordinate may hide a skew
+// part.
 bool symmetric(const Eigen::MatrixXd& matrix);
 
 // The least eigenvalue of a symmetric matrix that is scaled to a unit diagonal, so that no unit of length or mass makes
