@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "adaptive_run.hpp"
+#include "breakaway/hybrid/friction_groups.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/model/shapes.hpp"
 
@@ -34,37 +35,54 @@ void require_valid(const LinearMachine<>& machine, std::size_t laws, const Adapt
   require(options.longest_step_s > 0, "longest_step_s must be above 0");
 }
 
-// Returns the machine with these columns of directions only, and without constant friction.
-LinearMachine<> with_directions(LinearMachine<> machine, const std::vector<int>& columns) {
-  machine.directions = machine.directions(Eigen::all, columns).eval();
-  machine.friction_N = Eigen::VectorXd::Zero(machine.frictions());
-  machine.force_N = stability::constant_force(machine);
-  return machine;
-}
-
 }  // namespace
 
 Adaptive::Adaptive(const LinearMachine<>& machine, const Laws& laws, AdaptiveOptions options,
                    EarlyDecision<Eigen::Dynamic> decision)
     : options_{options}, decision_{std::move(decision)} {
   require_valid(machine, laws.size(), options);
-  for (Index i = 0; i < machine.frictions(); ++i) {
-    if (machine.directions.col(i).isZero(0)) continue;
-    columns_.push_back(static_cast<int>(i));
-    laws_.push_back(laws[static_cast<std::size_t>(i)]);
+  LinearMachine<> rubbing = machine;
+  rubbing.friction_N.setOnes();
+  const FrictionGroups groups = group_frictions(rubbing);
+  std::vector<int> columns;
+  places_.assign(laws.size(), -1);
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    if (groups.leader[i] < 0) continue;
+    // Directions that rounding cannot tell apart become parallel, so that none slides while another of them sticks.
+    rubbing.directions.col(static_cast<Index>(i)) = groups.multiple[i] * machine.directions.col(groups.leader[i]);
+    places_[i] = static_cast<int>(columns.size());
+    columns.push_back(static_cast<int>(i));
+    laws_.push_back(laws[i]);
   }
-  machine_ = with_directions(machine, columns_);
+  keep_directions(rubbing, columns);
 }
 
 Adaptive::Adaptive(const LinearMachine<>& machine, AdaptiveOptions options, EarlyDecision<Eigen::Dynamic> decision)
     : options_{options}, decision_{std::move(decision)} {
   require_valid(machine, static_cast<std::size_t>(machine.frictions()), options);
-  for (Index i = 0; i < machine.frictions(); ++i) {
-    if (machine.friction_N[i] == 0 || machine.directions.col(i).isZero(0)) continue;
-    columns_.push_back(static_cast<int>(i));
-    laws_.push_back(constant_law(machine.friction_N[i]));
+  const FrictionGroups groups = group_frictions(machine);
+  std::vector<int> columns;
+  places_.assign(groups.leader.size(), -1);
+  for (std::size_t i = 0; i < groups.leader.size(); ++i) {
+    const int leader = groups.leader[i];
+    if (leader == static_cast<int>(i)) {
+      places_[i] = static_cast<int>(columns.size());
+      columns.push_back(leader);
+      laws_.push_back(constant_law(groups.machine.friction_N[leader]));
+    } else if (leader >= 0) {
+      places_[i] = places_[static_cast<std::size_t>(leader)];
+    }
   }
-  machine_ = with_directions(machine, columns_);
+  keep_directions(groups.machine, columns);
+}
+
+// Keeps these columns of directions only, and no constant friction.
+void Adaptive::keep_directions(const LinearMachine<>& machine, const std::vector<int>& columns) {
+  machine_ = machine;
+  machine_.directions = machine.directions(Eigen::all, columns);
+  machine_.friction_N = Eigen::VectorXd::Zero(machine_.frictions());
+  machine_.force_N = stability::constant_force(machine);
+  choice_ = std::make_shared<const ModeChoice>(machine_);
 }
 
 Adaptive::Result Adaptive::run(const State& start, double end_time_s, std::vector<Event>* log,
@@ -89,7 +107,7 @@ Adaptive::Result Adaptive::resume(Laws& laws, const State& start, double end_tim
     if (!found) found = std::make_shared<const HeldSet>(make_held_set(machine_, sticking));
     return *found;
   };
-  AdaptiveRun run{{machine_, laws, held_set, {}, {}, {}, {}, {}, nullptr, 0}, columns_, options_, log};
+  AdaptiveRun run{{machine_, *choice_, laws, held_set, {}, {}, {}, {}, {}, nullptr, 0}, places_, options_, log};
   run.begin(start);
   return run.go_on(end_time_s, decision_, observer);
 }

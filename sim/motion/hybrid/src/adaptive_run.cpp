@@ -151,13 +151,15 @@ void AdaptiveRun::change_laws() {
 }
 
 void AdaptiveRun::record(const std::vector<int>& before) {
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const int now = walk_.signs[i];
-    if (now == before[i]) continue;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (places_[i] < 0) continue;
+    const auto place = static_cast<std::size_t>(places_[i]);
+    const int now = walk_.signs[place];
+    if (now == before[place]) continue;
     ++outcome_.events;
     if (log_ == nullptr) continue;
-    const EventKind kind = now == 0 ? EventKind::stick : before[i] == 0 ? EventKind::slip : EventKind::reversal;
-    log_->push_back({walk_.time.sum_s, kind, columns_[i]});
+    const EventKind kind = now == 0 ? EventKind::stick : before[place] == 0 ? EventKind::slip : EventKind::reversal;
+    log_->push_back({walk_.time.sum_s, kind, static_cast<int>(i)});
   }
 }
 

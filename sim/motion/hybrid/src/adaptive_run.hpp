@@ -9,9 +9,9 @@ namespace breakaway::hybrid {
 
 class AdaptiveRun {
  public:
-  AdaptiveRun(AdaptiveWalk walk, const std::vector<int>& columns, const AdaptiveOptions& options,
+  AdaptiveRun(AdaptiveWalk walk, const std::vector<int>& places, const AdaptiveOptions& options,
               std::vector<Event>* log)
-      : walk_{std::move(walk)}, columns_{columns}, options_{options}, log_{log} {}
+      : walk_{std::move(walk)}, places_{places}, options_{options}, log_{log} {}
 
   void begin(const Adaptive::State& start);
   Adaptive::Result go_on(double end_s, const EarlyDecision<Eigen::Dynamic>& decision,
@@ -29,7 +29,7 @@ class AdaptiveRun {
   void record(const std::vector<int>& before);
 
   AdaptiveWalk walk_;
-  const std::vector<int>& columns_;
+  const std::vector<int>& places_;  // of the machine's directions among those that have friction, -1 for none
   const AdaptiveOptions& options_;
   std::vector<Event>* log_;
   Adaptive::Result outcome_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "breakaway/hybrid/stop_problem.hpp"
 #include "breakaway/motion/tie.hpp"
 #include "breakaway/stability/dense.hpp"
 
@@ -54,7 +53,11 @@ double AdaptiveWalk::next_change_s() const {
 }
 
 VectorXd AdaptiveWalk::force(double tau_s, Index exchanged, double speed_m_s) const {
-  VectorXd sum = machine.force_N - machine.stiffness * q - machine.damping * v;
+  return applied(tau_s, exchanged, speed_m_s) - machine.stiffness * q - machine.damping * v;
+}
+
+VectorXd AdaptiveWalk::applied(double tau_s, Index exchanged, double speed_m_s) const {
+  VectorXd sum = machine.force_N;
   for (Index i = 0; i < machine.frictions(); ++i) {
     const int sliding = signs[static_cast<std::size_t>(i)];
     if (sliding == 0) continue;
@@ -63,6 +66,16 @@ VectorXd AdaptiveWalk::force(double tau_s, Index exchanged, double speed_m_s) co
     sum -= machine.directions.col(i) * (sliding * level_N);
   }
   return sum;
+}
+
+VectorXd AdaptiveWalk::force_rounding() const {
+  VectorXd terms = machine.force_N.cwiseAbs() + machine.stiffness.cwiseAbs() * q.cwiseAbs() +
+                   machine.damping.cwiseAbs() * v.cwiseAbs();
+  for (Index i = 0; i < machine.frictions(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (signs[at] != 0) terms += machine.directions.col(i).cwiseAbs() * laws[at].bounds().upper_N;
+  }
+  return 8 * std::numeric_limits<double>::epsilon() * terms;
 }
 
 double AdaptiveWalk::margin_N(Limit limit, const VectorXd& force, double time_s, bool for_ever) {
@@ -139,27 +152,22 @@ void AdaptiveWalk::give_way(Limit limit) {
 // A direction that slides has its sliding level instead of its static one, which may bring others to slide: they are
 // added until no more do, so that what sticks keeps its static limit. `told`: the laws that know of their slip.
 DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
-  std::vector<Index> index;
+  ModeChoice::Stop stop{time.after(0), VectorXd{q}, VectorXd{v}, applied(), force_rounding(), {}, {}, {}};
   for (Index i = 0; i < machine.frictions(); ++i) {
-    if (contains(stopped, i)) index.push_back(i);
+    if (contains(stopped, i)) stop.stopped.push_back(i);
   }
-  const dense::Cholesky mass(machine.mass);
-  const MatrixXd directions = machine.directions(Eigen::all, index);
-  StopProblem problem;
-  problem.coupling = directions.transpose() * mass.solve(directions);
-  problem.acceleration = directions.transpose() * mass.solve(force());
   for (;;) {
-    ask_for_levels(problem, index, told);
-    const DirectionVector sliding = sliding_after_stop(problem);
+    ask_for_levels(stop, told);
+    const DirectionVector sliding = choice.sliding(stop);
     DirectionSet released = 0;
-    for (std::size_t r = 0; r < index.size(); ++r) {
+    for (std::size_t r = 0; r < stop.stopped.size(); ++r) {
       const int direction = sign(sliding[static_cast<Index>(r)]);
-      signs[static_cast<std::size_t>(index[r])] = direction;
-      if (direction != 0) released |= only(index[r]);
+      signs[static_cast<std::size_t>(stop.stopped[r])] = direction;
+      if (direction != 0) released |= only(stop.stopped[r]);
     }
     const DirectionSet fresh = released & ~told;
     if (fresh == 0) return released;
-    for (const Index i : index) {
+    for (const Index i : stop.stopped) {
       if (contains(fresh, i)) laws[static_cast<std::size_t>(i)].on_slip(time.after(0));
     }
     told |= fresh;
@@ -167,19 +175,19 @@ DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
 }
 
 // The friction of each of the directions in either sense: of those that are told of their slip the sliding level.
-void AdaptiveWalk::ask_for_levels(StopProblem& problem, const std::vector<Index>& index, DirectionSet told) {
+void AdaptiveWalk::ask_for_levels(ModeChoice::Stop& stop, DirectionSet told) {
   const auto level_N = [&](Index i, int direction) {
     auto& law = laws[static_cast<std::size_t>(i)];
     if (!contains(told, i)) return law.breakaway_N(time.after(0), position_m(i), direction);
     law.face(position_m(i), direction);
     return law.level_N(time.after(0), position_m(i), 0);
   };
-  const auto count = static_cast<Index>(index.size());
-  problem.forward_N.resize(count);
-  problem.backward_N.resize(count);
+  const auto count = static_cast<Index>(stop.stopped.size());
+  stop.forward_N.resize(count);
+  stop.backward_N.resize(count);
   for (Index r = 0; r < count; ++r) {
-    problem.forward_N[r] = level_N(index[static_cast<std::size_t>(r)], 1);
-    problem.backward_N[r] = level_N(index[static_cast<std::size_t>(r)], -1);
+    stop.forward_N[r] = level_N(stop.stopped[static_cast<std::size_t>(r)], 1);
+    stop.backward_N[r] = level_N(stop.stopped[static_cast<std::size_t>(r)], -1);
   }
 }
 

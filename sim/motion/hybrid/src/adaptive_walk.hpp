@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "breakaway/hybrid/adaptive.hpp"
+#include "breakaway/hybrid/mode_choice.hpp"
 #include "breakaway/hybrid/stick_set.hpp"
-#include "breakaway/hybrid/stop_problem.hpp"
 #include "breakaway/motion/summed_time.hpp"
 
 namespace breakaway::hybrid {
@@ -35,6 +35,7 @@ struct AdaptiveWalk {
   using Vector = Eigen::VectorXd;
 
   const LinearMachine<>& machine;
+  const ModeChoice& choice;
   Adaptive::Laws& laws;
   std::function<const HeldSet&(DirectionSet)> held_set;
 
@@ -52,6 +53,10 @@ struct AdaptiveWalk {
   // The sum of all forces but those of sticking directions and of inertia, at the present place and tau_s later. The
   // direction `exchanged`, if it is not -1, slides at exactly speed_m_s.
   Vector force(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
+  // The part of it that neither springs nor dampers make.
+  Vector applied(double tau_s = 0, Eigen::Index exchanged = -1, double speed_m_s = 0) const;
+  // The rounding of this sum at the present place, by coordinate.
+  Vector force_rounding() const;
   // Returns what static friction bears beyond this force at time_s, which is negative once it gives way. With
   // `for_ever` it is what friction bears whatever the laws do with time.
   double margin_N(Limit limit, const Vector& force, double time_s, bool for_ever = false);
@@ -66,7 +71,7 @@ struct AdaptiveWalk {
  private:
   void face_laws();
   DirectionSet release(DirectionSet stopped, DirectionSet told);
-  void ask_for_levels(StopProblem& problem, const std::vector<Eigen::Index>& index, DirectionSet told);
+  void ask_for_levels(ModeChoice::Stop& stop, DirectionSet told);
 };
 
 }  // namespace breakaway::hybrid

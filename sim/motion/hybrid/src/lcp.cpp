@@ -11,13 +11,15 @@ namespace breakaway::hybrid {
 namespace {
 
 // Plain loops over a table that is no larger than it must be: the problems are small, and met at every event.
+template <class Scalar>
 class Lemke {
  public:
-  Lemke(const LcpMatrix& a, const LcpVector& b) : size_{static_cast<int>(b.size())}, width_{2 * size_ + 2} {
+  Lemke(const LcpMatrix<Scalar>& a, const LcpVector<Scalar>& b)
+      : size_{static_cast<int>(b.size())}, width_{2 * size_ + 2} {
     // w - A z - z0 = b; columns: w, z, z0, b.
     for (int row = 0; row < size_; ++row) {
-      double* const entries = row_of(row);
-      std::fill_n(entries, size_, 0.0);
+      Scalar* const entries = row_of(row);
+      std::fill_n(entries, size_, Scalar{0});
       entries[row] = 1;
       for (int column = 0; column < size_; ++column) entries[size_ + column] = -a(row, column);
       entries[artificial()] = -1;
@@ -26,7 +28,7 @@ class Lemke {
     }
   }
 
-  std::optional<LcpVector> solve() {
+  std::optional<LcpSolution<Scalar>> solve() {
     int row = 0;
     for (int other = 1; other < size_; ++other) {
       if (entry(other, right()) < entry(row, right())) row = other;
@@ -47,18 +49,18 @@ class Lemke {
   int artificial() const { return 2 * size_; }
   int right() const { return 2 * size_ + 1; }
 
-  double* row_of(int row) { return table_.data() + std::ptrdiff_t{row} * width_; }
-  double entry(int row, int column) const { return *(table_.data() + std::ptrdiff_t{row} * width_ + column); }
+  Scalar* row_of(int row) { return table_.data() + std::ptrdiff_t{row} * width_; }
+  Scalar entry(int row, int column) const { return *(table_.data() + std::ptrdiff_t{row} * width_ + column); }
   int& basis(int row) { return basis_[static_cast<std::size_t>(row)]; }
 
   int pivot(int row, int entering) {
-    double* const pivots = row_of(row);
-    const double by = pivots[entering];
+    Scalar* const pivots = row_of(row);
+    const Scalar by = pivots[entering];
     for (int column = 0; column < width_; ++column) pivots[column] /= by;
     pivots[entering] = 1;
     for (int other = 0; other < size_; ++other) {
-      double* const entries = row_of(other);
-      const double factor = entries[entering];
+      Scalar* const entries = row_of(other);
+      const Scalar factor = entries[entering];
       if (other == row || factor == 0) continue;
       for (int column = 0; column < width_; ++column) entries[column] -= factor * pivots[column];
     }
@@ -69,12 +71,12 @@ class Lemke {
   // the search, else the largest pivot, which keeps rounding small.
   int ratio_test(int entering) {
     int best = -1;
-    double best_ratio = std::numeric_limits<double>::infinity(), greatest = 0;
+    Scalar best_ratio = std::numeric_limits<Scalar>::infinity(), greatest = 0;
     for (int row = 0; row < size_; ++row) greatest = std::max(greatest, std::abs(entry(row, entering)));
     for (int row = 0; row < size_; ++row) {
-      if (!(entry(row, entering) > 1e-13 * greatest)) continue;
-      const double ratio = entry(row, right()) / entry(row, entering);
-      const bool equal = best >= 0 && std::abs(ratio - best_ratio) <= 1e-13 * std::abs(best_ratio);
+      if (!(entry(row, entering) > rounding * greatest)) continue;
+      const Scalar ratio = entry(row, right()) / entry(row, entering);
+      const bool equal = best >= 0 && std::abs(ratio - best_ratio) <= rounding * std::abs(best_ratio);
       const bool preferred = basis(row) == artificial() ||
                              (best >= 0 && basis(best) != artificial() && entry(row, entering) > entry(best, entering));
       if (best < 0 || (equal ? preferred : ratio < best_ratio)) {
@@ -85,22 +87,35 @@ class Lemke {
     return best;
   }
 
-  LcpVector solution() {
-    LcpVector z = LcpVector::Zero(size_);
+  LcpSolution<Scalar> solution() {
+    LcpSolution<Scalar> solution{LcpVector<Scalar>::Zero(size_), 0};
     for (int row = 0; row < size_; ++row) {
-      if (basis(row) >= size_ && basis(row) < artificial()) z[basis(row) - size_] = entry(row, right());
+      const int variable = basis(row) - size_;
+      if (variable < 0 || variable >= size_) continue;
+      solution.z[variable] = entry(row, right());
+      solution.basic |= std::uint32_t{1} << variable;
     }
-    return z;
+    return solution;
   }
 
+  // What is below this share of its terms may be zero.
+  static constexpr Scalar rounding = 450 * std::numeric_limits<Scalar>::epsilon();
+
   int size_, width_;
-  std::array<double, std::size_t{most_unknowns} * (2 * std::size_t{most_unknowns} + 2)>
+  std::array<Scalar, std::size_t{most_unknowns} * (2 * std::size_t{most_unknowns} + 2)>
       table_;  // row by row, `width_` each
   std::array<int, most_unknowns> basis_;
 };
 
 }  // namespace
 
-std::optional<LcpVector> solve_lcp(const LcpMatrix& a, const LcpVector& b) { return Lemke(a, b).solve(); }
+template <class Scalar>
+std::optional<LcpSolution<Scalar>> solve_lcp(const LcpMatrix<Scalar>& a, const LcpVector<Scalar>& b) {
+  return Lemke<Scalar>(a, b).solve();
+}
+
+template std::optional<LcpSolution<double>> solve_lcp(const LcpMatrix<double>&, const LcpVector<double>&);
+template std::optional<LcpSolution<long double>> solve_lcp(const LcpMatrix<long double>&,
+                                                           const LcpVector<long double>&);
 
 }  // namespace breakaway::hybrid

@@ -163,7 +163,7 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
     const ExtendedMatrix speed = machine.directions.col(i).transpose().cast<Extended>() * velocities;
     set.sliding.push_back(make_line(set.flow, n, ExtendedMatrix::Zero(1, set.flow.size()), speed));
-    if (contains(set.sticking, i)) stuck.push_back(i);
+    if (contains(set.sticking, i) && !machine.directions.col(i).isZero(0)) stuck.push_back(i);
   }
   if (stuck.empty()) return set;
   const ExtendedMatrix columns = extension.directions(Eigen::all, stuck);

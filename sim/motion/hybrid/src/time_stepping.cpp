@@ -1,6 +1,11 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 
-#include "breakaway/input/input_error.hpp"
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "breakaway/hybrid/refused.hpp"
+#include "breakaway/hybrid/stop_problem.hpp"
 #include "breakaway/stability/dense.hpp"
 
 namespace breakaway::hybrid {
@@ -17,7 +22,49 @@ void require_valid(const LinearMachine<>& machine, const TimeSteppingOptions& op
                      ": give 0.5 for the midpoint rule, or another number from 0 to 1"};
 }
 
+// Dependent directions share their impulses in any way, which sweeps find; nearly dependent ones in one way only, to
+// which sweeps creep.
+bool nearly_dependent(const MatrixXd& coupling) {
+  Eigen::VectorXd scale = coupling.diagonal();
+  for (double& entry : scale) entry = entry > 0 ? 1 / std::sqrt(entry) : 0;
+  const MatrixXd scaled = scale.asDiagonal() * stability::dense::symmetric_part(coupling) * scale.asDiagonal();
+  const Eigen::VectorXd values = stability::dense::symmetric_eigenvalues(scaled);
+  return std::ranges::any_of(values, [](double value) { return value > 1e-14 && value < 1e-3; });
+}
+
+// The directions that have friction.
+std::vector<Eigen::Index> rubbing(const Eigen::VectorXd& limit_Ns) {
+  std::vector<Eigen::Index> found;
+  for (Eigen::Index i = 0; i < limit_Ns.size(); ++i) {
+    if (limit_Ns[i] > 0) found.push_back(i);
+  }
+  return found;
+}
+
 }  // namespace
+
+bool solve_impulses(const MatrixXd& coupling, const Eigen::VectorXd& limit_Ns, const Eigen::VectorXd& sliding_m_s,
+                    Eigen::VectorXd& impulse_Ns) {
+  const std::vector<Eigen::Index> index = rubbing(limit_Ns);
+  if (index.size() > most_directions) {
+    throw Refused{"the impulses of a step could not be found for " + std::to_string(index.size()) +
+                      " directions, some of which are nearly dependent",
+                  "leave out some of these, so that no more than 16 are left"};
+  }
+  StopProblem<long double> problem(static_cast<Eigen::Index>(index.size()));
+  problem.coupling = coupling(index, index).cast<long double>();
+  problem.acceleration = sliding_m_s(index).cast<long double>();
+  problem.rounding = 4e-16L * problem.acceleration.cwiseAbs();
+  problem.forward_N = problem.backward_N = limit_Ns(index).cast<long double>();
+  const auto solution = sliding_after_stop(problem);
+  if (!solution) {
+    throw Refused{"the impulses of a step cannot be decided in double precision",
+                  "leave out one of the directions that are nearly parallel, or use the event-driven method"};
+  }
+  impulse_Ns.setZero();
+  impulse_Ns(index) = solution->force_N;
+  return solution->signs.isZero(0);
+}
 
 std::string theta_warning(const LinearMachine<>& machine, double theta) {
   if (theta == 0.5) return {};
@@ -53,6 +100,7 @@ SteppingScheme make_stepping_scheme(const LinearMachine<>& machine, const TimeSt
   scheme.coupling = machine.directions.transpose() * scheme.to_v;
   scheme.friction_holds_all =
       machine.frictions() > 0 && dense::span(machine.directions).rank() == machine.coordinates();
+  scheme.nearly_dependent = nearly_dependent(scheme.coupling);
   return scheme;
 }
 

@@ -25,6 +25,7 @@
 namespace breakaway::hybrid {
 
 struct HeldSet;
+class ModeChoice;
 
 struct AdaptiveOptions {
   double tolerance = 1e-12;  // of a step, relative to the speeds in the norm of the mass; in [1e-14, 1e-2]
@@ -68,9 +69,12 @@ class Adaptive {
   const Laws& laws() const { return laws_; }  // of the directions that have friction
 
  private:
-  LinearMachine<> machine_;   // without directions that have no friction
-  Laws laws_;                 // one for each direction that is left
-  std::vector<int> columns_;  // where it stands in W_T
+  void keep_directions(const LinearMachine<>& machine, const std::vector<int>& columns);
+
+  LinearMachine<> machine_;  // without directions that have no friction
+  Laws laws_;                // one for each direction that is left
+  std::vector<int> places_;  // by direction of the machine as it was given: its place among them, -1 for none
+  std::shared_ptr<const ModeChoice> choice_;
   AdaptiveOptions options_;
   EarlyDecision<Eigen::Dynamic> decision_;
   mutable std::map<unsigned, std::shared_ptr<const HeldSet>> held_;  // by the set of sticking directions

@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "breakaway/hybrid/friction_groups.hpp"
 #include "breakaway/hybrid/hybrid_modes.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/hybrid/segment.hpp"
 #include "breakaway/hybrid/types.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -71,6 +73,7 @@ class EventDriven {
 
   EarlyDecision<N> decision_;
   int exponent_;  // forces, coordinates and velocities are in units of 2^exponent_
+  FrictionGroups groups_;
   Modes modes_;
 };
 
@@ -78,7 +81,8 @@ template <int N, int M>
 EventDriven<N, M>::EventDriven(const LinearMachine<N, M>& machine, EarlyDecision<N> decision)
     : decision_{std::move(decision)},
       exponent_{largest_exponent(checked(machine))},
-      modes_{scaled(machine, -exponent_)} {}
+      groups_{group_frictions(stability::unsized(scaled(machine, -exponent_)))},
+      modes_{stability::sized<N, M>(groups_.machine)} {}
 
 template <int N, int M>
 const LinearMachine<N, M>& EventDriven<N, M>::checked(const LinearMachine<N, M>& machine) {
@@ -120,6 +124,7 @@ typename EventDriven<N, M>::Walk EventDriven<N, M>::begin(const MachineState<N>&
   walk.state.q = start.q;
   walk.state.v = start.v;
   walk.time = {start.time_s};
+  walk.state.time_s = start.time_s;
   bool finite = std::isfinite(start.time_s);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (double* const value : {&walk.state.q[i], &walk.state.v[i]}) {
@@ -192,6 +197,7 @@ void EventDriven<N, M>::leave_segment(Walk& walk, const Set& held) const {
   walk.state.q += held.velocity.lazyProduct(walk.segment.integral());
   walk.state.v = held.velocity.lazyProduct(walk.segment.x());
   walk.time.pass(walk.segment.elapsed_s());
+  walk.state.time_s = walk.time.sum_s;
   ++walk.outcome.steps;
 }
 
@@ -213,13 +219,14 @@ void EventDriven<N, M>::handle_event(Walk& walk, bool doubtful) const {
 
 template <int N, int M>
 void EventDriven<N, M>::record(Walk& walk, const Signs& before) const {
-  for (Eigen::Index i = 0; i < modes_.machine().frictions(); ++i) {
-    if (walk.state.signs[i] == before[i]) continue;
+  for (std::size_t i = 0; i < groups_.leader.size(); ++i) {
+    const Eigen::Index leader = groups_.leader[i];
+    if (leader < 0 || walk.state.signs[leader] == before[leader]) continue;
     ++walk.outcome.events;
     if (walk.log == nullptr) continue;
-    const EventKind kind = walk.state.signs[i] == 0 ? EventKind::stick
-                           : before[i] == 0         ? EventKind::slip
-                                                    : EventKind::reversal;
+    const EventKind kind = walk.state.signs[leader] == 0 ? EventKind::stick
+                           : before[leader] == 0         ? EventKind::slip
+                                                         : EventKind::reversal;
     walk.log->push_back({walk.time.sum_s, kind, static_cast<int>(i)});
   }
 }
@@ -271,7 +278,8 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     handle_event(walk, at_once > most_at_once);
     if (at_once > 2 * most_at_once) {
       if (modes_.lost_in_rounding(walk.state)) return finish_at_rest(walk, observer);
-      throw InputError{"the friction directions switch without end at one instant: the machine is too ill-scaled"};
+      throw Refused{"the friction directions switch without end at t = " + shown(walk.time.sum_s) + " s",
+                    "the machine is too ill-scaled for double precision; leave out its least friction or mass"};
     }
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "breakaway/hybrid/lcp.hpp"
+#include "breakaway/hybrid/mode_choice.hpp"
 #include "breakaway/hybrid/stick_set.hpp"
 #include "breakaway/hybrid/stop_problem.hpp"
 #include "breakaway/hybrid/types.hpp"
@@ -25,6 +26,7 @@ struct HybridState {
   Eigen::Matrix<double, N, 1> q, v;
   Eigen::Matrix<double, M, 1> signs;  // of sliding; 0 while sticking
   DirectionSet sticking = 0;          // with all directions that cannot slide while these stick
+  double time_s = 0;                  // for what is told to a person
 };
 
 // HybridModes is for one thread, because stick sets are factorised when first met. Copies are cheap and independent.
@@ -36,12 +38,13 @@ class HybridModes {
   using State = HybridState<N, M>;
   using Coordinates = typename Set::Coordinates;
 
-  // `machine` passes require_valid(), has its constant force in force_N and at most 16 directions.
+  // `machine` passes require_valid(), has its constant force in force_N and at most 16 directions, no two of which are
+  // parallel. Directions without friction have columns of zero.
   explicit HybridModes(LinearMachine<N, M> machine);
 
   const LinearMachine<N, M>& machine() const { return machine_; }
   const Set& set(DirectionSet directions) const;
-  bool frictionless(Eigen::Index i) const { return machine_.friction_N[i] == 0 || coupling_(i, i) == 0; }
+  bool frictionless(Eigen::Index i) const { return !contains(rubbing_, i); }
 
   // All forces but those of springs, dampers and sticking directions.
   Vector force(const State& state) const;
@@ -50,12 +53,13 @@ class HybridModes {
   Coordinates rounding(const State& state, const Set& held) const;
   // Says whether there is neither velocity nor acceleration, to rounding.
   bool resting(const State& state, const Set& held) const;
-  // Says whether the machine is slower than 1e-12 of what the energy in the springs could drive: what is left of a
-  // motion that dies out in ever smaller slips.
+  // Says whether what is left of the motion is rounding: the machine is slower than 1e-12 of what the energy in the
+  // springs could drive, and where it is friction holds it, as far as rounding can tell. It is the end of a motion that
+  // dies out in ever smaller slips, or creeps.
   bool lost_in_rounding(const State& state) const;
 
-  // Decides which of the stopped directions stick and which slide, and how. Throws InputError for a machine so
-  // ill-scaled that no friction forces can be found. `keep`: what friction can bear sticks, even at its very limit,
+  // Decides which of the stopped directions stick and which slide, and how. Throws Refused for a machine so ill-scaled
+  // that this cannot be told. `keep`: what friction can bear sticks, even at its very limit,
   // where rounding may say that it slides one way and, once sliding, that it stops again.
   void choose(State& state, DirectionSet stopped, bool keep = false) const;
   // Directions at the very limit of static friction: the same problem one derivative later. A force that moves inward
@@ -82,30 +86,48 @@ class HybridModes {
     DirectionSet forced = 0;  // those of the face that is being crossed
   };
 
+  // The sizes of the terms of force(), and of all forces.
+  Vector applied_terms(const State& state) const;
+  Vector force_terms(const State& state) const {
+    return applied_terms(state) + machine_.stiffness.cwiseAbs().lazyProduct(state.q.cwiseAbs()) +
+           machine_.damping.cwiseAbs().lazyProduct(state.v.cwiseAbs());
+  }
   bool all_stick(const State& state) const { return (state.signs.array() == 0).all(); }
   // Returns what static friction must bear in this face so that the sticking directions stick.
   double needed_N(const State& state, const Facet<N, M>& facet, const Vector& applied) const {
     return facet.stiffness.dot(state.q) + facet.damping.dot(state.v) - facet.normal.dot(applied);
   }
-  bool holds(const State& state, const Set& held) const;
+  bool holds(const State& state, const Set& held, double rounding = force_rounding) const;
   DirectionSet slide_after_stop(State& state, DirectionSet stopped) const;
+  DirectionVector signs_after_stop(const State& state, const Indices& index, const Vector& balance) const;
+  DirectionVector signs_in_extended_precision(const State& state, const Indices& index) const;
   Limited limited(const State& state, const Set& held, int forced_facet) const;
   DirectionSet leaving(const State& state, const Limited& limited) const;
 
+  // The rounding of a sum of forces, as a share of its terms.
+  static constexpr double force_rounding = 8 * std::numeric_limits<double>::epsilon();
+
   LinearMachine<N, M> machine_;
-  Eigen::Matrix<double, N, N> inverse_mass_;
-  Eigen::Matrix<double, M, M> coupling_;  // W^T M^-1 W: accelerations of directions by forces in directions
+  DirectionSet rubbing_ = 0;              // the directions with friction
+  Eigen::Matrix<double, M, N> response_;  // W^T M^-1: accelerations of directions by forces
+  Eigen::Matrix<double, M, M> coupling_;  // W^T M^-1 W
   Vector greatest_force_N_;               // |f| + |W| p
+  std::shared_ptr<const ModeChoice> doubtful_;
   mutable std::vector<std::shared_ptr<const Set>> sets_;
 };
 
 template <int N, int M>
 HybridModes<N, M>::HybridModes(LinearMachine<N, M> machine)
     : machine_{std::move(machine)},
-      inverse_mass_{stability::dense::Cholesky(machine_.mass).inverse()},
-      coupling_{stability::dense::congruence(machine_.directions, inverse_mass_)},
       greatest_force_N_{machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs() * machine_.friction_N},
-      sets_(std::size_t{1} << machine_.frictions()) {}
+      doubtful_{std::make_shared<const ModeChoice>(stability::unsized(machine_))},
+      sets_(std::size_t{1} << machine_.frictions()) {
+  response_ = doubtful_->response();
+  coupling_ = doubtful_->coupling();
+  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
+    if (machine_.friction_N[i] != 0 && coupling_(i, i) != 0) rubbing_ |= only(i);
+  }
+}
 
 template <int N, int M>
 const StickSet<N, M>& HybridModes<N, M>::set(DirectionSet directions) const {
@@ -141,7 +163,7 @@ typename HybridModes<N, M>::Coordinates HybridModes<N, M>::rounding(const State&
                        machine_.damping.cwiseAbs().lazyProduct(state.v.cwiseAbs());
   const Coordinates sizes =
       held.from_velocity.cwiseAbs().lazyProduct(state.v.cwiseAbs()) + held.from_force.cwiseAbs().lazyProduct(terms);
-  return 8 * std::numeric_limits<double>::epsilon() * sizes;
+  return force_rounding * sizes;
 }
 
 template <int N, int M>
@@ -154,22 +176,46 @@ bool HybridModes<N, M>::resting(const State& state, const Set& held) const {
 
 template <int N, int M>
 bool HybridModes<N, M>::lost_in_rounding(const State& state) const {
-  return state.v.dot(machine_.mass * state.v) <= 1e-24 * state.q.dot(machine_.stiffness * state.q);
+  if (state.v.dot(machine_.mass * state.v) > 1e-24 * std::abs(state.q.dot(machine_.stiffness * state.q))) return false;
+  constexpr double lost = 1e-11;
+  State still = state;
+  still.v.setZero();
+  still.signs.setZero();
+  const Set& held = set(rubbing_);
+  still.sticking = held.sticking;
+  if (!holds(still, held, lost)) return false;
+  const Coordinates sizes = held.from_force.cwiseAbs().lazyProduct(force_terms(still));
+  return (coordinates(still, held).array().abs() <= lost * sizes.array()).all();
+}
+
+template <int N, int M>
+typename HybridModes<N, M>::Vector HybridModes<N, M>::applied_terms(const State& state) const {
+  Vector terms = machine_.force_N.cwiseAbs();
+  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
+    if (state.signs[i] != 0) terms += machine_.directions.col(i).cwiseAbs() * machine_.friction_N[i];
+  }
+  return terms;
 }
 
 // Says whether static friction can bear what sticking needs. At the very limit it can, and release() says whether it
 // then gives way.
 template <int N, int M>
-bool HybridModes<N, M>::holds(const State& state, const Set& held) const {
+bool HybridModes<N, M>::holds(const State& state, const Set& held, double rounding) const {
   const Vector applied = force(state);
   for (const auto& facet : held.facets) {
-    if (!(std::abs(needed_N(state, facet, applied)) <= motion::widened(facet.limit_N))) return false;
+    const double needed = std::abs(needed_N(state, facet, applied));
+    if (needed <= motion::widened(facet.limit_N)) continue;
+    const double terms = facet.stiffness.cwiseAbs().dot(state.q.cwiseAbs()) +
+                         facet.damping.cwiseAbs().dot(state.v.cwiseAbs()) +
+                         facet.normal.cwiseAbs().dot(applied_terms(state));
+    if (!(needed <= motion::widened(facet.limit_N) + rounding * terms)) return false;
   }
   return true;
 }
 
 template <int N, int M>
 void HybridModes<N, M>::choose(State& state, DirectionSet stopped, bool keep) const {
+  stopped &= rubbing_;
   if (stopped != 0) stopped = set(stopped).sticking;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (contains(stopped, i)) state.signs[i] = 0;
@@ -187,33 +233,56 @@ template <int N, int M>
 DirectionSet HybridModes<N, M>::slide_after_stop(State& state, DirectionSet stopped) const {
   Indices index;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
-    if (contains(stopped, i) && !frictionless(i)) index.add(i);
+    if (contains(stopped & rubbing_, i)) index.add(i);
   }
   const Vector balance = force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
-  const Vector acceleration = inverse_mass_.lazyProduct(balance);
-  const Eigen::Index count = index.size;
-  if (count == 1) {  // static friction does not hold it, so it slides
-    state.signs[index[0]] = machine_.directions.col(index[0]).dot(acceleration) > 0 ? 1 : -1;
+  if (index.size == 1) {  // static friction does not hold it, so it slides
+    state.signs[index[0]] = response_.row(index[0]).dot(balance) > 0 ? 1 : -1;
     return only(index[0]);
   }
-  StopProblem problem;
-  problem.coupling.resize(count, count);
-  problem.acceleration.resize(count);
-  problem.forward_N.resize(count);
-  for (Eigen::Index r = 0; r < count; ++r) {
-    problem.acceleration[r] = machine_.directions.col(index[r]).dot(acceleration);
-    problem.forward_N[r] = machine_.friction_N[index[r]];
-    for (Eigen::Index c = 0; c < count; ++c) problem.coupling(r, c) = coupling_(index[r], index[c]);
-  }
-  problem.backward_N = problem.forward_N;
-  const DirectionVector sliding = sliding_after_stop(problem);
+  const DirectionVector signs = signs_after_stop(state, index, balance);
   DirectionSet released = 0;
-  for (Eigen::Index r = 0; r < count; ++r) {
-    if (sliding[r] == 0) continue;
-    state.signs[index[r]] = sliding[r];
+  for (Eigen::Index r = 0; r < index.size; ++r) {
+    if (signs[r] == 0) continue;
+    state.signs[index[r]] = signs[r];
     released |= only(index[r]);
   }
   return released;
+}
+
+template <int N, int M>
+DirectionVector HybridModes<N, M>::signs_after_stop(const State& state, const Indices& index,
+                                                    const Vector& balance) const {
+  const Vector rounding = force_rounding * force_terms(state);
+  StopProblem<double> problem(index.size);
+  for (Eigen::Index r = 0; r < index.size; ++r) {
+    const auto response = response_.row(index[r]);
+    problem.acceleration[r] = response.dot(balance);
+    problem.rounding[r] = response.cwiseAbs().dot(rounding);
+    problem.forward_N[r] = machine_.friction_N[index[r]];
+    for (Eigen::Index c = 0; c < index.size; ++c) problem.coupling(r, c) = coupling_(index[r], index[c]);
+  }
+  problem.backward_N = problem.forward_N;
+  const auto decision = sliding_after_stop(problem);
+  return decision && decision->clear ? decision->signs : signs_in_extended_precision(state, index);
+}
+
+template <int N, int M>
+DirectionVector HybridModes<N, M>::signs_in_extended_precision(const State& state, const Indices& index) const {
+  ModeChoice::Stop stop{state.time_s,
+                        state.q,
+                        state.v,
+                        force(state),
+                        force_rounding * force_terms(state),
+                        {},
+                        DirectionVector(index.size),
+                        {}};
+  for (Eigen::Index r = 0; r < index.size; ++r) {
+    stop.stopped.push_back(index[r]);
+    stop.forward_N[r] = machine_.friction_N[index[r]];
+  }
+  stop.backward_N = stop.forward_N;
+  return doubtful_->sliding(stop);
 }
 
 template <int N, int M>
@@ -221,7 +290,8 @@ void HybridModes<N, M>::release(State& state, int forced_facet) const {
   if (state.sticking == 0) return;
   const Limited limited = this->limited(state, set(state.sticking), forced_facet);
   if (limited.all == 0) return;
-  DirectionSet released = leaving(state, limited);
+  // Where one face is crossed and no other limit reached, all of it gives way.
+  DirectionSet released = limited.all == limited.forced ? limited.all : leaving(state, limited);
   if ((released & limited.forced) == 0) released |= limited.forced;
   const DirectionSet sticking = set(state.sticking & ~released).sticking;
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
@@ -265,8 +335,8 @@ DirectionSet HybridModes<N, M>::leaving(const State& state, const Limited& limit
   const Set& left = set(state.sticking & ~limited.all);
   const Coordinates x = coordinates(freed, left), noise = rounding(freed, left);
   const Eigen::Index count = index.size;
-  LcpMatrix a(count, count);
-  LcpVector b(count);
+  LcpMatrix<double> a(count, count);
+  LcpVector<double> b(count);
   for (Eigen::Index r = 0; r < count; ++r) {
     const Eigen::Index i = index[r];
     const auto& row = left.sliding[static_cast<std::size_t>(i)].second;
@@ -283,10 +353,11 @@ DirectionSet HybridModes<N, M>::leaving(const State& state, const Limited& limit
   const auto z = solve_lcp(a, b);
   DirectionSet leaving = 0;
   for (Eigen::Index r = 0; z && r < count; ++r) {
+    if ((z->basic >> r & 1U) != 0) continue;
     double outward = b[r], scale = std::abs(b[r]);
     for (Eigen::Index c = 0; c < count; ++c) {
-      outward += a(r, c) * (*z)[c];
-      scale += std::abs(a(r, c)) * (*z)[c];
+      outward += a(r, c) * z->z[c];
+      scale += std::abs(a(r, c) * z->z[c]);
     }
     if (outward > significance * scale) leaving |= only(index[r]);
   }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "breakaway/hybrid/friction_groups.hpp"
 #include "breakaway/hybrid/types.hpp"
 #include "breakaway/motion/tie.hpp"
 
@@ -36,7 +37,14 @@ struct SteppingScheme {
   Eigen::MatrixXd to_v;            // n x m: velocities by impulses, (M + h theta C + h^2 theta^2 K)^-1 W
   Eigen::MatrixXd coupling;        // m x m: W^T to_v
   bool friction_holds_all;         // the directions span all coordinates
+  bool nearly_dependent;           // of the directions, so that sweeps over them hardly converge
 };
+
+// Finds the impulses of a step at once. `sliding_m_s`: the speeds at its end without friction, by direction;
+// `impulse_Ns` receives the impulses. Returns whether all directions stick. Throws Refused where double precision does
+// not tell.
+bool solve_impulses(const Eigen::MatrixXd& coupling, const Eigen::VectorXd& limit_Ns,
+                    const Eigen::VectorXd& sliding_m_s, Eigen::VectorXd& impulse_Ns);
 
 // Throws InputError for a machine that require_valid() refuses, a step or theta out of range, and a step so long that
 // the matrix of the scheme is not positive definite.
@@ -75,6 +83,7 @@ class TimeStepping {
   using Impulses = Eigen::Matrix<double, M, 1>;
 
   void solve(const Impulses& sliding_m_s, Memory& memory) const;
+  void solve_at_once(const Impulses& sliding_m_s, Memory& memory) const;
 
   // Returns the impulse that would stop direction i.
   double wanted_Ns(const Impulses& sliding_m_s, const Impulses& p, Eigen::Index i) const {
@@ -85,6 +94,7 @@ class TimeStepping {
   bool slides_on(const Impulses& sliding_m_s, const Impulses& p) const {
     bool on = true;
     for (Eigen::Index i = 0; i < p.size(); ++i) {
+      if (limit_Ns_[i] == 0) continue;
       const double along = p[i] < 0 ? -wanted_Ns(sliding_m_s, p, i) : wanted_Ns(sliding_m_s, p, i);
       on &= std::fabs(p[i]) == limit_Ns_[i] && along > motion::widened(limit_Ns_[i]);
     }
@@ -93,7 +103,7 @@ class TimeStepping {
 
   void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const;
 
-  static constexpr int max_sweeps = 1000;  // reached by nearly dependent directions only
+  static constexpr int max_sweeps = 1000;  // beyond it the problem is solved at once
 
   double step_s_, before_s_, after_s_;  // h, h (1 - theta), h theta
   std::string warning_;                 // of theta_warning()
@@ -104,7 +114,7 @@ class TimeStepping {
   Eigen::Matrix<double, M, M> coupling_;  // G = W^T (M + h theta C + h^2 theta^2 K)^-1 W
   Impulses limit_Ns_, own_mass_kg_, sliding_free_;
   Eigen::Matrix<double, M, N> sliding_from_v_, sliding_from_q_;  // of the end of the step without friction
-  bool friction_holds_all_;
+  bool friction_holds_all_, nearly_dependent_;
 };
 
 template <int N, int M>
@@ -115,7 +125,9 @@ TimeStepping<N, M>::TimeStepping(const LinearMachine<N, M>& machine, TimeSteppin
       after_s_{options.step_s * options.theta},
       decision_{std::move(decision)} {
   const LinearMachine<> unsized = stability::unsized(machine);
-  const SteppingScheme scheme = make_stepping_scheme(unsized, options);
+  stability::require_valid(unsized);
+  const LinearMachine<> rubbing = group_frictions(unsized).machine;
+  const SteppingScheme scheme = make_stepping_scheme(rubbing, options);
   warning_ = theta_warning(unsized, options.theta);
   from_v_ = scheme.from_v;
   from_q_ = scheme.from_q;
@@ -123,14 +135,15 @@ TimeStepping<N, M>::TimeStepping(const LinearMachine<N, M>& machine, TimeSteppin
   to_v_ = scheme.to_v;
   directions_ = machine.directions;
   coupling_ = scheme.coupling;
-  limit_Ns_ = step_s_ * machine.friction_N;
+  limit_Ns_ = step_s_ * rubbing.friction_N;
   own_mass_kg_ = coupling_.diagonal();
   // A direction that moves nothing has no mass and takes no impulse.
   for (double& own : own_mass_kg_) own = own > 0 ? 1 / own : 0;
-  sliding_from_v_ = directions_.transpose() * from_v_;
-  sliding_from_q_ = directions_.transpose() * from_q_;
-  sliding_free_ = directions_.transpose() * free_;
+  sliding_from_v_ = rubbing.directions.transpose() * from_v_;
+  sliding_from_q_ = rubbing.directions.transpose() * from_q_;
+  sliding_free_ = rubbing.directions.transpose() * free_;
   friction_holds_all_ = scheme.friction_holds_all;
+  nearly_dependent_ = scheme.nearly_dependent;
 }
 
 template <int N, int M>
@@ -181,6 +194,7 @@ void TimeStepping<N, M>::solve(const Impulses& sliding_m_s, Memory& memory) cons
     memory.sticks = p.size() == 0;
     return;
   }
+  if (nearly_dependent_) return solve_at_once(sliding_m_s, memory);
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     bool changed = false;
     memory.sticks = true;
@@ -193,6 +207,14 @@ void TimeStepping<N, M>::solve(const Impulses& sliding_m_s, Memory& memory) cons
     }
     if (!changed) return;
   }
+  solve_at_once(sliding_m_s, memory);
+}
+
+template <int N, int M>
+void TimeStepping<N, M>::solve_at_once(const Impulses& sliding_m_s, Memory& memory) const {
+  Eigen::VectorXd impulse_Ns = memory.impulse_Ns;
+  memory.sticks = solve_impulses(coupling_, limit_Ns_, sliding_m_s, impulse_Ns);
+  memory.impulse_Ns = impulse_Ns;
 }
 
 template <int N, int M>

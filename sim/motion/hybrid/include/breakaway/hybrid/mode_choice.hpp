@@ -1,0 +1,44 @@
+// ModeChoice: what sticks and what slides after a stop, where double precision does not tell.
+//
+// Friction forces that differ by many orders of magnitude, masses that do, and directions that are nearly dependent
+// make differences of large numbers of what decides. The accelerations and their couplings are then computed in
+// extended precision from the machine as it was given. If that does not tell either, the machine is refused by name:
+// no answer is better than a wrong one.
+#pragma once
+
+#include <vector>
+
+#include "breakaway/hybrid/flow.hpp"
+#include "breakaway/hybrid/stop_problem.hpp"
+#include "breakaway/hybrid/types.hpp"
+
+namespace breakaway::hybrid {
+
+class ModeChoice {
+ public:
+  // `machine` passes require_valid(). Nothing may be asked about columns of directions that are zero.
+  explicit ModeChoice(const LinearMachine<>& machine);
+
+  // W^T M^-1 and W^T M^-1 W, rounded: accelerations of directions by forces, and by forces in directions.
+  Eigen::MatrixXd response() const { return response_.cast<double>(); }
+  Eigen::MatrixXd coupling() const { return coupling_.cast<double>(); }
+
+  // The state at a stop, with the forces of all but springs, dampers and stopped directions.
+  struct Stop {
+    double time_s;
+    Eigen::VectorXd q, v;
+    Eigen::VectorXd applied;                // n
+    Eigen::VectorXd rounding;               // n: of the sum of all forces, >= 0
+    std::vector<Eigen::Index> stopped;      // directions
+    DirectionVector forward_N, backward_N;  // by stopped direction: > 0
+  };
+
+  // Returns the sign with which each stopped direction slides, 0 where it sticks. Throws Refused.
+  DirectionVector sliding(const Stop& stop) const;
+
+ private:
+  ExtendedMatrix damping_, stiffness_;
+  ExtendedMatrix response_, coupling_;
+};
+
+}  // namespace breakaway::hybrid

@@ -1,0 +1,39 @@
+#include "breakaway/hybrid/mode_choice.hpp"
+
+#include "breakaway/hybrid/refused.hpp"
+
+namespace breakaway::hybrid {
+
+namespace extended = stability::extended;
+
+ModeChoice::ModeChoice(const LinearMachine<>& machine)
+    : damping_{machine.damping.cast<long double>()}, stiffness_{machine.stiffness.cast<long double>()} {
+  const ExtendedMatrix inverse_factor = extended::inverse_cholesky_factor(machine.mass.cast<long double>());
+  const ExtendedMatrix directions = inverse_factor * machine.directions.cast<long double>();
+  response_ = directions.transpose() * inverse_factor;
+  coupling_ = directions.transpose() * directions;
+}
+
+DirectionVector ModeChoice::sliding(const Stop& stop) const {
+  const ExtendedVector force = stop.applied.cast<long double>() - stiffness_ * stop.q.cast<long double>() -
+                               damping_ * stop.v.cast<long double>();
+  const auto count = static_cast<Eigen::Index>(stop.stopped.size());
+  StopProblem<long double> problem(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const Eigen::Index i = stop.stopped[static_cast<std::size_t>(r)];
+    problem.acceleration[r] = response_.row(i).dot(force);
+    problem.rounding[r] = response_.row(i).cwiseAbs().dot(stop.rounding.cast<long double>());
+    problem.forward_N[r] = stop.forward_N[r];
+    problem.backward_N[r] = stop.backward_N[r];
+    for (Eigen::Index c = 0; c < count; ++c) {
+      problem.coupling(r, c) = coupling_(i, stop.stopped[static_cast<std::size_t>(c)]);
+    }
+  }
+  if (const auto decision = sliding_after_stop(problem)) return decision->signs;
+  throw Refused{"which friction directions stick at t = " + shown(stop.time_s) +
+                    " s cannot be decided in double precision, because friction, masses or nearly parallel directions "
+                    "differ too much in size",
+                "leave out the least friction, or use time stepping"};
+}
+
+}  // namespace breakaway::hybrid
