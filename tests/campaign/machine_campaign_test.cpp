@@ -1,0 +1,94 @@
+// Every method on random machines, against an independent computation in numbers of 113 bits. Each machine depends on
+// its number only; README.md says how any of them is run again, and how a long campaign is run.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "campaign_table.hpp"
+#include "isolated.hpp"
+#include "known_defects.hpp"
+
+namespace {
+
+using namespace breakaway::campaign;
+
+long from_environment(const char* name, long fallback) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
+}
+
+std::string text_from_environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? "" : text;
+}
+
+struct Settings {
+  long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0);
+  long count = from_environment("BREAKAWAY_SYSTEMS", 2000);
+  long cpu_s = from_environment("BREAKAWAY_CPU_S", 0);
+  std::string method = text_from_environment("BREAKAWAY_METHOD");
+  std::string family = text_from_environment("BREAKAWAY_FAMILY");
+  std::string failures = text_from_environment("BREAKAWAY_FAILURES");
+  std::string results = text_from_environment("BREAKAWAY_RESULTS");
+  // Asked for by name or number, any machine is run; else those of the families that are known to be clean.
+  bool wants(Family of) const { return family.empty() ? whole() || is_clean(of) : family == to_string(of); }
+  bool whole() const { return std::getenv("BREAKAWAY_SYSTEMS") != nullptr; }
+};
+
+// A step of time stepping costs what it costs, so that only some machines are worth it.
+bool is_due(const Settings& settings, Method method, long number) {
+  if (!settings.method.empty()) return settings.method == to_string(method);
+  return method != Method::time_stepping || number / families % 16 == 0;
+}
+
+void write_scene(const Settings& settings, const RandomMachine& random, Method method, const Judgement& judgement) {
+  if (settings.failures.empty()) return;
+  std::ofstream file{settings.failures, std::ios::app};
+  file << "# " << to_string(method) << ": " << to_string(judgement.finding) << ", error " << judgement.error << ", "
+       << judgement.note << "\n"
+       << to_scene(random) << "\n";
+}
+
+void judge_machine(const Settings& settings, const RandomMachine& random, CampaignTable& table) {
+  ComparisonOptions options;
+  options.most_work = settings.whole() ? 2e7 : 1e6;
+  Comparison comparison{random, options};
+  for (int m = 0; m < methods; ++m) {
+    const auto method = static_cast<Method>(m);
+    if (!is_due(settings, method, static_cast<long>(random.number))) continue;
+    const Judgement found = isolated(settings.cpu_s, [&] { return comparison.judge(method); });
+    table.add(random.family, method, found);
+    const bool known = is_known_defect(random.number, method);
+    if (is_defect(found.finding)) write_scene(settings, random, method, found);
+    EXPECT_EQ(is_defect(found.finding), known)
+        << "machine " << random.number << ", " << to_string(random.family) << ", " << to_string(method) << ": "
+        << to_string(found.finding) << ", error " << found.error << " " << found.note
+        << (known ? "\nIt is mended: take it off the list in known_defects.hpp." : "");
+  }
+}
+
+void report_progress(long done, long count) {
+  if (isatty(STDERR_FILENO) == 1 && done % 50 == 0) std::fprintf(stderr, "\r%ld of %ld machines", done, count);
+}
+
+TEST(MachineCampaign, EveryMethodIsRightOrRefusesByName) {
+  const Settings settings;
+  CampaignTable table;
+  long done = 0;
+  for (long number = settings.first; done < settings.count; ++number) {
+    if (!settings.wants(static_cast<Family>(number % families))) continue;
+    judge_machine(settings, random_machine(number), table);
+    report_progress(++done, settings.count);
+  }
+  const std::string text = table.to_markdown();
+  std::printf("%s", text.c_str());
+  if (!settings.results.empty()) std::ofstream{settings.results} << text;
+}
+
+}  // namespace

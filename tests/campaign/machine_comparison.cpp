@@ -1,0 +1,188 @@
+#include "machine_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "breakaway/hybrid/adaptive.hpp"
+#include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/hybrid/time_stepping.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::campaign {
+namespace {
+
+using hybrid::Verdict;
+using Outcome = hybrid::Outcome<Eigen::Dynamic>;
+
+constexpr double event_driven_error = 1e-10;
+constexpr double tie_width = 2e-12;  // twice what the methods give to static friction
+
+struct Endless : std::runtime_error {
+  Endless() : std::runtime_error{"more steps than the campaign allows"} {}
+};
+
+class StepLimit {
+ public:
+  explicit StepLimit(std::uint64_t most) : left_{most} {}
+  void operator()(const State&) {
+    if (left_-- == 0) throw Endless{};
+  }
+
+ private:
+  std::uint64_t left_;
+};
+
+// The largest difference of a coordinate and of a speed, each as a share of the greatest that was met.
+double difference(const State& state, const ReferenceRun& reference) {
+  Real worst = 0;
+  for (std::size_t i = 0; i < reference.q.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const Real q = magnitude(Real(state.q[at]) - reference.q[i]), v = magnitude(Real(state.v[at]) - reference.v[i]);
+    if (q > 0) worst = larger(worst, q / larger(Real(reference.greatest_q), Real(1e-300)));
+    if (v > 0) worst = larger(worst, v / larger(Real(reference.greatest_v), Real(1e-300)));
+  }
+  return static_cast<double>(worst);
+}
+
+bool finite(const State& state) { return state.q.allFinite() && state.v.allFinite() && std::isfinite(state.time_s); }
+
+bool answered(const ReferenceRun& run) { return run.end == ReferenceEnd::at_rest || run.end == ReferenceEnd::time_up; }
+
+// The same machine with its input changed within rounding, or its static friction within the width of a tie.
+RandomMachine varied(RandomMachine random, int variant, double amount) {
+  if (variant < 2) {
+    random.machine.friction_N *= 1 + (variant == 0 ? amount : -amount);
+    return random;
+  }
+  for (Eigen::Index i = 0; i < random.start.q.size(); ++i) {
+    const double sign = (variant >> (i % 8) & 1) != 0 ? 1 : -1;
+    random.start.q[i] *= 1 + sign * amount;
+    random.start.v[i] *= 1 - sign * amount;
+  }
+  return random;
+}
+
+// How far one variant's answer is, and how far the variants are from each other.
+struct Sensitivity {
+  double nearest, spread;
+};
+
+Sensitivity sensitivity(const RandomMachine& random, const ReferenceRun& reference, const State& state, double amount,
+                        double most_work) {
+  Sensitivity result{difference(state, reference), 0};
+  for (int variant = 0; variant < 6; ++variant) {
+    const RandomMachine other = varied(random, variant, amount);
+    const ReferenceRun run = run_reference(other.machine, other.start, other.end_s, most_work);
+    if (!answered(run)) continue;
+    result.nearest = std::min(result.nearest, difference(state, run));
+    State end{0, Eigen::VectorXd(state.q.size()), Eigen::VectorXd(state.q.size())};
+    for (std::size_t i = 0; i < run.q.size(); ++i) {
+      end.q[static_cast<Eigen::Index>(i)] = static_cast<double>(run.q[i]);
+      end.v[static_cast<Eigen::Index>(i)] = static_cast<double>(run.v[i]);
+    }
+    result.spread = std::max(result.spread, difference(end, reference));
+  }
+  return result;
+}
+
+Outcome run_event_driven(const RandomMachine& r, const ComparisonOptions& options) {
+  const hybrid::EventDriven<> method{r.machine};
+  return method.run(r.start, r.end_s, nullptr, StepLimit{options.most_steps});
+}
+
+Outcome run_adaptive(const RandomMachine& r, const ComparisonOptions& options) {
+  const hybrid::Adaptive method{r.machine, hybrid::AdaptiveOptions{.tolerance = options.tolerance}};
+  return method.run(r.start, r.end_s, nullptr, StepLimit{options.most_steps});
+}
+
+Outcome run_time_stepping(const RandomMachine& r, double steps) {
+  const hybrid::TimeStepping<> method{r.machine, {.step_s = r.end_s / steps, .theta = 0.5}};
+  return method.run(r.start, r.end_s);
+}
+
+// Rest is seen by both or by none, at the same instant. An instant near the end is either's.
+std::string rest_contradiction(const Outcome& outcome, const ReferenceRun& reference, double end_s, double within) {
+  const bool rests = outcome.verdict == Verdict::at_rest, does = reference.end == ReferenceEnd::at_rest;
+  const bool settled = rests || outcome.verdict == Verdict::captured;
+  if (does && !settled && reference.rest_s < end_s * (1 - 1e-6)) return "rest was missed";
+  if (rests && !does && outcome.settling_time_s < end_s * (1 - 1e-6) && reference.greatest_v > 0) {
+    const double moving = static_cast<double>(largest(reference.v));
+    if (moving > 1e-12 * reference.greatest_v) return "rest was invented";
+  }
+  if (rests && does && std::abs(outcome.settling_time_s - reference.rest_s) > within * end_s) {
+    return "rest began at another instant";
+  }
+  return {};
+}
+
+Judgement judge_end(const RandomMachine& r, const ReferenceRun& reference, const Outcome& outcome, double allowed,
+                    double amount, double most_work) {
+  Judgement result;
+  if (!finite(outcome.end)) return {Finding::not_a_number, 0, "the state at the end"};
+  if (!answered(reference)) return {Finding::unjudged, 0, "the reference has no answer"};
+  result.error = difference(outcome.end, reference);
+  if (!(result.error <= allowed)) {
+    const Sensitivity s = sensitivity(r, reference, outcome.end, amount, most_work);
+    const bool tie = s.nearest <= allowed, condition = s.spread > allowed / 10 && result.error <= 10 * s.spread;
+    result.finding = tie || condition ? Finding::sensitive : Finding::wrong;
+    return result;
+  }
+  // The instant of a stop depends on the root of what is left of the motion.
+  result.note = rest_contradiction(outcome, reference, r.end_s, std::sqrt(allowed));
+  result.finding = result.note.empty() ? Finding::right : Finding::other_rest;
+  return result;
+}
+
+Judgement judge_time_stepping(const RandomMachine& r, const ReferenceRun& reference) {
+  constexpr double coarse = 500, refinement = 8;
+  const Outcome first = run_time_stepping(r, coarse), second = run_time_stepping(r, coarse * refinement);
+  if (!finite(first.end) || !finite(second.end)) return {Finding::not_a_number, 0, "the state at the end"};
+  if (!answered(reference)) return {Finding::unjudged, 0, "the reference has no answer"};
+  const double before = difference(first.end, reference), after = difference(second.end, reference);
+  if (after <= 1e-6 || after <= before / 2) return {Finding::right, after, {}};
+  // Before the step resolves the fastest motion, nothing is promised.
+  return {Finding::unjudged, after, "not yet in the region of convergence"};
+}
+
+}  // namespace
+
+std::string_view to_string(Method method) {
+  constexpr std::array<std::string_view, methods> names{"event-driven", "adaptive", "time stepping"};
+  return names.at(static_cast<std::size_t>(method));
+}
+
+std::string_view to_string(Finding finding) {
+  constexpr std::array<std::string_view, findings> names{"right",      "sensitive", "refused", "unjudged", "wrong",
+                                                         "other rest", "NaN",       "endless", "crashed"};
+  return names.at(static_cast<std::size_t>(finding));
+}
+
+Comparison::Comparison(const RandomMachine& random, ComparisonOptions options)
+    : random_{random},
+      options_{options},
+      reference_{run_reference(random.machine, random.start, random.end_s, options.most_work)} {}
+
+Judgement Comparison::judge(Method method) {
+  try {
+    switch (method) {
+      case Method::event_driven:
+        return judge_end(random_, reference_, run_event_driven(random_, options_), event_driven_error, tie_width,
+                         options_.most_work);
+      case Method::adaptive:
+        return judge_end(random_, reference_, run_adaptive(random_, options_), 10 * options_.tolerance,
+                         std::max(tie_width, options_.tolerance), options_.most_work);
+      case Method::time_stepping:
+        return judge_time_stepping(random_, reference_);
+    }
+  } catch (const InputError& error) {
+    return {Finding::refused, 0, error.what()};
+  } catch (const Endless& error) {
+    // The adaptive method takes what steps it must; a short campaign does not wait for them.
+    const bool patient = method != Method::adaptive || options_.most_steps >= 1'000'000;
+    return {patient ? Finding::endless : Finding::unjudged, 0, error.what()};
+  }
+  return {};
+}
+
+}  // namespace breakaway::campaign
