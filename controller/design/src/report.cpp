@@ -194,7 +194,7 @@ DesignReport design_axis(const AxisDesign& axis) {
       .least_damping_Ns_per_m = least_damping ? *least_damping : std::numeric_limits<double>::quiet_NaN(),
       .table_bytes = built.size_bytes,
       .table_proved_error = built.proved_error,
-      .table_measured_error = built.measured_error,
+      .table_measured_error = measured_error(built.table, plant),
       .checks = {},
       .certified = false,
       .reasons = {},
