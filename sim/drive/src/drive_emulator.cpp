@@ -84,11 +84,9 @@ void DriveEmulator::advance_to(hal::Time time) {
 
 std::optional<hal::Time> DriveEmulator::next_event() const {
   if (!powered_) return std::nullopt;
-  std::optional<hal::Time> next = drive_.next_event();
-  const auto consider = [&next](hal::Time time) { next = next ? std::min(*next, time) : time; };
-  if (const auto timer = timers_.first()) consider(*timers_.due(*timer));
-  if (!outgoing_.empty()) consider(outgoing_.begin()->first);
-  return next;
+  hal::Time next = std::min(drive_.next_event(), timers_.first_due());
+  if (!outgoing_.empty()) next = std::min(next, outgoing_.begin()->first);
+  return next < hal::Time::max() ? std::optional{next} : std::nullopt;
 }
 
 void DriveEmulator::advance_mechanism_to(hal::Time time) {

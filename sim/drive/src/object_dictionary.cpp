@@ -1,5 +1,6 @@
 #include "breakaway/drive_emulator/object_dictionary.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 namespace breakaway::drive_emulator {
@@ -41,13 +42,15 @@ Entry& ObjectDictionary::add(Address address, Entry entry) {
   return entries_[address] = std::move(entry);
 }
 
-const Entry* ObjectDictionary::find(Address address) const {
+Entry* ObjectDictionary::search(Address address) const {
   const auto found = entries_.find(address);
   return found == entries_.end() ? nullptr : &found->second;
 }
 
+Entry& ObjectDictionary::missing() { throw std::out_of_range{"no such object in the dictionary"}; }
+
 std::optional<SdoAbort> ObjectDictionary::refusal(Address address) const {
-  if (entries_.contains(address)) return std::nullopt;
+  if (look_up(address) != nullptr) return std::nullopt;
   const auto next = entries_.lower_bound({address.index, 0});
   const bool object_exists = next != entries_.end() && next->first.index == address.index;
   return object_exists ? SdoAbort::no_such_subindex : SdoAbort::no_such_object;
@@ -55,7 +58,7 @@ std::optional<SdoAbort> ObjectDictionary::refusal(Address address) const {
 
 std::optional<SdoAbort> ObjectDictionary::read(Address address, Bytes& data) const {
   if (const auto refused = refusal(address)) return refused;
-  const Entry& entry = entries_.at(address);
+  const Entry& entry = existing(address);
   if (entry.access == Access::write_only) return SdoAbort::write_only;
   if (entry.type == Type::text) {
     data.assign(entry.text.begin(), entry.text.end());
@@ -69,7 +72,7 @@ std::optional<SdoAbort> ObjectDictionary::read(Address address, Bytes& data) con
 
 std::optional<SdoAbort> ObjectDictionary::write(Address address, std::span<const std::uint8_t> data) {
   if (const auto refused = refusal(address)) return refused;
-  Entry& entry = entries_.at(address);
+  Entry& entry = existing(address);
   if (entry.access == Access::read_only) return SdoAbort::read_only;
   if (entry.type == Type::text) return write_text(entry, data);
   if (data.size() != size_bytes(entry.type)) return SdoAbort::length_mismatch;

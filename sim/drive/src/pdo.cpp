@@ -90,7 +90,7 @@ std::optional<SdoAbort> Pdo::check_mapped_object(std::uint32_t entry) const {
 
 std::size_t Pdo::size_bytes() const {
   unsigned bits = 0;
-  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub) bits += mapped_bits(mapping_entry(sub));
+  for (std::uint8_t sub = 1, count = mapped_count(); sub <= count; ++sub) bits += mapped_bits(mapping_entry(sub));
   return bits / 8;
 }
 
@@ -102,10 +102,11 @@ bool Pdo::maps(std::uint16_t index) const {
 
 ObjectDictionary::Bytes Pdo::pack() const {
   ObjectDictionary::Bytes data;
-  for (std::uint8_t sub = 1; sub <= mapped_count(); ++sub) {
-    const auto value = static_cast<std::uint64_t>(dictionary_->get(mapped_address(mapping_entry(sub))));
-    for (unsigned bit = 0; bit < mapped_bits(mapping_entry(sub)); bit += 8)
-      data.push_back(static_cast<std::uint8_t>(value >> bit));
+  data.reserve(max_bits / 8);
+  for (std::uint8_t sub = 1, count = mapped_count(); sub <= count; ++sub) {
+    const std::uint32_t entry = mapping_entry(sub);
+    const auto value = static_cast<std::uint64_t>(dictionary_->get(mapped_address(entry)));
+    for (unsigned bit = 0; bit < mapped_bits(entry); bit += 8) data.push_back(static_cast<std::uint8_t>(value >> bit));
   }
   return data;
 }

@@ -180,11 +180,6 @@ bool PowerDrive::settle(hal::Time time) {
   return changed;
 }
 
-std::optional<hal::Time> PowerDrive::next_event() const {
-  const auto first = timers_.first();
-  return first ? timers_.due(*first) : std::nullopt;
-}
-
 void PowerDrive::on_time(hal::Time time) {
   for (auto first = timers_.first(); first && *timers_.due(*first) <= time; first = timers_.first()) {
     timers_.cancel(*first);

@@ -1,6 +1,7 @@
 // ObjectDictionary: the entries of a CANopen device (CiA 301, 7.4) by index and sub-index, with type, access and range.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <functional>
@@ -57,9 +58,9 @@ class ObjectDictionary {
 
   // Access from the device itself, unchecked: rules and listener are not asked. Throws std::out_of_range if there is no
   // such entry.
-  std::int64_t get(Address address) const { return entries_.at(address).value; }
-  void set(Address address, std::int64_t value) { entries_.at(address).value = value; }
-  const Entry* find(Address address) const;
+  std::int64_t get(Address address) const { return existing(address).value; }
+  void set(Address address, std::int64_t value) { existing(address).value = value; }
+  const Entry* find(Address address) const { return look_up(address); }
 
   void restore_power_on_values(std::uint16_t first_index, std::uint16_t last_index);
 
@@ -67,7 +68,27 @@ class ObjectDictionary {
   std::optional<canopen::SdoAbort> refusal(Address address) const;
   std::optional<canopen::SdoAbort> write_text(Entry& entry, std::span<const std::uint8_t> data);
 
-  std::map<Address, Entry> entries_;
+  // A drive asks for the same few objects in every period, so that where they were found last is remembered.
+  struct Found {
+    Address address;
+    Entry* entry = nullptr;
+  };
+  static constexpr std::size_t remembered = 256;
+
+  Entry* look_up(Address address) const {
+    Found& found = found_[(address.index ^ (address.index >> 7U) ^ (address.sub * 37U)) % remembered];
+    if (found.entry == nullptr || found.address != address) found = {address, search(address)};
+    return found.entry;
+  }
+  Entry& existing(Address address) const {
+    Entry* const entry = look_up(address);
+    return entry != nullptr ? *entry : missing();
+  }
+  Entry* search(Address address) const;
+  [[noreturn]] static Entry& missing();
+
+  mutable std::map<Address, Entry> entries_;
+  mutable std::array<Found, remembered> found_{};
   std::map<Address, Entry> power_on_;
   std::map<std::uint16_t, Rule> rules_;
   std::function<void(Address)> listener_ = [](Address) {};

@@ -40,7 +40,8 @@ class PowerDrive {
   // Brings torque and statusword in line with everything that was written. Returns true when the statusword changed.
   bool settle(hal::Time time);
 
-  std::optional<hal::Time> next_event() const;
+  // Returns hal::Time::max() when nothing is to come.
+  hal::Time next_event() const { return timers_.first_due(); }
   // Handles what next_event() announced. settle() must follow.
   void on_time(hal::Time time);
 
