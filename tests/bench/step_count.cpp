@@ -179,11 +179,12 @@ int run(std::string_view part) {
        [] {
          for (const std::size_t axes : {1U, 2U, 4U, 8U}) count_loop(axes);
        }},
-      {"simulation", count_simulation}};
+      {"simulation", count_simulation},
+      {"tick", [] { count_scenario(axis_scenario()); }}};
   if (!can_count() || !parts.contains(part)) {
     std::fputs(
         "usage: valgrind --tool=callgrind --instr-atstart=no --combine-dumps=yes \\\n"
-        "         step_count law|k3|drive|loop|simulation\n",
+        "         step_count law|k3|drive|loop|simulation|tick\n",
         stderr);
     return 2;
   }

@@ -78,9 +78,8 @@ class Mean : public Combination {
   ShapePtr clone() const override { return std::make_unique<Mean>(*this); }
   double value(double time_s, double position_m, double speed_m_s) const override {
     double sum = 0;
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
-      sum += weights_[i] * parts()[i]->value(time_s, position_m, speed_m_s);
-    }
+    const double* weight = weights_.data();
+    for (const ShapePtr& part : parts()) sum += *weight++ * part->value(time_s, position_m, speed_m_s);
     return sum;
   }
 

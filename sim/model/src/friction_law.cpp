@@ -32,7 +32,7 @@ FrictionLaw& FrictionLaw::operator=(const FrictionLaw& other) {
 double FrictionLaw::level_N(double time_s, double position_m, double speed_m_s) const {
   // The clamp bounds the last bit of a rounded shape, and the smooth continuation that trial steps ask for.
   const double shape = std::clamp(shape_->value(time_s, position_m, speed_m_s), 0.0, 1.0);
-  return std::lerp(bounds_.lower_N, bounds_.upper_N, shape);
+  return std::min(bounds_.lower_N + shape * (bounds_.upper_N - bounds_.lower_N), bounds_.upper_N);
 }
 
 double FrictionLaw::breakaway_N(double time_s, double position_m, int direction) {

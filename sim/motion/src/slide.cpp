@@ -168,15 +168,20 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
   double steepest_N_per_s = (bounds.upper_N - bounds.lower_N) / friction_.time_scale_s();
   double window_s = friction_.time_scale_s();
   const double transient_N = force_.transient_at_N(state_.time_s);
+  // The push goes from what it is to what it is without the transient, and never back.
+  const double push_N = force_.at_N(state_.time_s, state_.position_m, 0);
+  const double greatest_push_N = std::max(std::abs(push_N), std::abs(push_N - transient_N));
+  const double least_level_N = std::min(rest_level_N_[0], rest_level_N_[1]) - steepest_N_per_s * duration_s;
+  if (greatest_push_N <= least_level_N) return never;
   if (transient_N != 0) {
     steepest_N_per_s += std::abs(transient_N) / force_.time_constant_s;
     window_s = std::min(window_s, force_.time_constant_s);
   }
   const auto excess_N = [&](double tau_s) {
     const double time_s = time_.after(tau_s);
-    const double push_N = force_.at_N(time_s, state_.position_m, 0);
-    direction = push_N < 0 ? -1 : 1;
-    return std::abs(push_N) - widened(friction_.breakaway_N(time_s, state_.position_m, direction));
+    const double pushes_N = force_.at_N(time_s, state_.position_m, 0);
+    direction = pushes_N < 0 ? -1 : 1;
+    return std::abs(pushes_N) - widened(friction_.breakaway_N(time_s, state_.position_m, direction));
   };
   double start_s = 0, start_N = excess_N(0);
   while (start_s < duration_s) {

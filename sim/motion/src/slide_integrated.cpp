@@ -13,11 +13,61 @@ namespace {
 using motion::Vector;
 
 constexpr double tolerance = 1e-13;  // of the row before the one that is taken
-constexpr double rounding = 1e-14;   // of a sum of forces
+// The same for the part of a motion that friction takes; the row that is taken is closer by orders of magnitude.
+constexpr double part_tolerance = 1e-12;
+constexpr double rounding = 1e-14;  // of a sum of forces
 // After so many refused steps in a row a motion that neither stops nor clearly goes on is at rest, to rounding.
 constexpr int max_refusals = 60;
 
 constexpr std::size_t distance = 0, speed = 1;
+
+// Motion under a held force and the transient that leads to it, without friction, in travel coordinates.
+class PushedMotion {
+ public:
+  struct State {
+    double distance_m, speed_m_s, acceleration_m_s2;
+  };
+
+  // transient_m_s2: at the start.
+  PushedMotion(double start_speed_m_s, double constant_m_s2, double transient_m_s2, double time_constant_s)
+      : start_speed_m_s_(start_speed_m_s),
+        constant_m_s2_(constant_m_s2),
+        transient_m_s2_(transient_m_s2),
+        time_constant_s_(time_constant_s) {}
+
+  State at(double tau_s) {
+    const double gain_m_s = constant_m_s2_ * tau_s;
+    State state{tau_s * (start_speed_m_s_ + 0.5 * gain_m_s), start_speed_m_s_ + gain_m_s, constant_m_s2_};
+    if (transient_m_s2_ == 0) return state;
+    const double gone = share_gone(tau_s), settled_m_s = transient_m_s2_ * time_constant_s_;
+    state.distance_m += settled_m_s * (tau_s - time_constant_s_ * gone);
+    state.speed_m_s += settled_m_s * gone;
+    state.acceleration_m_s2 += transient_m_s2_ * (1 - gone);
+    return state;
+  }
+
+ private:
+  // 1 - e^(-tau / time constant). An integrator asks at equal distances, so that one exponential serves a whole row:
+  // what is left falls by the same share in each.
+  double share_gone(double tau_s) {
+    const double next_s = last_s_ + spacing_s_;
+    if (std::abs(tau_s - next_s) <= 4 * std::numeric_limits<double>::epsilon() * tau_s) {
+      gone_ += gone_in_spacing_ * (1 - gone_);
+    } else {
+      gone_ = gone_in_spacing_ = -std::expm1(-tau_s / time_constant_s_);
+      spacing_s_ = tau_s;
+    }
+    last_s_ = tau_s;
+    return gone_;
+  }
+
+  double start_speed_m_s_;
+  double constant_m_s2_;
+  double transient_m_s2_;
+  double time_constant_s_;
+  double last_s_ = 0, spacing_s_ = 0;
+  double gone_ = 0, gone_in_spacing_ = 0;
+};
 
 // Eq. (7) in travel coordinates (distance and speed along the motion, time since its start), remembering the range of
 // the accelerations that it was asked for: it screens a step for interior extrema of the speed.
@@ -40,6 +90,7 @@ class TravelEquation {
     resolution_m_s2_ = (rounding * (force_N + bounds.upper_N) +
                         (bounds.upper_N - bounds.lower_N) * time_rounding_s / friction.time_scale_s()) /
                        mass_kg;
+    greatest_acceleration_m_s2_ = (force_N + bounds.upper_N) / mass_kg;
   }
 
   // Rounding leaves an acceleration uncertain by this, because of the forces that it is the difference of, and of time
@@ -51,14 +102,32 @@ class TravelEquation {
     double force_N = force_.constant_N - force_.stiffness_N_per_m * (offset_m_ + moved_m) -
                      force_.damping_Ns_per_m * direction_ * speed_m_s;
     if (transient_N_ != 0) force_N += transient_N_ * std::exp(-tau_s / force_.time_constant_s);
-    const double level_N = friction_.level_N(time_.after(tau_s), start_.position_m + moved_m, speed_m_s);
-    return (direction_ * force_N - level_N) / mass_kg_;
+    return direction_ * force_N / mass_kg_ - friction_m_s2(tau_s, distance_m, speed_m_s);
   }
 
   void operator()(double tau_s, const Vector<2>& y, Vector<2>& derivative) {
     derivative = {y[speed], acceleration(tau_s, y[distance], y[speed])};
-    least_ = std::min(least_, derivative[speed]);
-    greatest_ = std::max(greatest_, derivative[speed]);
+    note_acceleration(derivative[speed]);
+  }
+
+  // Says whether no feedback acts, and the forces change the speed by little more than itself in so long a step and
+  // while the transient lasts: then no two terms of the motion without friction cancel.
+  bool changes_little(double speed_m_s, double step_s) const {
+    const double transient_s = transient_N_ == 0 ? 0 : force_.time_constant_s;
+    return !force_.has_feedback() && std::max(step_s, transient_s) * greatest_acceleration_m_s2_ <= 8 * speed_m_s;
+  }
+  PushedMotion without_friction(double tau_s, double speed_m_s) const {
+    const double transient_N = transient_N_ == 0 ? 0 : transient_N_ * std::exp(-tau_s / force_.time_constant_s);
+    return {speed_m_s, direction_ * force_.constant_N / mass_kg_, direction_ * transient_N / mass_kg_,
+            force_.time_constant_s};
+  }
+  double friction_m_s2(double tau_s, double distance_m, double speed_m_s) const {
+    return friction_.level_N(time_.after(tau_s), start_.position_m + direction_ * distance_m, speed_m_s) / mass_kg_;
+  }
+
+  void note_acceleration(double acceleration_m_s2) {
+    least_ = std::min(least_, acceleration_m_s2);
+    greatest_ = std::max(greatest_, acceleration_m_s2);
   }
 
   void forget_range() {
@@ -78,6 +147,7 @@ class TravelEquation {
   double offset_m_;
   double transient_N_;
   double resolution_m_s2_;
+  double greatest_acceleration_m_s2_;
   double least_ = 0;
   double greatest_ = 0;
 };
@@ -96,6 +166,46 @@ Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, dou
   const auto step =
       motion::extrapolated_step(equation, tau_s, y, step_s, tolerance, {speed_floor * step_s, speed_floor});
   return {step.converged, tau_s + step_s, step.state, step.suggested_step};
+}
+
+// What friction takes from the motion that the pushing force alone would make, which is known in closed form. A current
+// loop's transient is far shorter than what friction notices of it, so that much longer steps converge.
+class FrictionPart {
+ public:
+  FrictionPart(TravelEquation& equation, double tau_s, const Vector<2>& y)
+      : equation_(equation), pushed_(equation.without_friction(tau_s, y[speed])), tau_s_(tau_s), y_(y) {}
+
+  void operator()(double step_s, const Vector<2>& part, Vector<2>& derivative) {
+    const auto pushed = pushed_.at(step_s);
+    const double taken = equation_.friction_m_s2(tau_s_ + step_s, y_[distance] + pushed.distance_m + part[distance],
+                                                 pushed.speed_m_s + part[speed]);
+    equation_.note_acceleration(pushed.acceleration_m_s2 - taken);
+    derivative = {part[speed], -taken};
+  }
+
+  // The whole motion.
+  Vector<2> with_push(double step_s, const Vector<2>& part) {
+    const auto pushed = pushed_.at(step_s);
+    return {y_[distance] + pushed.distance_m + part[distance], pushed.speed_m_s + part[speed]};
+  }
+
+ private:
+  TravelEquation& equation_;
+  PushedMotion pushed_;
+  double tau_s_;
+  Vector<2> y_;
+};
+
+// Takes a step in time of a motion that is much faster than what the forces change in it, so that nothing cancels
+// between the two parts.
+Trial trial_step_of_friction(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s) {
+  const double speed_floor = equation.resolution_m_s2() * step_s + part_tolerance * y[speed];
+  const double distance_floor = speed_floor * step_s + part_tolerance * y[distance];
+  FrictionPart part(equation, tau_s, y);
+  equation.forget_range();
+  const auto step =
+      motion::extrapolated_step(part, 0, Vector<2>{}, step_s, part_tolerance, {0.5 * distance_floor, speed_floor});
+  return {step.converged, tau_s + step_s, part.with_push(step_s, step.state), step.suggested_step};
 }
 
 // Takes a step to exactly y[E] = target, by exchange of the independent variable.
@@ -159,7 +269,8 @@ class Flight {
   }
 
   bool advance_in_time(double step, double& step_s) {
-    const Trial trial = trial_step(equation_, tau_s_, y_, step);
+    const Trial trial = equation_.changes_little(y_[speed], step) ? trial_step_of_friction(equation_, tau_s_, y_, step)
+                                                                  : trial_step(equation_, tau_s_, y_, step);
     const double least = equation_.least();
     const bool may_rest = !outlasts_ && least < 0 && y_[speed] + step * least <= 0;
     if (!trial.converged || may_rest || trial.y[speed] <= 0) {
