@@ -55,6 +55,12 @@ void print_axis(const AxisResult& axis, double duration_s) {
   for (const auto& fault : axis.faults) fmt::print("  FAULT          {} at {:.6g} s\n", fault.name, fault.time_s);
 }
 
+void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
+  if (!accuracy) return;
+  fmt::print("  method         {}\n  error          about {:.2g} m, of {:g} m allowed\n", to_string(accuracy->method),
+             accuracy->error_estimate_m, accuracy->asked_m);
+}
+
 void print_figures(const Scenario& s, const Result& r) {
   for (const AxisResult& axis : r.axes) {
     if (s.axes() > 1) fmt::print("  axis {}\n", axis.name);
@@ -64,12 +70,7 @@ void print_figures(const Scenario& s, const Result& r) {
     fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,
                r.loop->missed_ticks);
   }
-}
-
-void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
-  if (!accuracy) return;
-  fmt::print("  method         {}\n  error          about {:.2g} m, of {:g} m allowed\n", to_string(accuracy->method),
-             accuracy->error_estimate_m, accuracy->asked_m);
+  print_accuracy(r.accuracy);
 }
 
 void print_figures(const MachineScenario&, const MachineResult& r) {
@@ -143,8 +144,8 @@ int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenari
   return result.settled() ? done : failed_check;
 }
 
-void ask_for(double, const Scenario&) {
-  throw InputError{"--accuracy: is for a [machine]; an axis is followed to rounding, so leave it out"};
+void ask_for(double accuracy_m, Scenario& scenario) {
+  if (scenario.run) scenario.run->accuracy_m = accuracy_m;
 }
 void ask_for(double accuracy_m, MachineScenario& scenario) { scenario.accuracy_m = accuracy_m; }
 
@@ -178,7 +179,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(file_name);
   command
       ->add_option("--accuracy", options->accuracy_m,
-                   "Allow this error (m) at the end, and take the cheapest method that holds it: [run] accuracy_m")
+                   "Allow this error (m), and take the cheapest method that holds it: [run] accuracy_m")
       ->check(positive_number);
   command->footer(
       std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +

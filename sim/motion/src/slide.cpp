@@ -32,8 +32,9 @@ constexpr int scan_depth = 24;
 
 }  // namespace
 
-Slide::Slide(double mass_kg, model::FrictionLaw friction, SlideState initial)
+Slide::Slide(double mass_kg, model::FrictionLaw friction, SlideState initial, double tolerance)
     : mass_kg_(mass_kg),
+      tolerance_(tolerance),
       friction_(std::move(friction)),
       time_{initial.time_s},
       state_(initial),
@@ -43,6 +44,7 @@ Slide::Slide(double mass_kg, model::FrictionLaw friction, SlideState initial)
   require_finite("velocity_m_s", initial.velocity_m_s);
   require_finite("mass_kg", mass_kg);
   if (mass_kg <= 0) throw InputError{"mass_kg must be positive"};
+  if (!(tolerance >= 1e-14 && tolerance <= 1e-2)) throw InputError{"tolerance must be in [1e-14, 1e-2]"};
   friction_.on_time(initial.time_s);
   face_law();
 }

@@ -12,9 +12,9 @@ namespace {
 
 using motion::Vector;
 
-constexpr double tolerance = 1e-13;  // of the row before the one that is taken
-// The same for the part of a motion that friction takes; the row that is taken is closer by orders of magnitude.
-constexpr double part_tolerance = 1e-12;
+// The tolerance for the part of a motion that friction takes, in units of that for a whole one; the row that is taken
+// is closer by orders of magnitude.
+constexpr double part_tolerance = 10;
 constexpr double rounding = 1e-14;  // of a sum of forces
 // After so many refused steps in a row a motion that neither stops nor clearly goes on is at rest, to rounding.
 constexpr int max_refusals = 60;
@@ -160,7 +160,7 @@ struct Trial {
 };
 
 // Takes a step in time.
-Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s) {
+Trial trial_step(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s, double tolerance) {
   const double speed_floor = equation.resolution_m_s2() * step_s;
   equation.forget_range();
   const auto step =
@@ -198,19 +198,20 @@ class FrictionPart {
 
 // Takes a step in time of a motion that is much faster than what the forces change in it, so that nothing cancels
 // between the two parts.
-Trial trial_step_of_friction(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s) {
-  const double speed_floor = equation.resolution_m_s2() * step_s + part_tolerance * y[speed];
-  const double distance_floor = speed_floor * step_s + part_tolerance * y[distance];
+Trial trial_step_of_friction(TravelEquation& equation, double tau_s, const Vector<2>& y, double step_s,
+                             double tolerance) {
+  const double speed_floor = equation.resolution_m_s2() * step_s + tolerance * y[speed];
+  const double distance_floor = speed_floor * step_s + tolerance * y[distance];
   FrictionPart part(equation, tau_s, y);
   equation.forget_range();
   const auto step =
-      motion::extrapolated_step(part, 0, Vector<2>{}, step_s, part_tolerance, {0.5 * distance_floor, speed_floor});
+      motion::extrapolated_step(part, 0, Vector<2>{}, step_s, tolerance, {0.5 * distance_floor, speed_floor});
   return {step.converged, tau_s + step_s, part.with_push(step_s, step.state), step.suggested_step};
 }
 
 // Takes a step to exactly y[E] = target, by exchange of the independent variable.
 template <std::size_t E>
-Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, double target) {
+Trial trial_to(TravelEquation& equation, double tau_s, const Vector<2>& y, double target, double tolerance) {
   const double rate = E == speed ? equation.acceleration(tau_s, y[distance], y[speed]) : y[speed];
   const double step_s = (target - y[E]) / rate;
   const double speed_floor = equation.resolution_m_s2() * step_s;
@@ -232,8 +233,14 @@ class Flight {
  public:
   enum class State { goes_on, over, at_edge, at_rest };
 
-  Flight(TravelEquation equation, double speed_m_s, double duration_s, double edge_m, double longest_s)
-      : equation_(equation), y_{0, speed_m_s}, duration_s_(duration_s), edge_m_(edge_m), longest_s_(longest_s) {}
+  Flight(TravelEquation equation, double speed_m_s, double duration_s, double edge_m, double longest_s,
+         double tolerance)
+      : equation_(equation),
+        y_{0, speed_m_s},
+        duration_s_(duration_s),
+        edge_m_(edge_m),
+        longest_s_(longest_s),
+        tolerance_(tolerance) {}
 
   // Tries one step of at most step_s, which it replaces by the step to try next. True if the flight moved on.
   bool advance(double& step_s) {
@@ -251,7 +258,7 @@ class Flight {
  private:
   bool advance_in_speed(double acceleration, double& step_s) {
     const double drop_m_s = std::min(y_[speed], -acceleration * longest_s_);
-    const Trial trial = trial_to<speed>(equation_, tau_s_, y_, y_[speed] - drop_m_s);
+    const Trial trial = trial_to<speed>(equation_, tau_s_, y_, y_[speed] - drop_m_s, tolerance_);
     if (!trial.converged || equation_.greatest() >= 0) {  // too far, or the speed may have a minimum ahead
       step_s = std::min(0.25 * y_[speed] / -acceleration, trial.suggested_s);
       return false;
@@ -269,8 +276,9 @@ class Flight {
   }
 
   bool advance_in_time(double step, double& step_s) {
-    const Trial trial = equation_.changes_little(y_[speed], step) ? trial_step_of_friction(equation_, tau_s_, y_, step)
-                                                                  : trial_step(equation_, tau_s_, y_, step);
+    const Trial trial = equation_.changes_little(y_[speed], step)
+                            ? trial_step_of_friction(equation_, tau_s_, y_, step, part_tolerance * tolerance_)
+                            : trial_step(equation_, tau_s_, y_, step, tolerance_);
     const double least = equation_.least();
     const bool may_rest = !outlasts_ && least < 0 && y_[speed] + step * least <= 0;
     if (!trial.converged || may_rest || trial.y[speed] <= 0) {
@@ -289,7 +297,7 @@ class Flight {
 
   bool advance_to_edge(double& step_s) {
     if (y_[speed] > 0) {
-      const Trial trial = trial_to<distance>(equation_, tau_s_, y_, edge_m_);
+      const Trial trial = trial_to<distance>(equation_, tau_s_, y_, edge_m_, tolerance_);
       if (trial.converged) {
         accept(trial, State::at_edge);
         return true;
@@ -311,6 +319,7 @@ class Flight {
   double duration_s_;
   double edge_m_;
   double longest_s_;
+  double tolerance_;
   bool outlasts_ = false;  // known not to come to rest within the duration
   State state_ = State::goes_on;
 };
@@ -320,7 +329,7 @@ class Flight {
 Slide::Segment Slide::slide_by_integration(double duration_s) {
   const TravelEquation equation(friction_, force_, state_, time_, direction_, mass_kg_);
   const double longest_s = observer_ ? std::min(duration_s, observer_interval_s_) : duration_s;
-  Flight flight(equation, std::abs(state_.velocity_m_s), duration_s, edge_distance_m(), longest_s);
+  Flight flight(equation, std::abs(state_.velocity_m_s), duration_s, edge_distance_m(), longest_s, tolerance_);
   double step_s = next_step_s_ > 0 ? next_step_s_ : first_step_s(duration_s);
   for (int refusals = 0; flight.state() == Flight::State::goes_on; ++refusals) {
     if (refusals == max_refusals) return {flight.tau_s(), flight.distance_m(), 0, Ending::rest};

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "breakaway/format/json_writer.hpp"
+#include "breakaway/report/accuracy_json.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -101,6 +102,7 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
     }
     json.member("duration_s", result.duration_s);
     json.member("wall_s", result.wall_s);
+    if (result.accuracy) write_accuracy(json, *result.accuracy);
   });
   return json.text();
 }

@@ -133,7 +133,8 @@ class WorldReader {
                                        },
                                        "s", {0, 1e6, true})),
             optional("settle_time_s", number(run_.settle_time_s, "s", not_negative)),
-            optional("stop_when_settled", boolean(run_.stop_when_settled))};
+            optional("stop_when_settled", boolean(run_.stop_when_settled)),
+            optional("accuracy_m", number(run_.accuracy_m, "m", positive))};
   }
 
   drive_emulator::EmulatorConfig emulator(const Axis& described, const ReadAxis& axis) const {

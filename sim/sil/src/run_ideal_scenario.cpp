@@ -35,7 +35,10 @@ class IdealRun {
         parameters_{config::axis_parameters<double>(s.node, axis_)},
         table_{kick_table(parameters_)},
         controller_{parameters_, table_},
-        slide_{axis_.mass_kg, s.worlds[place].friction, {0, s.worlds[place].position_m, s.worlds[place].velocity_m_s}} {
+        slide_{axis_.mass_kg,
+               s.worlds[place].friction,
+               {0, s.worlds[place].position_m, s.worlds[place].velocity_m_s},
+               s.worlds[place].tolerance.value_or(motion::Slide::usual_tolerance)} {
     result_.name = axis_.name;
     if (recording.trace) record();
   }

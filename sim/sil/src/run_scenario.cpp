@@ -4,6 +4,7 @@
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/sil/axis_accuracy.hpp"
 #include "breakaway/sil/run_ideal_scenario.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 
@@ -67,6 +68,12 @@ void require_complete(const scenario::Scenario& s) {
 
 Result run_scenario(const scenario::Scenario& s, const RecordingOptions& recording) {
   require_complete(s);
+  if (s.run->accuracy_m) {
+    const Accuracy accuracy = choose_method(s);
+    Result result = run_scenario(with_method(s, accuracy.method), recording);
+    result.accuracy = accuracy;
+    return result;
+  }
   return s.ideal() ? run_ideal_scenario(s, recording) : run_loop_scenario(s, recording);
 }
 

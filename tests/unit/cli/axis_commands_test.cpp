@@ -13,6 +13,14 @@
 namespace breakaway::testing {
 namespace {
 
+TEST_F(Command, TakesTheToleranceThatHoldsTheAccuracyOfAnAxis) {
+  const Ended ended = run("simulate " + scenarios + "can_axis.toml --accuracy 1e-4 --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"accuracy_m", "method", "tolerance", "error_estimate_m", "refused"});
+  EXPECT_LE(figure(ended.out, "error_estimate_m"), 1e-4);
+  expect_refused("simulate " + scenarios + "can_axis.toml --accuracy 1e-20", {"can_axis.toml", "1e-20", "rounding"});
+}
+
 TEST_F(Command, NamesWhatAScenarioOnTheBusLacks) {
   const std::string can_axis = content(scenarios + "can_axis.toml");
   const auto without = [&](const std::string& line) {

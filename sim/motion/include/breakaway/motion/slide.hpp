@@ -42,8 +42,12 @@ class Slide {
   // Called with the state and the friction force level in N; see observe().
   using Observer = std::function<void(const SlideState&, double friction_level_N)>;
 
-  // Throws InputError unless mass_kg > 0 and all numbers are finite.
-  Slide(double mass_kg, model::FrictionLaw friction, SlideState initial);
+  // Of an integration step, relative; for the row before the one that is taken.
+  static constexpr double usual_tolerance = 1e-13;
+
+  // `tolerance` matters only to motion that has no closed form. Throws InputError unless mass_kg > 0, tolerance is in
+  // [1e-14, 1e-2] and all numbers are finite.
+  Slide(double mass_kg, model::FrictionLaw friction, SlideState initial, double tolerance = usual_tolerance);
 
   // Moves on to exactly time_s, or with stop_at_rest to the first instant at which the velocity becomes zero after
   // motion, if that is earlier: any such instant, whether the axis then sticks, turns round or would be kicked. A next
@@ -100,6 +104,7 @@ class Slide {
   void observe_at(double tau_s, double distance_m, double speed_m_s) const;
 
   double mass_kg_;
+  double tolerance_;
   model::FrictionLaw friction_;
   SummedTime time_;
   SlideState state_;  // at time_.sum_s

@@ -35,6 +35,7 @@ struct AxisWorld {
   std::optional<model::FrictionDrift> drift;
   std::optional<model::EncoderErrorParameters> encoder_error;
   std::optional<drive_emulator::EmulatorConfig> drive;
+  std::optional<double> tolerance;  // of the integration of its motion, for one step; none: the finest
 };
 
 enum class ScalarType : std::uint8_t { float32, float64 };
@@ -43,6 +44,7 @@ struct Run {
   double duration_s = 0;
   double settle_time_s = 0;  // the error must stay within the tolerance, at rest, for this long
   bool stop_when_settled = true;
+  std::optional<double> accuracy_m;  // the error that the position of any axis may have at the end
 };
 
 struct Scenario {

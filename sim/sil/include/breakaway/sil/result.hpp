@@ -10,6 +10,7 @@
 
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/law/control_types.hpp"
+#include "breakaway/sil/accuracy.hpp"
 
 namespace breakaway::sil {
 
@@ -98,6 +99,7 @@ struct Result {
   std::vector<AxisResult> axes;  // as the scenario has them
   std::optional<LoopFigures> loop;
   std::vector<TimedFrame> frames;
+  std::optional<Accuracy> accuracy;  // where the scenario asks for one
 
   bool settled() const { return std::ranges::all_of(axes, &AxisResult::settled); }
 };
