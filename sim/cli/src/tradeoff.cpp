@@ -3,15 +3,24 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <variant>
 
+#include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/sil/run_scenario.hpp"
 #include "breakaway/tradeoff/frontiers.hpp"
+#include "breakaway/tradeoff/scene_tradeoff.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
 namespace {
 
 struct TradeoffFiles {
+  std::string scenario;
+  std::optional<double> accuracy_m;
   std::string json, picture, page, work;
   std::uint64_t repeats = 1;
   bool quick = false;
@@ -26,10 +35,15 @@ std::string cost_text(const tradeoff::Cost& cost) {
   return std::isfinite(cost.instructions) ? fmt::format("{} {:>14.0f} instructions", ratio, cost.instructions) : ratio;
 }
 
+std::string step_text(const tradeoff::IntegratorRow& row) {
+  if (row.step_s > 0) return fmt::format("h = {:<14g}", row.step_s);
+  return row.tolerance > 0 ? fmt::format("tolerance {:<8g}", row.tolerance) : std::string(18, ' ');
+}
+
 void print_frontiers(const tradeoff::Frontiers& f) {
   fmt::print("Integrators on the two-mass example: mean error, wrong verdicts, cost of a trajectory\n");
   for (const auto& row : f.integrators) {
-    fmt::print("  {:<16} h = {:<7g} {} {} {}\n", row.method, row.step_s, figure(row.error_m, "m"),
+    fmt::print("  {:<16} {:<7} {} {} {}\n", row.method, step_text(row), figure(row.error_m, "m"),
                figure(100 * row.wrong_share, "%"), cost_text(row.trajectory));
   }
   fmt::print("Time stepping of the impulsive example never settles: the ball it keeps kicking in\n");
@@ -62,8 +76,38 @@ tradeoff::Options measuring(const TradeoffFiles& files) {
   return options;
 }
 
+std::optional<double>& accuracy_of(scenario::MachineScenario& scenario) { return scenario.accuracy_m; }
+std::optional<double>& accuracy_of(scenario::Scenario& scenario) {
+  sil::require_complete(scenario);
+  return scenario.run->accuracy_m;
+}
+
+// Of the user's own scene.
+void run_scene(const TradeoffFiles& files) {
+  if (!files.page.empty()) throw InputError{"--page: is written without a scenario; leave one of the two out"};
+  if (!files.picture.empty()) format::require_picture_ending(files.picture);
+  auto any = scenario::read_any_scenario(files.scenario);
+  const auto progress = measuring(files).counting.progress;
+  const tradeoff::SceneTradeoff scene = std::visit(
+      [&](auto& scenario) {
+        std::optional<double>& accuracy_m = accuracy_of(scenario);
+        if (files.accuracy_m) accuracy_m = files.accuracy_m;
+        if (!accuracy_m) throw InputError{"--accuracy is missing: say which error (m) the answer may have"};
+        return tradeoff::measure_scene(scenario, progress);
+      },
+      any);
+  if (progress) fmt::print(stderr, "\r\033[K");
+  const std::string picture = files.picture.empty() ? "" : tradeoff::draw_scene(files.picture, scene);
+  if (!files.json.empty()) format::write_output(files.json, tradeoff::to_json(scene));
+  if (!files.picture.empty()) format::write_output(files.picture, picture);
+  if (files.json != "-") fmt::print("{}", tradeoff::to_table(scene));
+  if (scene.refusal) throw sil::AccuracyRefused{*scene.refusal};
+}
+
 void run_tradeoff(const TradeoffFiles& files) {
   if (!files.work.empty()) return tradeoff::do_work(files.work, files.repeats);
+  if (!files.scenario.empty()) return run_scene(files);
+  if (files.accuracy_m) throw InputError{"--accuracy: needs a scenario; name your machine's or axis' file"};
   const auto options = measuring(files);
   const auto frontiers = tradeoff::measure(options);
   if (options.counting.progress) fmt::print(stderr, "\r\033[K");
@@ -80,6 +124,10 @@ void add_tradeoff(CLI::App& app, int& exit_code) {
   const auto files = std::make_shared<TradeoffFiles>();
   CLI::App* command = app.add_subcommand(
       "tradeoff", "Measure speed against accuracy: integrators, k3 evaluators, control periods, parts of a scenario");
+  command->add_option("scenario", files->scenario,
+                      "A scenario of your own: its methods, and the parts it can do without");
+  command->add_option("--accuracy", files->accuracy_m, "The error (m) that the scenario's answer may have")
+      ->check(positive_number);
   command->add_flag("--quick", files->quick, "Fewer rows, and no counting of instructions: seconds, not minutes");
   command->add_option("--json", files->json, "Write all figures as JSON to this file; - is standard output")
       ->check(file_name);
@@ -91,7 +139,8 @@ void add_tradeoff(CLI::App& app, int& exit_code) {
   command->add_option("--work", files->work)->group("");
   command->add_option("--repeat", files->repeats)->group("");
   command->footer(
-      std::string{"Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
+      std::string{"Example: breakaway tradeoff sim/scenarios/can_axis.toml --accuracy 1e-5 --picture own.svg\n"
+                  "Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
                   "Instructions are counted where valgrind is installed; without it costs are ratios of times.\n"} +
       exit_codes);
   command->callback([files, &exit_code] {

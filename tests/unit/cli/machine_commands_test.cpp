@@ -42,6 +42,29 @@ TEST_F(Command, WritesWhyNoMethodHoldsTheAccuracyAskedFor) {
   expect_refused("simulate " + two_masses + " --accuracy 0", {"--accuracy", "above 0"});
 }
 
+TEST_F(Command, TellsWhatAnAccuracyCostsOnASceneOfOnesOwn) {
+  const std::string stribeck = scenarios + "two_mass_stribeck.toml";
+  const Ended ended = run("tradeoff " + stribeck + " --accuracy 1e-5 --json - --picture " + path("a.svg"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"method", "error_estimate_m", "refused", "trials", "error_m", "estimated_cost_s", "holds",
+                          "parts", "part", "may_be_left_out", "difference_on_the_way_m", "saves_share"});
+  EXPECT_NE(content(path("a.svg")).find("chosen"), std::string::npos);
+  const std::string chosen = run("simulate " + stribeck + " --accuracy 1e-5 --json -").out;
+  EXPECT_EQ(figure(ended.out, "error_estimate_m"), figure(chosen, "error_estimate_m")) << "as simulate has it";
+  const std::string table = run("tradeoff " + two_masses + " --accuracy 1e-2").out;
+  for (const char* part : {"event_driven", "time_stepping", "chosen"}) EXPECT_NE(table.find(part), std::string::npos);
+  expect_refused("tradeoff " + two_masses, {"--accuracy", "missing"});
+  expect_refused("tradeoff --accuracy 1", {"--accuracy", "scenario"});
+  expect_refused("tradeoff " + two_masses + " --accuracy 1e-20 --json " + path("b.json"), {"1e-20", "rounding"});
+  EXPECT_NE(content(path("b.json")).find("\"method\": null"), std::string::npos);
+}
+
+TEST_F(Command, TellsWhichPartsOfAnAxisMayBeLeftOut) {
+  const std::string json = run("tradeoff " + scenarios + "can_axis.toml --accuracy 1e-3 --json -").out;
+  EXPECT_NE(json.find("{\"part\": \"lag of the drive\", \"may_be_left_out\": true"), std::string::npos) << json;
+  EXPECT_NE(json.find("{\"part\": \"loop, drive and bus\", \"may_be_left_out\": false"), std::string::npos) << json;
+}
+
 TEST_F(Command, KeepsTheContractOfBasin) {
   const Ended ended = run("basin " + two_masses + " --grid 41 --window 6 --json - --csv " + path("a.csv"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;

@@ -8,6 +8,7 @@
 #include "breakaway/motion/slide.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "parts.hpp"
+#include "scene_parts.hpp"
 
 namespace breakaway::tradeoff {
 namespace {
@@ -37,19 +38,6 @@ Scenario with(void (*change)(Scenario&)) {
   Scenario s = moving_axis();
   change(s);
   return s;
-}
-
-void leave_out_the_loop(Scenario& s) {
-  s.node.loop.reset();
-  s.node.bit_rate.reset();
-  s.bus.reset();
-  world(s).drive.reset();
-  axis(s).drive.reset();
-  axis(s).limits = {};
-  config::Controller& c = axis(s).controller;
-  c.max_force_N = c.max_approach_speed_m_s = config::unlimited;
-  c.position_tolerance_m = 0;
-  c.impulsive->kick = config::Kick::ideal;
 }
 
 struct Part {
