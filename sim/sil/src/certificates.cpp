@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "breakaway/sil/contradiction.hpp"
+
 namespace breakaway::sil {
 
 Certificates certify(const stability::LinearMachine<>& machine) {
@@ -19,6 +21,7 @@ Certificates certify(const stability::LinearMachine<>& machine) {
   }
   certificates.attractivity = stability::certify_attractivity(machine);
   certificates.escapes = stability::escape_levels(machine);
+  require_consistent(machine, certificates);
   return certificates;
 }
 

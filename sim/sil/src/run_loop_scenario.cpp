@@ -87,6 +87,7 @@ class LoopRun {
       step();
       note(time_s);
       for (Axis& axis : axes_) axis.judge(time_s);
+      if (recording_.progress) recording_.progress(time_s / duration_s);
       if (all(&Axis::over) && (s_.run->stop_when_settled || all(&Axis::faulted))) break;
     }
   }

@@ -10,6 +10,7 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/certificates.hpp"
+#include "breakaway/sil/contradiction.hpp"
 #include "breakaway/sil/method_choice.hpp"
 #include "impulse_walk.hpp"
 #include "machine_end.hpp"
@@ -33,27 +34,36 @@ constexpr double samples_of_a_trace = 1000;  // between events
 
 double sample_interval_s(const scenario::MachineScenario& s) { return s.duration_s / samples_of_a_trace; }
 
+void tell(const RecordingOptions& recording, const State& state, const MachineScenario& s) {
+  if (recording.progress) recording.progress(state.time_s / s.duration_s);
+}
+
 template <class RunTo>
 void run_from_impulse_to_impulse(const scenario::MachineScenario& s, MachineResult& result, const RunTo& run) {
-  result.outcome = walk_impulses(s, run, [&](const State& state) {
-    result.proved = ProvenFate<Eigen::Dynamic>{s.machine, certify(s)}(state);
-  });
+  const Certificates certificates = certify(s);
+  State last = *s.start;
+  result.outcome = walk_impulses(s, run, [&](const State& state) { last = state; });
+  result.proved = ProvenFate<Eigen::Dynamic>{s.machine, certificates}(last);
+  require_consistent(s.machine, certificates, last, result.outcome);
 }
 
 // At an event a direction that begins to slide has no velocity yet: the mode shows half-way to the next one.
-void run_event_driven(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+void run_event_driven(const scenario::MachineScenario& s, MachineResult& result, const RecordingOptions& recording) {
   const hybrid::EventDriven<> integrator{s.machine};
   std::vector<State> corners;
   run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
-    return integrator.run(start, end_s, &result.events, [&](const State& state) { corners.push_back(state); });
+    return integrator.run(start, end_s, &result.events, [&](const State& state) {
+      corners.push_back(state);
+      tell(recording, state, s);
+    });
   });
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (trace) result.trace.push_back(corners[i]);
+    if (recording.trace) result.trace.push_back(corners[i]);
     if (i + 1 == corners.size() || !(corners[i + 1].time_s > corners[i].time_s)) continue;
     const double from_s = corners[i].time_s, to_s = corners[i + 1].time_s;
     append_mode(result, sliding_signs(s.machine, integrator.run(corners[i], (from_s + to_s) / 2).end.v));
     const double interval_s = sample_interval_s(s);
-    for (double at_s = from_s + interval_s; trace && at_s < to_s; at_s += interval_s) {
+    for (double at_s = from_s + interval_s; recording.trace && at_s < to_s; at_s += interval_s) {
       result.trace.push_back(integrator.run(corners[i], at_s).end);
       result.trace.back().time_s = at_s;
     }
@@ -61,35 +71,37 @@ void run_event_driven(const scenario::MachineScenario& s, MachineResult& result,
   append_rest(result, result.outcome, s.machine.frictions());
 }
 
-void run_time_stepping(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+void run_time_stepping(const scenario::MachineScenario& s, MachineResult& result, const RecordingOptions& recording) {
   const hybrid::TimeStepping<> integrator{s.machine, {.step_s = s.step_s, .theta = s.theta}};
   result.warning = integrator.warning();
   double next_s = 0;
   run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
     auto outcome = integrator.run(start, end_s, &result.events, [&](const State& state) {
+      tell(recording, state, s);
       append_mode(result, sliding_signs(s.machine, state.v));
-      if (!trace || state.time_s < next_s) return;
+      if (!recording.trace || state.time_s < next_s) return;
       result.trace.push_back(state);
       next_s = state.time_s + sample_interval_s(s) / 2;
     });
     append_rest(result, outcome, s.machine.frictions());
     return outcome;
   });
-  if (trace) result.trace.push_back(result.outcome.end);
+  if (recording.trace) result.trace.push_back(result.outcome.end);
 }
 
-void run_adaptive(const scenario::MachineScenario& s, MachineResult& result, bool trace) {
+void run_adaptive(const scenario::MachineScenario& s, MachineResult& result, const RecordingOptions& recording) {
   hybrid::AdaptiveOptions options{.tolerance = s.tolerance};
-  if (trace) options.longest_step_s = sample_interval_s(s);
+  if (recording.trace) options.longest_step_s = sample_interval_s(s);
   const hybrid::Adaptive integrator =
       s.laws.empty() ? hybrid::Adaptive{s.machine, options} : hybrid::Adaptive{s.machine, s.laws, options};
   auto laws = integrator.laws();
   run_from_impulse_to_impulse(s, result, [&](const State& start, double end_s) {
     State before = start;
     auto outcome = integrator.resume(laws, start, end_s, &result.events, [&](const State& state) {
+      tell(recording, state, s);
       // At an event a velocity may be zero, but no direction reverses within a step.
       if (state.time_s > before.time_s) append_mode(result, sliding_signs(s.machine, before.v + state.v));
-      if (trace) result.trace.push_back(state);
+      if (recording.trace) result.trace.push_back(state);
       before = state;
     });
     append_rest(result, outcome, s.machine.frictions());
@@ -111,35 +123,35 @@ std::vector<int> sliding_signs(const stability::LinearMachine<>& machine, const 
 
 namespace {
 
-MachineResult run_as_it_says(const scenario::MachineScenario& s, bool trace) {
+MachineResult run_as_it_says(const scenario::MachineScenario& s, const RecordingOptions& recording) {
   MachineResult result;
   switch (s.integrator) {
     case scenario::Integrator::event_driven:
-      run_event_driven(s, result, trace);
+      run_event_driven(s, result, recording);
       break;
     case scenario::Integrator::time_stepping:
-      run_time_stepping(s, result, trace);
+      run_time_stepping(s, result, recording);
       break;
     case scenario::Integrator::adaptive:
-      run_adaptive(s, result, trace);
+      run_adaptive(s, result, recording);
       break;
   }
   return result;
 }
 
-MachineResult run_to_accuracy(const scenario::MachineScenario& s, bool trace) {
+MachineResult run_to_accuracy(const scenario::MachineScenario& s, const RecordingOptions& recording) {
   const Accuracy accuracy = choose_method(s);
-  MachineResult result = run_as_it_says(with_method(s, accuracy.method), trace);
+  MachineResult result = run_as_it_says(with_method(s, accuracy.method), recording);
   result.accuracy = accuracy;
   return result;
 }
 
 }  // namespace
 
-MachineResult run_machine(const scenario::MachineScenario& s, bool trace) {
+MachineResult run_machine(const scenario::MachineScenario& s, const RecordingOptions& recording) {
   if (!s.start) throw InputError{fmt::format("{}: [start] is missing; give it q, and v unless 0", s.file)};
   try {
-    return s.accuracy_m ? run_to_accuracy(s, trace) : run_as_it_says(s, trace);
+    return s.accuracy_m ? run_to_accuracy(s, recording) : run_as_it_says(s, recording);
   } catch (const AccuracyRefused&) {
     throw;  // it names the file
   } catch (const InputError& error) {

@@ -99,7 +99,7 @@ TEST(RunMachine, FollowsLawsThroughTheScenario) {
   EXPECT_GT(result.events.size(), 8U);
   EXPECT_EQ(result.modes.back(), (std::vector{0, 0}));
   // A trace limits the steps and no more than that.
-  const auto traced = sil::run_machine(s, true);
+  const auto traced = sil::run_machine(s, {.trace = true});
   EXPECT_GT(traced.trace.size(), 200U);
   EXPECT_LT((traced.outcome.end.q - result.outcome.end.q).norm(), 1e-10);
   ASSERT_EQ(traced.events.size(), result.events.size());
@@ -113,7 +113,7 @@ TEST(RunMachine, TracesWhatHappened) {
        {scenario::Integrator::event_driven, scenario::Integrator::time_stepping, scenario::Integrator::adaptive}) {
     auto s = two_masses();
     s.integrator = integrator;
-    const auto result = sil::run_machine(s, true);
+    const auto result = sil::run_machine(s, {.trace = true});
     ASSERT_GT(result.trace.size(), 100U);
     EXPECT_EQ(result.trace.front().q, s.start->q);
     EXPECT_EQ(result.trace.back().q, result.outcome.end.q);

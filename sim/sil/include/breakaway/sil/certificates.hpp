@@ -20,6 +20,7 @@ struct Certificates {
   Eigen::VectorXd centre;  // K^-1 f: the certificates are about q - centre, for which there is no constant force
 };
 
+// Throws Contradiction where the certificates exclude each other.
 Certificates certify(const stability::LinearMachine<>& machine);
 
 // With friction laws: attractive by their lower bounds, for V falls the faster the stronger friction is; escaping by

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ namespace breakaway::sil {
 struct RecordingOptions {
   bool trace = false;
   bool frames = false;
+  std::function<void(double share)> progress{};  // told the share of duration_s that is behind, often
 };
 
 struct KickRecord {

@@ -8,6 +8,7 @@
 #include "breakaway/hybrid/types.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/sil/accuracy.hpp"
+#include "breakaway/sil/result.hpp"
 
 namespace breakaway::sil {
 
@@ -24,10 +25,11 @@ struct MachineResult {
   bool settled() const { return outcome.verdict == hybrid::Verdict::at_rest; }
 };
 
-// From scenario.start to rest after the last impulse, or to duration_s. `trace`: keep the states at all events and some
-// thousand in between. Throws InputError when the scenario has no start, or the integrator cannot take the
-// machine; AccuracyRefused when scenario.accuracy_m is given and no method holds it.
-MachineResult run_machine(const scenario::MachineScenario& scenario, bool trace = false);
+// From scenario.start to rest after the last impulse, or to duration_s. With recording.trace the states at all events
+// are kept and some thousand in between. Throws InputError when the scenario has no start, or the integrator cannot
+// take the machine; Contradiction when the motion and its certificate exclude each other; AccuracyRefused when
+// scenario.accuracy_m is given and no method holds it.
+MachineResult run_machine(const scenario::MachineScenario& scenario, const RecordingOptions& recording = {});
 
 // The sign of each direction's sliding velocity, 0 while it is zero to rounding.
 std::vector<int> sliding_signs(const stability::LinearMachine<>& machine, const Eigen::VectorXd& v);

@@ -16,7 +16,7 @@ Result run_scenario(const scenario::Scenario& scenario, const RecordingOptions& 
 
 // A machine has no bus, so that there are no frames to record.
 inline MachineResult run_scenario(const scenario::MachineScenario& scenario, const RecordingOptions& recording) {
-  return run_machine(scenario, recording.trace);
+  return run_machine(scenario, recording);
 }
 
 }  // namespace breakaway::sil
