@@ -78,6 +78,14 @@ void mix(std::uint64_t& hash, const Eigen::MatrixXd& matrix) {
   for (const double entry : matrix.reshaped()) mix(hash, entry);
 }
 
+// A law by its bounds and by what it gives along a spiral of times, places and speeds.
+void mix(std::uint64_t& hash, const model::FrictionLaw& law) {
+  mix(hash, law.bounds().lower_N);
+  mix(hash, law.bounds().upper_N);
+  for (int i = 0; i < 32; ++i)
+    mix(hash, law.level_N(0.01 * i, std::ldexp(i % 2 == 0 ? 1e-4 : -1e-4, i / 2), 1e-5 * i * i));
+}
+
 std::uint64_t fingerprint(const scenario::MachineScenario& s) {
   std::uint64_t hash = 0xCBF29CE484222325;
   for (const Eigen::MatrixXd& matrix : {s.machine.mass, s.machine.damping, s.machine.stiffness, s.machine.directions}) {
@@ -89,6 +97,10 @@ std::uint64_t fingerprint(const scenario::MachineScenario& s) {
     mix(hash, s.step_s);
     mix(hash, s.theta);
   }
+  // What not every machine has is not counted where it is missing, so that older tables stay readable.
+  if (!stability::constant_force(s.machine).isZero(0)) mix(hash, Eigen::MatrixXd{s.machine.force_N});
+  if (s.integrator == scenario::Integrator::adaptive) mix(hash, s.tolerance);
+  for (const model::FrictionLaw& law : s.laws) mix(hash, law);
   return hash;
 }
 

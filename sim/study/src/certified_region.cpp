@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -84,9 +85,29 @@ std::vector<Cell> quartered(const std::vector<Cell>& cells) {
   return quarters;
 }
 
+// Tells the share of the work: a level of halving counts for twice the one before.
+class LevelProgress {
+ public:
+  LevelProgress(const RegionProgress& progress, int depth, int level, std::size_t cells)
+      : progress_{progress},
+        before_{std::ldexp(1.0, level) - 1},
+        of_level_{std::ldexp(1.0, level)},
+        all_{std::ldexp(1.0, depth + 1) - 1},
+        cells_{static_cast<double>(cells)} {}
+
+  void cell_done() {
+    if (progress_) progress_((before_ + of_level_ * static_cast<double>(++done_) / cells_) / all_);
+  }
+
+ private:
+  const RegionProgress& progress_;
+  double before_, of_level_, all_, cells_;
+  std::atomic<std::size_t> done_ = 0;
+};
+
 template <int N, int M>
 CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBounds& bounds, const Window& window,
-                     int threads) {
+                     int threads, const RegionProgress& progress) {
   using Prover = CellProver<N, M>;
   std::vector<std::unique_ptr<Prover>> provers;
   provers.reserve(static_cast<std::size_t>(threads));
@@ -95,8 +116,12 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
   std::size_t motions = 0;
   for (int level = 0; !open.empty(); ++level) {
     constexpr std::size_t cells_at_a_time = 64;
+    LevelProgress done{progress, window.depth, level, open.size()};
     in_parallel(open.size(), threads, cells_at_a_time, [&](int thread) {
-      return [&open, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) { prover.prove(open[i]); };
+      return [&open, &done, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
+        prover.prove(open[i]);
+        done.cell_done();
+      };
     });
     motions += open.size();
     std::vector<Cell> unproved;
@@ -147,7 +172,7 @@ double fitting_half_width(const stability::LinearMachine<>& machine, const stabi
 }
 
 CertifiedRegion certify_region(const scenario::MachineScenario& s, const sil::Certificates& certificates,
-                               const Window& window, int threads) {
+                               const Window& window, int threads, const RegionProgress& progress) {
   if (!s.laws.empty()) {
     throw InputError{
         fmt::format("{}: [[machine.friction]] has a law: how far two motions part is known for constant friction only; "
@@ -162,8 +187,8 @@ CertifiedRegion certify_region(const scenario::MachineScenario& s, const sil::Ce
     stability::LinearMachine<> about_centre = s.machine;
     about_centre.force_N.resize(0);
     const bool small = s.machine.coordinates() == 2 && s.machine.frictions() == 2;
-    return small ? grow<2, 2>(about_centre, bounds, window, threads)
-                 : grow<Eigen::Dynamic, Eigen::Dynamic>(about_centre, bounds, window, threads);
+    return small ? grow<2, 2>(about_centre, bounds, window, threads, progress)
+                 : grow<Eigen::Dynamic, Eigen::Dynamic>(about_centre, bounds, window, threads, progress);
   } catch (const InputError& error) {
     throw error.in_file(s.file);
   }

@@ -11,11 +11,13 @@
 #include <sstream>
 #include <string>
 
+#include "../refusal.hpp"
 #include "../scratch_folder.hpp"
 #include "../sil/two_masses.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/report/basin_picture.hpp"
 #include "breakaway/study/basin_table.hpp"
 
@@ -88,6 +90,83 @@ TEST(Basin, AgreesWithSimulationWithoutCertificates) {
         EXPECT_EQ(basin.fate(column, row), fate) << x.transpose();
       }
     }
+  }
+}
+
+// f = K c moves every rest by c, and the grid with it.
+TEST(Basin, CountsFromTheRestThatAConstantForceMoves) {
+  auto shifted = two_masses();
+  shifted.machine.force_N = shifted.machine.stiffness * Eigen::Vector2d{64, -32};
+  Basin basin{small, {}};
+  study::decide_pending(basin, shifted, 1, {});
+  const Basin without = decided(small);
+  for (int row = 0; row < 21; ++row) {
+    for (int column = 0; column < 21; ++column) EXPECT_EQ(basin.fate(column, row), without.fate(column, row));
+  }
+  EXPECT_NE(study::table_label(small, shifted), study::table_label(small, two_masses()));
+}
+
+// Constant laws are constant friction, followed by another method.
+TEST(Basin, TakesFrictionLaws) {
+  auto laws = two_masses();
+  laws.integrator = scenario::Integrator::adaptive;
+  laws.laws.assign(2, {model::FrictionBounds{1, 1.25}, model::shape::constant(0)});
+  constexpr Grid grid{9, 6, {0, 1}};
+  Basin constant{grid, {}};
+  study::decide_pending(constant, laws, 2, {});
+  const Basin without = decided(grid);
+  laws.laws.assign(2, {model::FrictionBounds{1, 1.25}, model::shape::stribeck(0.5)});
+  Basin stronger{grid, {}};
+  study::decide_pending(stronger, laws, 2, {});
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 9; ++column) {
+      EXPECT_EQ(constant.fate(column, row), without.fate(column, row)) << column << ' ' << row;
+      EXPECT_TRUE(stronger.fate(column, row) != Fate::lost || without.fate(column, row) == Fate::lost);
+    }
+  }
+  EXPECT_GT(constant.count(Fate::lost), 10u);
+  laws.laws.assign(2, {model::FrictionBounds{1, 1.25}, model::shape::constant(1)});
+  const std::string label = study::table_label(grid, laws);
+  laws.laws.assign(2, {model::FrictionBounds{1, 1.25}, model::shape::stribeck(0.5)});
+  EXPECT_NE(study::table_label(grid, laws), label);
+}
+
+TEST(Basin, RefusesImpulsesByName) {
+  auto s = two_masses();
+  s.impulses = {{1, Eigen::Vector2d{1, 0}}};
+  Basin basin{small, {}};
+  const std::string said = breakaway::testing::refusal([&] { study::decide_pending(basin, s, 1, {}); });
+  EXPECT_NE(said.find("[[impulse]]"), std::string::npos) << said;
+}
+
+TEST(Basin, LeavesUndecidedWhatCostsTooMuch) {
+  for (const auto integrator : {scenario::Integrator::event_driven, scenario::Integrator::adaptive}) {
+    auto s = two_masses();
+    s.integrator = integrator;
+    Basin basin{small, {}};
+    EXPECT_EQ(study::decide_pending(basin, s, 2, {}, {2}), small.points * small.points);
+    EXPECT_EQ(basin.count(Fate::pending), 0u);
+    EXPECT_GT(basin.given_up(), 20u);
+    EXPECT_EQ(basin.given_up(), basin.count(Fate::undecided));
+    // What the certificates decide at once is decided as ever.
+    EXPECT_EQ(basin.fate(10, 10), Fate::attracted);
+    EXPECT_EQ(basin.fate(0, 20), Fate::lost);
+  }
+}
+
+// A third direction of 0 N that depends on the others changes nothing, and takes no longer.
+TEST(Basin, EndsWithADirectionThatIsSwitchedOff) {
+  auto s = two_masses();
+  s.machine.directions.conservativeResize(2, 3);
+  s.machine.directions.col(2) << 1, -1;
+  s.machine.friction_N.conservativeResize(3);
+  s.machine.friction_N[2] = 0;
+  constexpr Grid grid{7, 6, {0, 1}};  // (4, 2) is a point of it
+  Basin basin{grid, {}};
+  study::decide_pending(basin, s, 1, {});
+  const Basin without = decided(grid);
+  for (int row = 0; row < 7; ++row) {
+    for (int column = 0; column < 7; ++column) EXPECT_EQ(basin.fate(column, row), without.fate(column, row));
   }
 }
 

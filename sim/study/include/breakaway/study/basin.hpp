@@ -14,7 +14,8 @@
 
 namespace breakaway::study {
 
-// points x points states: two entries of (q, v) from -half_width to half_width, the others 0.
+// points x points states: two entries of (q, v) from -half_width to half_width, the others 0. With a constant force f,
+// q is counted from K^-1 f, about which the machine rests.
 struct Grid {
   int points;                // along each axis, >= 2
   double half_width;         // > 0
@@ -54,6 +55,10 @@ class Basin {
 
   std::size_t count(Fate fate) const;
 
+  // How many points were given up since the basin was made, because they cost too much or were refused; undecided, too.
+  std::size_t given_up() const { return given_up_; }
+  void give_up(std::size_t points) { given_up_ += points; }
+
   // By the trapezoidal rule: points on the border count half, in the corners a quarter.
   double area(Fate fate) const;
 
@@ -67,6 +72,13 @@ class Basin {
   Shard shard_;
   std::vector<Fate> fates_;
   std::vector<double> times_s_;  // when it was decided
+  std::size_t given_up_ = 0;
+};
+
+// What the motion from one point may cost: so many events of the event-driven method, or steps of the adaptive one. A
+// point that takes more is undecided; it is counted and never timed, so that every computer decides the same.
+struct PointBudget {
+  std::uint64_t events = 200'000;
 };
 
 // Called after each row, by one thread at a time.
@@ -78,8 +90,9 @@ using RowDone = std::function<void(int row, std::size_t simulated)>;
 double horizon_s(const scenario::MachineScenario& scenario, const sil::Certificates& certificates);
 
 // Decides all pending points on `threads` >= 1 threads; returns how many. Every point depends on nothing but its place,
-// so neither threads nor shards change a bit of the result. Throws InputError when the integrator cannot take
-// the machine.
-std::size_t decide_pending(Basin& basin, const scenario::MachineScenario& scenario, int threads, const RowDone& done);
+// so neither threads nor shards change a bit of the result. Friction laws start anew at every point. Throws InputError
+// for [[impulse]], and when the integrator cannot take the machine; a point that the integrator refuses is undecided.
+std::size_t decide_pending(Basin& basin, const scenario::MachineScenario& scenario, int threads, const RowDone& done,
+                           const PointBudget& budget = {});
 
 }  // namespace breakaway::study

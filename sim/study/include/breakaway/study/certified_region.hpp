@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "breakaway/scenario/machine_scenario.hpp"
@@ -56,10 +57,14 @@ class CertifiedRegion {
 double fitting_half_width(const stability::LinearMachine<>& machine, const stability::Attractivity& attractivity,
                           const std::array<int, 2>& plane);
 
+// Called by any thread with the share of the work that is done, 0 to 1, as far as it can be foreseen: each halving of
+// the cells takes about twice the work of the one before.
+using RegionProgress = std::function<void(double share)>;
+
 // Cells depend on nothing but their place: threads >= 1 do not change the result. Throws InputError where
 // nothing is certified to grow from (level_J is 0), for friction laws that vary, and when the integrator cannot take
 // the machine.
 CertifiedRegion certify_region(const scenario::MachineScenario& scenario, const sil::Certificates& certificates,
-                               const Window& window, int threads);
+                               const Window& window, int threads, const RegionProgress& progress = {});
 
 }  // namespace breakaway::study
