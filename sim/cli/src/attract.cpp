@@ -16,6 +16,7 @@
 #include "commands.hpp"
 #include "conditions_json.hpp"
 #include "plane_option.hpp"
+#include "progress.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -28,6 +29,7 @@ struct AttractCommand {
   double window = 0;  // 0: that fits
   int depth = 10;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  bool progress = false;
 };
 
 struct SweepRow {
@@ -71,7 +73,9 @@ Found find(const AttractCommand& options, const scenario::MachineScenario& s) {
   if (found.attractivity().level_J == 0) return found;
   const double half_width =
       options.window > 0 ? options.window : study::fitting_half_width(s.machine, found.attractivity(), plane);
-  found.region = study::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads);
+  Progress progress{"proving", options.progress};
+  found.region = study::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads,
+                                       [&](double share) { progress.tell(share); });
   found.sections = report::regions(s.machine, found.certificates, {2, half_width, plane});
   return found;
 }
@@ -231,6 +235,7 @@ void add_attract(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
       ->check(CLI::Range(1, 1024));
+  add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway attract sim/scenarios/two_mass_example.toml --json - --picture region.svg\n"} +
       exit_codes);

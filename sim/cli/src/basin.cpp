@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +20,7 @@
 #include "breakaway/study/basin_table.hpp"
 #include "commands.hpp"
 #include "plane_option.hpp"
+#include "progress.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -37,6 +37,7 @@ struct BasinCommand {
   int points = 101;
   double window = 0;
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  bool progress = false;
 };
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -71,30 +72,6 @@ void check(const BasinCommand& options, const study::Shard& shard) {
   }
 }
 
-class Progress {
- public:
-  explicit Progress(std::size_t points) : points_{points}, shown_{isatty(STDERR_FILENO) == 1} {}
-  ~Progress() {
-    if (told_) fmt::print(stderr, "\r{:40}\r", "");
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void tell(std::size_t done) {
-    if (!shown_ || (told_ && seconds_since(*told_) < 0.1)) return;
-    told_ = Clock::now();
-    const double share = static_cast<double>(done) / static_cast<double>(points_);
-    fmt::print(stderr, "\r{:5.1f} % of {} points, {:.0f} s to go ", 100 * share, points_,
-               share > 0 ? seconds_since(begin_) * (1 / share - 1) : 0.0);
-  }
-
- private:
-  std::size_t points_;
-  bool shown_;
-  Clock::time_point begin_ = Clock::now();
-  std::optional<Clock::time_point> told_;
-};
-
 struct Simulated {
   std::size_t trajectories = 0;
   double seconds = 0;
@@ -104,12 +81,13 @@ Simulated decide(const BasinCommand& options, const scenario::MachineScenario& s
   std::optional<study::Journal> journal;
   if (!options.resume.empty()) journal.emplace(options.resume, study::table_label(basin.grid(), s), basin);
   const auto begin = Clock::now();
-  Progress progress{basin.count(Fate::pending)};
+  Progress progress{"simulating", options.progress};
+  const auto pending = static_cast<double>(basin.count(Fate::pending));
   std::size_t before = 0;
   const std::size_t trajectories = study::decide_pending(basin, s, options.threads, [&](int row, std::size_t done) {
     if (journal && done > before) journal->append(basin, row);
     before = done;
-    progress.tell(done);
+    progress.tell(static_cast<double>(done) / pending);
   });
   return {trajectories, seconds_since(begin)};
 }
@@ -139,6 +117,7 @@ std::string to_json(const scenario::MachineScenario& s, const Basin& basin, cons
     json.member("attracted", basin.count(Fate::attracted));
     json.member("lost", basin.count(Fate::lost));
     json.member("undecided", basin.count(Fate::undecided));
+    json.member("given_up", basin.given_up());
     json.member("area_true", basin.area(Fate::attracted));
     json.member("area_certified", stability::area(regions.certified));
     json.member("area_equilibria", stability::area(regions.equilibria));
@@ -158,6 +137,8 @@ void print_summary(const scenario::MachineScenario& s, const Basin& basin, const
   fmt::print("  attracted      {} of {} points, area {:.6g}\n", basin.count(Fate::attracted), basin.size(),
              basin.area(Fate::attracted));
   fmt::print("  lost           {}\n  undecided      {}\n", basin.count(Fate::lost), basin.count(Fate::undecided));
+  if (basin.given_up() > 0)
+    fmt::print("  given up       {} of the undecided: they take too many events, or are refused\n", basin.given_up());
   fmt::print("  certified      area {:.6g}\n", stability::area(regions.certified));
   if (simulated.trajectories > 0) {
     fmt::print("  simulated      {} trajectories in {:.3g} s, {:.3g} each second\n", simulated.trajectories,
@@ -170,7 +151,7 @@ int basin_of(const BasinCommand& options) {
   const study::Shard shard = read_shard(options.shard);
   const study::Grid grid = read_grid(options, static_cast<int>(s.machine.coordinates()));
   check(options, shard);
-  const sil::Certificates certificates = sil::certify(s.machine);
+  const sil::Certificates certificates = sil::certify(s);
   const report::Regions regions = report::regions(s.machine, certificates, grid);
   Basin basin{grid, shard};
   Simulated simulated;
@@ -193,7 +174,10 @@ void add_basin(CLI::App& app, int& exit_code) {
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
       ->required()
       ->check(positive_number);
-  command->add_option("--plane", options->plane, "Which two of (q, v) the axes are, as i,j from 1; the others are 0")
+  command
+      ->add_option(
+          "--plane", options->plane,
+          "Which two of (q, v) the axes are, as i,j from 1; the others are 0. With force_N, q is counted from K^-1 f")
       ->capture_default_str();
   command->add_option("--csv", options->csv, "Write x1,x2,attracted,time_s of every point; - is standard output")
       ->check(file_name);
@@ -207,6 +191,7 @@ void add_basin(CLI::App& app, int& exit_code) {
       ->check(file_name);
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
       ->check(CLI::Range(1, 1024));
+  add_progress(*command, options->progress);
   command->footer(
       std::string{
           "Example: breakaway basin sim/scenarios/two_mass_example.toml --grid 401 --window 6 --picture basin.svg\n"

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "commands.hpp"
+#include "progress.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -29,10 +29,13 @@ using sil::Result;
 struct SimulateCommand {
   std::string scenario, json, csv, candump, report;
   std::optional<double> accuracy_m;
+  bool progress = false;
   std::array<std::string, 4> outputs() const { return {json, csv, candump, report}; }
   bool quiet() const { return std::ranges::count(outputs(), "-") > 0; }
-  sil::RecordingOptions recording() const {
-    return {.trace = !csv.empty() || !report.empty(), .frames = !candump.empty()};
+  sil::RecordingOptions recording(Progress& progress_line) const {
+    sil::RecordingOptions recorded{.trace = !csv.empty() || !report.empty(), .frames = !candump.empty()};
+    if (progress_line.shown()) recorded.progress = [&](double share) { progress_line.tell(share); };
+    return recorded;
   }
 };
 
@@ -105,10 +108,6 @@ const std::string& warning(const Result&) {
 }
 const std::string& warning(const MachineResult& result) { return result.warning; }
 
-void report_progress(const char* what) {
-  if (isatty(STDERR_FILENO) == 1) fmt::print(stderr, "{} ...\n", what);
-}
-
 void check_outputs(const SimulateCommand& options, const char* no_bus) {
   for (const std::string& path : options.outputs()) {
     if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
@@ -130,10 +129,10 @@ void print_summary(const SimulateCommand& options, const AnyScenario& scenario, 
 template <class AnyScenario>
 int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenario) {
   check_outputs(options, why_no_bus(scenario));
-  report_progress("simulating");
-  const auto result = sil::run_scenario(scenario, options.recording());
+  Progress progress{"simulating", options.progress};
+  const auto result = sil::run_scenario(scenario, options.recording(progress));
   if (!warning(result).empty()) fmt::print(stderr, "breakaway: warning: {}\n", warning(result));
-  if (!options.report.empty()) report_progress("drawing the pictures");
+  if (!options.report.empty()) progress.say("drawing the pictures");
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string html = options.report.empty() ? "" : report::to_html(scenario, result);
   if (!options.json.empty()) format::write_output(options.json, report::to_json(scenario, result));
@@ -181,6 +180,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--accuracy", options->accuracy_m,
                    "Allow this error (m), and take the cheapest method that holds it: [run] accuracy_m")
       ->check(positive_number);
+  add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +
       exit_codes);

@@ -1,7 +1,6 @@
 #include "breakaway/study/friction_study.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "commands.hpp"
+#include "progress.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -24,6 +24,7 @@ struct StudyCommand {
   std::string scenario, against, axis, json;
   std::vector<std::pair<double, double>> starts;
   StudyOptions study;
+  bool progress = false;
 };
 
 struct Study {
@@ -44,15 +45,10 @@ Scenario read_axis(const std::string& file, const std::string& axis) {
   return s;
 }
 
-void report_progress(const std::string& file, int done, int all) {
-  fmt::print(stderr, "\r{}: {} of {} runs{}", file, done, all, done == all ? "\n" : "");
-}
-
-Study run(const std::string& file, const std::string& axis, StudyOptions options) {
-  Study study{file, read_axis(file, axis), {}};
-  if (isatty(STDERR_FILENO) != 0) {
-    options.progress = [&](int done, int all) { report_progress(file, done, all); };
-  }
+Study run(const std::string& file, const StudyCommand& command, StudyOptions options) {
+  Study study{file, read_axis(file, command.axis), {}};
+  Progress progress{file, command.progress};
+  options.progress = [&](int done, int all) { progress.tell(static_cast<double>(done) / all); };
   study.rows = run_study(study.scenario, options);
   return study;
 }
@@ -170,8 +166,8 @@ int study(const StudyCommand& options) {
   StudyOptions what = options.study;
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
   if (what.starts.empty()) what.starts = default_starts(read_axis(options.scenario, options.axis));
-  std::vector<Study> studies{run(options.scenario, options.axis, what)};
-  if (!options.against.empty()) studies.push_back(run(options.against, options.axis, what));
+  std::vector<Study> studies{run(options.scenario, options, what)};
+  if (!options.against.empty()) studies.push_back(run(options.against, options, what));
   if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
   if (options.json != "-") print_table(studies, what);
   return all_settled(studies.front()) ? done : failed_check;
@@ -197,6 +193,7 @@ void add_study(CLI::App& app, int& exit_code) {
       ->check(finite_number);
   command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output")
       ->check(file_name);
+  add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"} +
       exit_codes);

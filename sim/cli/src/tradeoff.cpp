@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "breakaway/tradeoff/frontiers.hpp"
 #include "breakaway/tradeoff/scene_tradeoff.hpp"
 #include "commands.hpp"
+#include "progress.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -23,7 +23,7 @@ struct TradeoffFiles {
   std::optional<double> accuracy_m;
   std::string json, picture, page, work;
   std::uint64_t repeats = 1;
-  bool quick = false;
+  bool quick = false, progress = false;
 };
 
 std::string figure(double value, const char* unit) {
@@ -71,8 +71,6 @@ tradeoff::Options measuring(const TradeoffFiles& files) {
   options.quick = files.quick;
   if (!files.quick && tradeoff::can_count())
     options.counting.program = std::filesystem::read_symlink("/proc/self/exe").string();
-  if (isatty(STDERR_FILENO) == 1)
-    options.counting.progress = [](const std::string& what) { fmt::print(stderr, "\r\033[K{} ...", what); };
   return options;
 }
 
@@ -87,16 +85,16 @@ void run_scene(const TradeoffFiles& files) {
   if (!files.page.empty()) throw InputError{"--page: is written without a scenario; leave one of the two out"};
   if (!files.picture.empty()) format::require_picture_ending(files.picture);
   auto any = scenario::read_any_scenario(files.scenario);
-  const auto progress = measuring(files).counting.progress;
+  std::optional<Progress> progress{std::in_place, "measuring", files.progress};
   const tradeoff::SceneTradeoff scene = std::visit(
       [&](auto& scenario) {
         std::optional<double>& accuracy_m = accuracy_of(scenario);
         if (files.accuracy_m) accuracy_m = files.accuracy_m;
         if (!accuracy_m) throw InputError{"--accuracy is missing: say which error (m) the answer may have"};
-        return tradeoff::measure_scene(scenario, progress);
+        return tradeoff::measure_scene(scenario, [&](const std::string& what) { progress->say(what); });
       },
       any);
-  if (progress) fmt::print(stderr, "\r\033[K");
+  progress.reset();
   const std::string picture = files.picture.empty() ? "" : tradeoff::draw_scene(files.picture, scene);
   if (!files.json.empty()) format::write_output(files.json, tradeoff::to_json(scene));
   if (!files.picture.empty()) format::write_output(files.picture, picture);
@@ -108,9 +106,11 @@ void run_tradeoff(const TradeoffFiles& files) {
   if (!files.work.empty()) return tradeoff::do_work(files.work, files.repeats);
   if (!files.scenario.empty()) return run_scene(files);
   if (files.accuracy_m) throw InputError{"--accuracy: needs a scenario; name your machine's or axis' file"};
-  const auto options = measuring(files);
+  auto options = measuring(files);
+  std::optional<Progress> progress{std::in_place, "measuring", files.progress};
+  options.counting.progress = [&](const std::string& what) { progress->say(what); };
   const auto frontiers = tradeoff::measure(options);
-  if (options.counting.progress) fmt::print(stderr, "\r\033[K");
+  progress.reset();
   const std::string picture = files.picture.empty() ? "" : tradeoff::to_svg(frontiers);
   if (!files.json.empty()) format::write_output(files.json, tradeoff::to_json(frontiers));
   if (!files.picture.empty()) format::write_output(files.picture, picture);
@@ -138,6 +138,7 @@ void add_tradeoff(CLI::App& app, int& exit_code) {
   // How the command counts: it runs itself under valgrind with these.
   command->add_option("--work", files->work)->group("");
   command->add_option("--repeat", files->repeats)->group("");
+  add_progress(*command, files->progress);
   command->footer(
       std::string{"Example: breakaway tradeoff sim/scenarios/can_axis.toml --accuracy 1e-5 --picture own.svg\n"
                   "Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"

@@ -110,6 +110,37 @@ TEST_F(Command, RefusesOrDoubtsWhatCannotBeAttracted) {
   EXPECT_NE(frictionless.out.find("condition 2"), std::string::npos) << frictionless.out;
 }
 
+// In a file there is no terminal: without --progress nothing is said, with it standard output stays the same.
+TEST_F(Command, ShowsProgressWhenAskedAndChangesNothing) {
+  const std::vector<std::string> commands{"attract " + two_masses + " --depth 6 --json -",
+                                          "simulate " + two_masses + " --json -",
+                                          "basin " + two_masses + " --grid 21 --window 6 --csv -",
+                                          "study " + scenarios + "can_axis.toml --laws 2 --start -0.01 0 --json -"};
+  for (const std::string& command : commands) {
+    const Ended quiet = run(command), asked = run(command + " --progress");
+    EXPECT_EQ(quiet.exit_code, asked.exit_code) << command;
+    EXPECT_EQ(quiet.err, "") << command;
+    EXPECT_EQ(quiet.out, asked.out) << command;
+    EXPECT_NE(asked.err.find(" %, "), std::string::npos) << command << asked.err;
+    EXPECT_NE(asked.err.find(" to go"), std::string::npos) << command << asked.err;
+    EXPECT_LE(std::ranges::count(asked.err, '\n'), 11) << command << asked.err;
+  }
+}
+
+// Two axes without coupling: the second one grows by itself, however small its numbers are beside the first one's.
+TEST_F(Command, NeverCertifiesAMachineThatFliesApart) {
+  const std::string machine = scenario(
+      "[machine]\nmass = [[1e3, 0], [0, 1e-12]]\ndamping = [[1e4, 0], [0, -1e-12]]\n"
+      "stiffness = [[1e6, 0], [0, 1e-6]]\ndirections = [[1, 0], [0, 1]]\nfriction_N = [1, 1e-15]\n"
+      "[start]\nq = [0, 1e-3]\n[run]\nduration_s = 20\n");
+  const Ended attract = run("attract " + machine + " --depth 3 --json -");
+  EXPECT_NE(attract.out.find("\"global\": false"), std::string::npos) << attract.out;
+  EXPECT_NEAR(figure(attract.out, "level") / 5e-19, 1, 1e-9);
+  const Ended simulated = run("simulate " + machine);
+  EXPECT_EQ(simulated.exit_code, 1);
+  EXPECT_NE(simulated.out.find("certified      never to come to rest"), std::string::npos) << simulated.out;
+}
+
 TEST_F(Command, MergesShardsToTheSameTable) {
   const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
   ASSERT_EQ(run(basin + "--csv " + path("whole") + " --threads 1").exit_code, 0);
