@@ -22,7 +22,7 @@ std::string refusal_text(double asked_m, const std::vector<MethodRefusal>& refus
 }  // namespace
 
 std::string to_string(const Method& method) {
-  const std::string name = scenario::to_string(method.integrator);
+  std::string name = scenario::to_string(method.integrator);
   if (method.step_s > 0) return fmt::format("{} with a step of {:.3g} s", name, method.step_s);
   if (method.tolerance > 0) return fmt::format("{} with a tolerance of {:g}", name, method.tolerance);
   return name;

@@ -67,6 +67,7 @@ BestEnd by_time_steps(const MachineScenario& s, double accuracy_m) {
 
 std::vector<MachineEnd> ends_by_time_steps(const MachineScenario& scenario, double step_s) {
   std::vector<MachineEnd> ends;
+  ends.reserve(std::size(first_steps));
   for (const double first : first_steps) {
     ends.push_back(machine_end(scenario, {.integrator = Integrator::time_stepping, .step_s = step_s}, first));
   }

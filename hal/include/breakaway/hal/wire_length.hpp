@@ -41,8 +41,8 @@ class StuffedBits {
     bool last = false;
   };
   struct Groups {
-    std::array<Group, 2 * longest_run * 16> stuffing{};  // by last bit, run and the four bits
-    std::array<std::uint16_t, 16> crc{};                 // by the highest four bits of the checksum, with those sent
+    std::array<Group, std::size_t{2} * longest_run * 16> stuffing{};  // by last bit, run and the four bits
+    std::array<std::uint16_t, 16> crc{};  // by the highest four bits of the checksum, with those sent
   };
   static constexpr std::size_t place(bool last, unsigned run, unsigned four) noexcept {
     return (((last ? longest_run : 0) + run) << 4U) + four;

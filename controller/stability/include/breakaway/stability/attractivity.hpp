@@ -51,7 +51,7 @@ struct Attractivity {
 // The theorem is applied in mass units (mass_units.hpp), so no unit of a coordinate changes what is said. What rests on
 // a sign is proved for the stored numbers (definite_proof.hpp); what rounding hides is not certified, and the reason
 // says so. An infinite level means that the damping is proved to give no power.
-Attractivity certify_attractivity(const LinearMachine<>& system);
+Attractivity certify_attractivity(const LinearMachine<>& machine);
 
 // (27) of [A], for machines of the form (24): two masses, equal dampers c1 to the ground and c2 between them, friction
 // on each mass. Valid, but four times smaller than (7) at equal friction. None for other machines, and for
