@@ -87,7 +87,7 @@ AdaptiveStep::Vector AdaptiveStep::acceleration(double tau_s, const Path& path, 
 
 AdaptiveStep::Trial AdaptiveStep::step_in_time(double step_s) {
   const Index k = u0_.size();
-  const double speed_floor = tolerance_ * (u0_.norm() + step_s * a0_.norm()) + rounding_u_ * step_s;
+  const double speed_floor = tolerance_ * (u0_.stableNorm() + step_s * a0_.stableNorm()) + rounding_u_ * step_s;
   Vector z(2 * k), floor(2 * k);
   z << Vector::Zero(k), u0_;
   floor << Vector::Constant(k, speed_floor * step_s), Vector::Constant(k, speed_floor);
@@ -103,7 +103,7 @@ AdaptiveStep::Trial AdaptiveStep::step_in_time(double step_s) {
 AdaptiveStep::Trial AdaptiveStep::step_to_stop(Index direction) {
   const Index k = u0_.size();
   const double from_m_s = speed_m_s_[direction], rate = rate_m_s2_[direction], step_s = from_m_s / -rate;
-  const double speed_floor = tolerance_ * (u0_.norm() + step_s * a0_.norm()) + rounding_u_ * step_s;
+  const double speed_floor = tolerance_ * (u0_.stableNorm() + step_s * a0_.stableNorm()) + rounding_u_ * step_s;
   Vector z(2 * k + 1), floor(2 * k + 1);
   z << Vector::Zero(k), u0_, 0;
   floor << Vector::Constant(k, speed_floor * step_s), Vector::Constant(k, speed_floor),
@@ -155,15 +155,19 @@ AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   return next;
 }
 
-// Returns all directions that have stopped together with this one.
+// Returns all directions that have stopped together with this one. Nearly parallel directions are slow together
+// although a third one, which depends on them, is not: then they do not stop together.
 DirectionSet AdaptiveStep::stops_with(const Trial& trial, Index direction) const {
-  DirectionSet stopped = only(direction);
+  DirectionSet stopped = only(direction), slow = only(direction);
   for (Index i = 0; i < speed_m_s_.size(); ++i) {
-    if (sign(i) == 0 || rates_[static_cast<std::size_t>(i)].greatest > 0) continue;
+    if (sign(i) == 0) continue;
     const double noise = rounding_m_s2_[i] * trial.duration_s + 4 * tolerance_ * speed_m_s_[i];
-    if (speed(i, trial.speeds) <= noise) stopped |= only(i);
+    if (!(speed(i, trial.speeds) <= noise)) continue;
+    slow |= only(i);
+    if (rates_[static_cast<std::size_t>(i)].greatest <= 0) stopped |= only(i);
   }
-  return stopped;
+  const DirectionSet held = walk_.held_set(held_.sticking | stopped).sticking & ~held_.sticking;
+  return (held & ~slow) == 0 ? stopped : only(direction);
 }
 
 Ending AdaptiveStep::take(double duration_s, double longest_s) {

@@ -158,12 +158,11 @@ DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
   }
   for (;;) {
     ask_for_levels(stop, told);
-    const DirectionVector sliding = choice.sliding(stop);
-    DirectionSet released = 0;
-    for (std::size_t r = 0; r < stop.stopped.size(); ++r) {
-      const int direction = sign(sliding[static_cast<Index>(r)]);
-      signs[static_cast<std::size_t>(stop.stopped[r])] = direction;
-      if (direction != 0) released |= only(stop.stopped[r]);
+    const Sliding sliding = choice.sliding(stop);
+    DirectionSet released = slide(stop, sliding, sliding.ties);
+    if (sliding.ties != 0) {
+      held = &held_set(stopped & ~released);
+      if (!holds()) released = slide(stop, sliding, 0);
     }
     const DirectionSet fresh = released & ~told;
     if (fresh == 0) return released;
@@ -172,6 +171,18 @@ DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
     }
     told |= fresh;
   }
+}
+
+// Lets slide what does, but for those at the places `except`.
+DirectionSet AdaptiveWalk::slide(const ModeChoice::Stop& stop, const Sliding& sliding, DirectionSet except) {
+  DirectionSet released = 0;
+  for (std::size_t r = 0; r < stop.stopped.size(); ++r) {
+    const auto place = static_cast<Index>(r);
+    const int direction = contains(except, place) ? 0 : sign(sliding.signs[place]);
+    signs[static_cast<std::size_t>(stop.stopped[r])] = direction;
+    if (direction != 0) released |= only(stop.stopped[r]);
+  }
+  return released;
 }
 
 // The friction of each of the directions in either sense: of those that are told of their slip the sliding level.

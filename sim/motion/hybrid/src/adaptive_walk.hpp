@@ -71,6 +71,7 @@ struct AdaptiveWalk {
  private:
   void face_laws();
   DirectionSet release(DirectionSet stopped, DirectionSet told);
+  DirectionSet slide(const ModeChoice::Stop& stop, const Sliding& sliding, DirectionSet except);
   void ask_for_levels(ModeChoice::Stop& stop, DirectionSet told);
 };
 

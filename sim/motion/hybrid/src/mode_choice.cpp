@@ -12,9 +12,11 @@ ModeChoice::ModeChoice(const LinearMachine<>& machine)
   const ExtendedMatrix directions = inverse_factor * machine.directions.cast<long double>();
   response_ = directions.transpose() * inverse_factor;
   coupling_ = directions.transpose() * directions;
+  rounded_response_ = response_.cast<double>();
+  rounded_coupling_ = coupling_.cast<double>();
 }
 
-DirectionVector ModeChoice::sliding(const Stop& stop) const {
+Sliding ModeChoice::sliding(const Stop& stop) const {
   const ExtendedVector force = stop.applied.cast<long double>() - stiffness_ * stop.q.cast<long double>() -
                                damping_ * stop.v.cast<long double>();
   const auto count = static_cast<Eigen::Index>(stop.stopped.size());
@@ -29,8 +31,12 @@ DirectionVector ModeChoice::sliding(const Stop& stop) const {
       problem.coupling(r, c) = coupling_(i, stop.stopped[static_cast<std::size_t>(c)]);
     }
   }
-  if (const auto decision = sliding_after_stop(problem)) return decision->signs;
-  throw Refused{"which friction directions stick at t = " + shown(stop.time_s) +
+  if (const auto decision = sliding_after_stop(problem)) return *decision;
+  refuse(stop.time_s);
+}
+
+void ModeChoice::refuse(double time_s) {
+  throw Refused{"which friction directions stick at t = " + shown(time_s) +
                     " s cannot be decided in double precision, because friction, masses or nearly parallel directions "
                     "differ too much in size",
                 "leave out the least friction, or use time stepping"};

@@ -53,18 +53,17 @@ class Checked {
 
   std::optional<Sliding> sliding() {
     if (!solve_for_stuck() || !bears()) return std::nullopt;
-    Sliding result{DirectionVector::Zero(count_), force_N_.template cast<double>(), true};
+    Sliding result{DirectionVector::Zero(count_), force_N_.template cast<double>(), 0};
     for (Index i = 0; i < count_; ++i) {
       if (sticks(i)) continue;
-      const Scalar gamma = acceleration(i), error = acceleration_error(i);
-      if (!(std::abs(gamma) > error)) {
-        if (!(error <= doubt * acceleration_size(i))) return std::nullopt;
-        result.clear = false;
-      } else if ((gamma > 0) == (force_N_[i] < 0)) {
-        result.signs[i] = gamma > 0 ? 1 : -1;
-      } else {
-        return std::nullopt;
+      const Scalar gamma = acceleration(i), error = acceleration_error(i), size = acceleration_size(i);
+      if (!(std::abs(gamma) > error + problem_.rounding[i])) {
+        if (!(error <= doubt * size)) return std::nullopt;
+        result.ties |= only(i);
       }
+      if (std::abs(gamma) <= error) continue;
+      if ((gamma > 0) != (force_N_[i] < 0)) return std::nullopt;
+      result.signs[i] = gamma > 0 ? 1 : -1;
     }
     return result;
   }
@@ -90,7 +89,7 @@ class Checked {
   }
   // The rounding of the sum and of its terms.
   Scalar acceleration_error(Index i) const {
-    Scalar error = problem_.rounding[i] + static_cast<Scalar>(count_ + 4) * epsilon * acceleration_size(i);
+    Scalar error = static_cast<Scalar>(count_ + 4) * epsilon * acceleration_size(i);
     for (Index j = 0; j < count_; ++j) error += std::abs(problem_.coupling(i, j)) * error_N_[j];
     return error;
   }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "breakaway/hybrid/budget.hpp"
 #include "breakaway/hybrid/friction_groups.hpp"
 #include "breakaway/hybrid/hybrid_modes.hpp"
 #include "breakaway/hybrid/refused.hpp"
@@ -47,6 +48,8 @@ class EventDriven {
   struct Walk {
     State state;  // in forces of about one
     motion::SummedTime time;
+    double start_time_s = 0;
+    Budget budget;
     Segment<N, M> segment;
     std::vector<Event>* log = nullptr;
     Outcome<N> outcome;
@@ -69,7 +72,10 @@ class EventDriven {
   void leave_segment(Walk& walk, const Set& held) const;
   // `doubtful` says that the same instant has been decided again and again.
   void handle_event(Walk& walk, bool doubtful) const;
+  DirectionSet stopped_with(const Walk& walk, int direction) const;
   void record(Walk& walk, const Signs& before) const;
+  double work_of_an_event() const;
+  [[noreturn]] void refuse(const Walk& walk, double end_time_s) const;
 
   EarlyDecision<N> decision_;
   int exponent_;  // forces, coordinates and velocities are in units of 2^exponent_
@@ -124,7 +130,7 @@ typename EventDriven<N, M>::Walk EventDriven<N, M>::begin(const MachineState<N>&
   walk.state.q = start.q;
   walk.state.v = start.v;
   walk.time = {start.time_s};
-  walk.state.time_s = start.time_s;
+  walk.state.time_s = walk.start_time_s = start.time_s;
   bool finite = std::isfinite(start.time_s);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (double* const value : {&walk.state.q[i], &walk.state.v[i]}) {
@@ -208,13 +214,26 @@ void EventDriven<N, M>::handle_event(Walk& walk, bool doubtful) const {
   if (cause.facet >= 0) {
     modes_.release(walk.state, cause.facet);
   } else {
-    DirectionSet stopped = walk.state.sticking | only(cause.direction);
-    for (const Watch<N>& watch : walk.segment.watches()) {
-      if (walk.segment.stops_too(watch)) stopped |= only(watch.direction);
-    }
-    modes_.choose(walk.state, stopped, doubtful);
+    modes_.choose(walk.state, stopped_with(walk, cause.direction), doubtful);
   }
   record(walk, before);
+}
+
+// All directions that have no speed when this one stops. Nearly parallel directions are slow together although a third
+// one, which depends on them, is not: then they do not stop together.
+template <int N, int M>
+DirectionSet EventDriven<N, M>::stopped_with(const Walk& walk, int direction) const {
+  const DirectionSet stopped = walk.state.sticking | only(direction);
+  DirectionSet all = stopped;
+  for (const Watch<N>& watch : walk.segment.watches()) {
+    if (walk.segment.stops_too(watch)) all |= only(watch.direction);
+  }
+  if (all == stopped) return stopped;
+  const DirectionSet held = modes_.set(all).sticking;
+  for (const Watch<N>& watch : walk.segment.watches()) {
+    if (watch.direction >= 0 && contains(held, watch.direction) && walk.segment.slides(watch)) return stopped;
+  }
+  return all;
 }
 
 template <int N, int M>
@@ -251,9 +270,28 @@ Outcome<N> EventDriven<N, M>::finish_without_event(Walk& walk, Ending ending, do
                                                    const Observer<N>& observer) const {
   if (end_time_s < never) walk.time = {end_time_s};
   if (observer) observer(unscaled(walk));
-  if (ending != Ending::forever || walk.state.signs.any()) return finish(walk, Verdict::undecided);
+  if (ending != Ending::forever || walk.state.signs.any()) {
+    return finish(walk, modes_.lost_in_rounding(walk.state) ? Verdict::at_rest : Verdict::undecided);
+  }
   const bool decays = modes_.set(walk.state.sticking).flow.decays(walk.segment.x().data());
   return finish(walk, decays ? Verdict::captured : Verdict::lost);
+}
+
+// About the multiplications of a segment: a few products for each line that is watched, and for the flow.
+template <int N, int M>
+double EventDriven<N, M>::work_of_an_event() const {
+  const auto n = static_cast<double>(modes_.machine().coordinates());
+  return 12 * n * n * (static_cast<double>(modes_.machine().frictions()) + 8);
+}
+
+template <int N, int M>
+void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
+  if (walk.budget.exhausted()) {
+    walk.budget.refuse(walk.time.sum_s - walk.start_time_s, end_time_s - walk.start_time_s,
+                       "its directions stick and slip so often", "end earlier, or by an early decision");
+  }
+  throw Refused{"the friction directions switch without end at t = " + shown(walk.time.sum_s) + " s",
+                "the machine is too ill-scaled for double precision; leave out its least friction or mass"};
 }
 
 template <int N, int M>
@@ -264,6 +302,7 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
   }
   Walk walk = begin(start);
   walk.log = log;
+  const auto most_at_once = 2 * (modes_.machine().frictions() + 1);
   for (int at_once = 0;;) {
     const Set& held = modes_.set(walk.state.sticking);
     if (modes_.resting(walk.state, held)) return finish_at_rest(walk, observer);
@@ -273,14 +312,13 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     const Ending ending = walk.segment.advance(walk.time.until(end_time_s));
     leave_segment(walk, held);
     if (ending != Ending::event) return finish_without_event(walk, ending, end_time_s, observer);
-    at_once = walk.segment.elapsed_s() > 0 ? 0 : at_once + 1;
-    const auto most_at_once = 2 * (modes_.machine().frictions() + 1);
+    const bool crawls = walk.segment.elapsed_s() <= std::numeric_limits<double>::epsilon() * std::abs(walk.time.sum_s);
+    at_once = crawls ? at_once + 1 : 0;
     handle_event(walk, at_once > most_at_once);
-    if (at_once > 2 * most_at_once) {
-      if (modes_.lost_in_rounding(walk.state)) return finish_at_rest(walk, observer);
-      throw Refused{"the friction directions switch without end at t = " + shown(walk.time.sum_s) + " s",
-                    "the machine is too ill-scaled for double precision; leave out its least friction or mass"};
-    }
+    walk.budget.spend(work_of_an_event());
+    if (at_once <= 2 * most_at_once && !walk.budget.exhausted()) continue;
+    if (modes_.lost_in_rounding(walk.state)) return finish_at_rest(walk, observer);
+    refuse(walk, end_time_s);
   }
 }
 

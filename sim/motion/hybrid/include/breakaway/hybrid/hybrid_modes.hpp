@@ -99,8 +99,9 @@ class HybridModes {
   }
   bool holds(const State& state, const Set& held, double rounding = force_rounding) const;
   DirectionSet slide_after_stop(State& state, DirectionSet stopped) const;
-  DirectionVector signs_after_stop(const State& state, const Indices& index, const Vector& balance) const;
-  DirectionVector signs_in_extended_precision(const State& state, const Indices& index) const;
+  Sliding decide_stop(const State& state, const Indices& index, const Vector& balance) const;
+  Sliding decide_in_extended_precision(const State& state, const Indices& index) const;
+  DirectionSet slide(State& state, const Indices& index, const Sliding& sliding, DirectionSet except) const;
   Limited limited(const State& state, const Set& held, int forced_facet) const;
   DirectionSet leaving(const State& state, const Limited& limited) const;
 
@@ -222,8 +223,9 @@ void HybridModes<N, M>::choose(State& state, DirectionSet stopped, bool keep) co
   }
   state.sticking = stopped;
   if (!holds(state, set(state.sticking))) {
-    stopped &= ~slide_after_stop(state, stopped);
-    state.sticking = set(stopped).sticking;
+    const DirectionSet released = slide_after_stop(state, stopped);
+    if (released == 0) ModeChoice::refuse(state.time_s);
+    state.sticking = set(stopped & ~released).sticking;
   }
   if (!keep) release(state, -1);
 }
@@ -240,19 +242,27 @@ DirectionSet HybridModes<N, M>::slide_after_stop(State& state, DirectionSet stop
     state.signs[index[0]] = response_.row(index[0]).dot(balance) > 0 ? 1 : -1;
     return only(index[0]);
   }
-  const DirectionVector signs = signs_after_stop(state, index, balance);
+  const Sliding sliding = decide_stop(state, index, balance);
+  const DirectionSet released = slide(state, index, sliding, sliding.ties);
+  if (sliding.ties == 0 || holds(state, set(stopped & ~released))) return released;
+  return slide(state, index, sliding, 0);
+}
+
+// Lets slide what does, but for those at the places `except`.
+template <int N, int M>
+DirectionSet HybridModes<N, M>::slide(State& state, const Indices& index, const Sliding& sliding,
+                                      DirectionSet except) const {
   DirectionSet released = 0;
   for (Eigen::Index r = 0; r < index.size; ++r) {
-    if (signs[r] == 0) continue;
-    state.signs[index[r]] = signs[r];
+    if (sliding.signs[r] == 0 || contains(except, r)) continue;
+    state.signs[index[r]] = sliding.signs[r];
     released |= only(index[r]);
   }
   return released;
 }
 
 template <int N, int M>
-DirectionVector HybridModes<N, M>::signs_after_stop(const State& state, const Indices& index,
-                                                    const Vector& balance) const {
+Sliding HybridModes<N, M>::decide_stop(const State& state, const Indices& index, const Vector& balance) const {
   const Vector rounding = force_rounding * force_terms(state);
   StopProblem<double> problem(index.size);
   for (Eigen::Index r = 0; r < index.size; ++r) {
@@ -263,12 +273,12 @@ DirectionVector HybridModes<N, M>::signs_after_stop(const State& state, const In
     for (Eigen::Index c = 0; c < index.size; ++c) problem.coupling(r, c) = coupling_(index[r], index[c]);
   }
   problem.backward_N = problem.forward_N;
-  const auto decision = sliding_after_stop(problem);
-  return decision && decision->clear ? decision->signs : signs_in_extended_precision(state, index);
+  const auto sliding = sliding_after_stop(problem);
+  return sliding && sliding->ties == 0 ? *sliding : decide_in_extended_precision(state, index);
 }
 
 template <int N, int M>
-DirectionVector HybridModes<N, M>::signs_in_extended_precision(const State& state, const Indices& index) const {
+Sliding HybridModes<N, M>::decide_in_extended_precision(const State& state, const Indices& index) const {
   ModeChoice::Stop stop{state.time_s,
                         state.q,
                         state.v,

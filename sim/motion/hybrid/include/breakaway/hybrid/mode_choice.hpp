@@ -20,8 +20,8 @@ class ModeChoice {
   explicit ModeChoice(const LinearMachine<>& machine);
 
   // W^T M^-1 and W^T M^-1 W, rounded: accelerations of directions by forces, and by forces in directions.
-  Eigen::MatrixXd response() const { return response_.cast<double>(); }
-  Eigen::MatrixXd coupling() const { return coupling_.cast<double>(); }
+  const Eigen::MatrixXd& response() const { return rounded_response_; }
+  const Eigen::MatrixXd& coupling() const { return rounded_coupling_; }
 
   // The state at a stop, with the forces of all but springs, dampers and stopped directions.
   struct Stop {
@@ -33,12 +33,14 @@ class ModeChoice {
     DirectionVector forward_N, backward_N;  // by stopped direction: > 0
   };
 
-  // Returns the sign with which each stopped direction slides, 0 where it sticks. Throws Refused.
-  DirectionVector sliding(const Stop& stop) const;
+  // Bits and indices are places in stop.stopped. Throws Refused.
+  Sliding sliding(const Stop& stop) const;
+  [[noreturn]] static void refuse(double time_s);
 
  private:
   ExtendedMatrix damping_, stiffness_;
   ExtendedMatrix response_, coupling_;
+  Eigen::MatrixXd rounded_response_, rounded_coupling_;
 };
 
 }  // namespace breakaway::hybrid

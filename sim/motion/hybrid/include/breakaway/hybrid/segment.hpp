@@ -78,6 +78,8 @@ class Segment {
     return watch.direction >= 0 && elapsed_s_ >= watch.departs_s && value(watch) <= 64 * rounding(watch) &&
            slope(watch) < 0;
   }
+  // Says whether the direction's speed is above zero beyond all rounding.
+  bool slides(const Watch<N>& watch) const { return watch.direction >= 0 && value(watch) > 1024 * rounding(watch); }
   const std::vector<Watch<N>>& watches() const { return watches_; }
 
  private:

@@ -32,7 +32,7 @@ template <class Scalar>
 struct StopProblem {
   DirectionalPairs<Scalar> coupling;  // G = W^T M^-1 W of the stopped directions, with a positive diagonal
   Directional<Scalar> acceleration;   // b: without friction in these directions
-  Directional<Scalar> rounding;       // of b, >= 0
+  Directional<Scalar> rounding;       // of b, >= 0, if what it is made of was rounded
   Directional<Scalar> forward_N;      // > 0: friction against sliding forwards,
   Directional<Scalar> backward_N;     // and against sliding backwards
 
@@ -43,7 +43,7 @@ struct StopProblem {
 struct Sliding {
   DirectionVector signs;    // of each direction's acceleration, which is that of its sliding; 0 where it sticks
   DirectionVector force_N;  // lambda
-  bool clear = true;        // no acceleration is zero to rounding where friction is at its limit
+  DirectionSet ties = 0;    // bit i: i has an acceleration that its `rounding` may have made of zero
 };
 
 // Returns nothing where rounding in this precision leaves the solution in doubt.
