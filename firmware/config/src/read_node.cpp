@@ -146,7 +146,8 @@ FileRows passed_over() {
           .bus = named({"loss_probability", "delay_min_s", "delay_max_s", "seed"}),
           .run = named({"duration_s", "settle_time_s", "stop_when_settled"}),
           .axis = [=](std::size_t) {
-            return AxisRows{.plant = named({"position_m", "velocity_m_s", "force_N", "encoder_error", "drift"}),
+            return AxisRows{.plant = named({"position_m", "velocity_m_s", "force_N", "presliding", "load", "backlash",
+                                            "cogging", "ripple", "encoder_error", "drift"}),
                             .friction = named({"law"}),
                             .controller = named({"scalar"}),
                             .drive = named({"tpdo_delay_min_s", "tpdo_delay_max_s", "seed"})};

@@ -116,7 +116,13 @@ class WorldReader {
     return {optional("position_m", number(world.position_m, "m", anywhere)),
             optional("velocity_m_s", number(world.velocity_m_s, "m/s", anywhere)),
             optional("force_N", number(world.plant.force_N, "N", {-1e12, 1e12})),
-            optional("encoder_error", part(read_encoder_error)), optional("drift", part(read_drift))};
+            optional("presliding", part(read_presliding)),
+            optional("load", part(read_load)),
+            optional("backlash", part(read_backlash)),
+            optional("cogging", part(read_cogging)),
+            optional("ripple", part(read_ripple)),
+            optional("encoder_error", part(read_encoder_error)),
+            optional("drift", part(read_drift))};
   }
 
   std::vector<Key> bus_rows() {

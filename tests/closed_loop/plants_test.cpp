@@ -1,0 +1,105 @@
+// The loop on plants beyond the rigid axis: the force stays bounded, the run ends by name, and what the law cannot
+// settle is stated as it is.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
+#include "breakaway/sil/run_loop_scenario.hpp"
+#include "breakaway/study/friction_study.hpp"
+
+namespace breakaway::closed_loop {
+namespace {
+
+scenario::Scenario scene(const std::string& name) {
+  return scenario::read_scenario(std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/" + name + ".toml");
+}
+
+class PlantScene : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(PlantScene, SettlesWithinItsToleranceUnderBoundedForce) {
+  const auto s = scene(GetParam());
+  const auto result = sil::run_loop_scenario(s, {});
+  const auto& axis = result.axes[0];
+  EXPECT_TRUE(axis.settled);
+  EXPECT_TRUE(axis.faults.empty());
+  EXPECT_LE(std::abs(axis.final_error_m), judged_tolerance_m(s.node, s.node.axes[0]));
+  EXPECT_LE(axis.max_force_N, config::max_force_N(s.node.axes[0]));
+  EXPECT_EQ(result.loop->missed_ticks, 0U);
+  EXPECT_EQ(axis.load_position_m.has_value(), s.worlds[0].plant.load.has_value());
+  EXPECT_EQ(axis.told, config::told_otherwise(s.node.axes[0]));
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, PlantScene,
+                         ::testing::Values("vertical_axis", "presliding_axis", "belt_axis", "worn_axis"),
+                         [](const auto& info) { return std::string{info.param}; });
+
+TEST(PlantScene, TheLoadIsWhereSpringAndPlayLeaveIt) {
+  const auto result = sil::run_loop_scenario(scene("worn_axis"), {.trace = true});
+  const auto& axis = result.axes[0];
+  // Half the gap, and what its own friction bends the spring by.
+  const double farthest_m = 10e-6 + 2 / 2e6;
+  EXPECT_LE(std::abs(*axis.load_position_m), std::abs(axis.final_error_m) + farthest_m);
+  EXPECT_GT(std::abs(*axis.load_position_m - axis.final_error_m), 1e-7) << "then nothing is worn";
+  ASSERT_FALSE(axis.trace.empty());
+  EXPECT_TRUE(axis.trace.back().load_position_m.has_value());
+}
+
+TEST(RigidAxis, RunsTheSameCodeAsWithoutTheseKeys) {
+  auto plain = scene("can_axis");
+  plain.run->duration_s = 1;
+  const auto mechanism = sil::axis_mechanism(plain.node.axes[0], plain.worlds[0]);
+  EXPECT_NE(dynamic_cast<const sil::BrakedSlide*>(mechanism.axis.get()), nullptr);
+  EXPECT_EQ(mechanism.encoder, nullptr);
+  auto told = plain;
+  told.node.axes[0].truth = config::truth_of(plain.node.axes[0]);
+  const auto first = sil::run_loop_scenario(plain, {.trace = true}),
+             second = sil::run_loop_scenario(told, {.trace = true});
+  ASSERT_EQ(first.axes[0].trace.size(), second.axes[0].trace.size());
+  for (std::size_t i = 0; i < first.axes[0].trace.size(); ++i) {
+    ASSERT_EQ(first.axes[0].trace[i].position_m, second.axes[0].trace[i].position_m) << i;
+    ASSERT_EQ(first.axes[0].trace[i].force_N, second.axes[0].trace[i].force_N) << i;
+  }
+}
+
+// Gravity beside friction, as a slide and as a compliant axis whose compliance is too small to matter.
+TEST(ConstantForce, IsTheSameForBothKindsOfPlant) {
+  auto slide = scene("vertical_axis");
+  slide.worlds[0].encoder_error.reset();
+  slide.run->duration_s = 0.3;
+  auto compliant = slide;
+  compliant.worlds[0].plant.cogging = {1e-30, 1, 0};
+  const auto first = sil::run_loop_scenario(slide, {.trace = true}).axes[0];
+  const auto second = sil::run_loop_scenario(compliant, {.trace = true}).axes[0];
+  ASSERT_EQ(first.trace.size(), second.trace.size());
+  for (std::size_t i = 0; i < first.trace.size(); ++i)
+    ASSERT_NEAR(first.trace[i].position_m, second.trace[i].position_m, 1e-10) << i;
+}
+
+TEST(Told, AMismatchIsStudiedUnderTheWholeClassOfFriction) {
+  auto axis = scene("can_axis");
+  axis.node.axes[0].truth = config::truth_of(axis.node.axes[0]);
+  axis.node.axes[0].mass_kg = 1.05;
+  study::StudyOptions options;
+  options.starts = {{-0.05, 0}};
+  options.random_laws = 5;
+  const auto rows = study::run_study(axis, options);
+  EXPECT_EQ(settled_runs(rows[0]), rows[0].runs.size()) << "the law bears 5 % more mass than there is";
+  EXPECT_LE(largest_force_N(rows[0]), 50);
+}
+
+TEST(Told, TooMuchForceGainMakesLessForce) {
+  auto axis = scene("can_axis");
+  auto& described = axis.node.axes[0];
+  described.truth = config::truth_of(described);
+  described.drive->force_per_torque_N_per_Nm *= 2;
+  axis.run->duration_s = 0.2;
+  const auto result = sil::run_loop_scenario(axis, {});
+  EXPECT_LE(result.axes[0].max_force_N, 25 * (1 + 1e-9)) << "it asks for 50 N at most, and gets half of that";
+}
+
+}  // namespace
+}  // namespace breakaway::closed_loop
