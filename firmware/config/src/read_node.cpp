@@ -144,7 +144,7 @@ FileRows passed_over() {
   return {.root = {},
           .loop = {},
           .bus = named({"loss_probability", "delay_min_s", "delay_max_s", "seed"}),
-          .run = named({"duration_s", "settle_time_s", "stop_when_settled"}),
+          .run = named({"duration_s", "settle_time_s", "stop_when_settled", "accuracy_m"}),
           .axis = [=](std::size_t) {
             return AxisRows{.plant = named({"position_m", "velocity_m_s", "force_N", "presliding", "load", "backlash",
                                             "cogging", "ripple", "encoder_error", "drift"}),
