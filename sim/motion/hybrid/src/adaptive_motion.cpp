@@ -36,11 +36,12 @@ AdaptiveStep::AdaptiveStep(AdaptiveWalk& walk, double tolerance)
   for (Index i = 0; i < m; ++i) {
     const auto& law = walk.laws[static_cast<std::size_t>(i)];
     friction_N[i] = law.bounds().upper_N;
+    constant_levels_ = constant_levels_ && law.constant_between_events();
     const double edge_m = sign(i) > 0 ? law.range_m().upper_m : law.range_m().lower_m;
-    if (sign(i) != 0 && std::isfinite(edge_m)) guards_.push_back({true, i, edge_m, {}, {}});
+    if (sign(i) != 0 && std::isfinite(edge_m)) guards_.push_back({true, i, edge_m, {}, {}, {}});
   }
   for (std::size_t facet = 0; facet < held_.facets.size(); ++facet) {
-    for (const int side : {-1, 1}) guards_.push_back({false, -1, 0, {facet, side}, {}});
+    for (const int side : {-1, 1}) guards_.push_back({false, -1, 0, {facet, side}, {}, {}});
   }
   const Vector forces = machine.force_N.cwiseAbs() + machine.stiffness.cwiseAbs() * q0_.cwiseAbs() +
                         machine.damping.cwiseAbs() * walk.v.cwiseAbs() + machine.directions.cwiseAbs() * friction_N;
@@ -66,7 +67,7 @@ void AdaptiveStep::move_to(const Path& path, const Speeds& speeds) {
 
 void AdaptiveStep::forget_ranges() {
   for (Range& range : rates_) range = {unlimited, -unlimited};
-  for (Guard& guard : guards_) guard.range = {unlimited, -unlimited};
+  for (Guard& guard : guards_) guard.range = guard.slope = {unlimited, -unlimited};
 }
 
 // u' at a stage; `exchanged` >= 0 slides at exactly this speed. Keeps the ranges of what the step is judged by.
@@ -80,7 +81,9 @@ AdaptiveStep::Vector AdaptiveStep::acceleration(double tau_s, const Path& path, 
     if (sign(i) != 0) rates_[static_cast<std::size_t>(i)].include(speed(i, a));
   }
   for (Guard& guard : guards_) {
-    if (!guard.is_edge) guard.range.include(value(guard, tau_s, force));
+    if (guard.is_edge) continue;
+    guard.range.include(value(guard, tau_s, force));
+    guard.slope.include(slope(guard, a));
   }
   return a;
 }

@@ -50,6 +50,7 @@ class AdaptiveStep {
     double edge_m;
     Limit limit;
     Range range;  // over the stages of a trial
+    Range slope;  // of a limit, over the same, as far as springs and dampers make it
   };
 
   template <class Path, class Speeds>
@@ -58,6 +59,8 @@ class AdaptiveStep {
   void move_to(const Path& path, const Speeds& speeds);
   void forget_ranges();
   double value(const Guard& guard, double tau_s, const Vector& force);
+  double slope(const Guard& guard, const Vector& acceleration) const;
+  bool surely_kept(const Guard& guard, double duration_s) const;
   double speed(Index i, const Vector& u) const;
   int sign(Index i) const { return walk_.signs[static_cast<std::size_t>(i)]; }
 
@@ -81,6 +84,7 @@ class AdaptiveStep {
   Vector speed_m_s_, rate_m_s2_, rounding_m_s2_;
   double rounding_u_ = 0;  // of a0_
   int refusals_ = 0;
+  bool constant_levels_ = true;  // of all laws, between events
 };
 
 }  // namespace breakaway::hybrid

@@ -8,8 +8,9 @@
 // that are left: W_S^T q' = 0 holds to rounding, and q cannot drift.
 //
 // Between a law's static and its first sliding level nothing moves: a direction breaks away from the greater of the
-// two, times 1 + 1e-12. Limits of sticking directions are watched at the stages of each step; one that is exceeded for
-// less than the time between two stages, and by less than an eighth of its change in the step, may be passed over.
+// two, times 1 + 1e-12. Limits of sticking directions are watched at the stages of each step, with their slopes: a step
+// is halved until a limit is farther away than it can come between two stages, or comes nearer, or leaves, all the
+// time.
 #pragma once
 
 #include <cstdint>
