@@ -41,8 +41,9 @@ double rounding_error_m(const MachineScenario& scenario, const MachineEnd& end) 
     pilot.q_m /= units.length;
     scatter_m = std::max(scatter_m, pilot.distance_m(end));
   }
-  // All ends may agree to the last digit, which is itself rounded.
-  const double last_digit_m = std::numeric_limits<double>::epsilon() * end.q_m.cwiseAbs().maxCoeff();
+  // All ends may agree to the last digit of what they are sums of.
+  const double size_m = std::max(end.q_m.cwiseAbs().maxCoeff(), scenario.start->q.cwiseAbs().maxCoeff());
+  const double last_digit_m = 4 * std::numeric_limits<double>::epsilon() * size_m;
   return 2 * scatter_m + last_digit_m;
 }
 
