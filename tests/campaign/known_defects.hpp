@@ -16,31 +16,34 @@ struct KnownDefect {
   const char* cause;
 };
 
-inline constexpr std::array<KnownDefect, 0> known_defects{};
+inline constexpr std::array<KnownDefect, 1> known_defects{{
+    {1904, Method::adaptive,
+     "the end state is right to 1e-13, and the last direction, which only a friction of 1e-12 of the others' brakes, "
+     "is "
+     "found at rest at another instant than the reference's"},
+}};
 
 inline bool is_known_defect(std::int64_t number, Method method) {
   return std::any_of(known_defects.begin(), known_defects.end(),
                      [&](const KnownDefect& d) { return d.number == number && d.method == method; });
 }
 
-// Says whether the test runs this family when nobody asks for another: no machine of it is known to fail, or those
-// that do are on the list.
-inline bool is_clean(Family family) {
+// Families whose machines are known to fail in numbers too large for a list. The test leaves the method out there; a
+// long campaign runs all of them.
+inline bool is_clean(Family family, Method method) {
   switch (family) {
-    case Family::ordinary:
-    case Family::redundant:
-    case Family::negative_damping:
-    case Family::ties:
-    case Family::overdamped:
-    case Family::constant_force:
-    case Family::mirrored:
-    case Family::gyroscopic:
-    case Family::circulatory:
-    case Family::many:
-      return true;
+    case Family::nearly_parallel:
+      return method != Method::adaptive;  // it passes over stops of directions less than 1e-9 apart
+    case Family::stiff_damping:
+    case Family::stiff_springs:
+    case Family::non_normal:
+    case Family::light_mass:
+      return false;  // they do not end in time
     default:
-      return false;
+      return true;
   }
 }
+
+inline bool is_clean(Family family) { return is_clean(family, Method::event_driven); }
 
 }  // namespace breakaway::campaign

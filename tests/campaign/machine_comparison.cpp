@@ -101,19 +101,32 @@ Outcome run_time_stepping(const RandomMachine& r, double steps) {
   return method.run(r.start, r.end_s);
 }
 
-// Rest is seen by both or by none, at the same instant. An instant near the end is either's.
-std::string rest_contradiction(const Outcome& outcome, const ReferenceRun& reference, double end_s, double within) {
+// Rest is seen by both or by none, at the same instant up to a share of the duration. An instant near the end is
+// either's.
+std::string rest_contradiction(const Outcome& outcome, const ReferenceRun& reference, double end_s, double share) {
   const bool rests = outcome.verdict == Verdict::at_rest, does = reference.end == ReferenceEnd::at_rest;
   const bool settled = rests || outcome.verdict == Verdict::captured;
   if (does && !settled && reference.rest_s < end_s * (1 - 1e-6)) return "rest was missed";
-  if (rests && !does && outcome.settling_time_s < end_s * (1 - 1e-6) && reference.greatest_v > 0) {
+  if (rests && !does && outcome.settling_time_s < end_s * (1 - 1e-6)) {
     const double moving = static_cast<double>(largest(reference.v));
     if (moving > 1e-12 * reference.greatest_v) return "rest was invented";
   }
-  if (rests && does && std::abs(outcome.settling_time_s - reference.rest_s) > within * end_s) {
+  if (rests && does && std::abs(outcome.settling_time_s - reference.rest_s) > share * end_s) {
     return "rest began at another instant";
   }
   return {};
+}
+
+// Says whether rounding of the input alone moves rest as far as it was missed.
+bool rest_is_sensitive(const RandomMachine& random, const ReferenceRun& reference, const Outcome& outcome,
+                       double amount, double most_work) {
+  const double missed_s = std::abs(outcome.settling_time_s - reference.rest_s);
+  for (int variant = 0; variant < 6; ++variant) {
+    const RandomMachine other = varied(random, variant, amount);
+    const ReferenceRun run = run_reference(other.machine, other.start, other.end_s, most_work);
+    if (answered(run) && std::abs(run.rest_s - reference.rest_s) >= missed_s / 10) return true;
+  }
+  return false;
 }
 
 Judgement judge_end(const RandomMachine& r, const ReferenceRun& reference, const Outcome& outcome, double allowed,
@@ -130,8 +143,31 @@ Judgement judge_end(const RandomMachine& r, const ReferenceRun& reference, const
   }
   // The instant of a stop depends on the root of what is left of the motion.
   result.note = rest_contradiction(outcome, reference, r.end_s, std::sqrt(allowed));
-  result.finding = result.note.empty() ? Finding::right : Finding::other_rest;
+  if (result.note.empty()) {
+    result.finding = Finding::right;
+  } else {
+    const bool tie = rest_is_sensitive(r, reference, outcome, amount, most_work);
+    result.finding = tie ? Finding::sensitive : Finding::other_rest;
+  }
   return result;
+}
+
+// Where the reference was not given enough work, the two exact methods have to agree with each other.
+Judgement judge_agreement(const RandomMachine& r, const Outcome& adaptive, const ComparisonOptions& options) {
+  if (!finite(adaptive.end)) return {Finding::not_a_number, 0, "the state at the end"};
+  const Outcome other = run_event_driven(r, options);
+  const double q = std::max(r.start.q.cwiseAbs().maxCoeff(), other.end.q.cwiseAbs().maxCoeff());
+  const double v = std::max(r.start.v.cwiseAbs().maxCoeff(), other.end.v.cwiseAbs().maxCoeff());
+  const double apart = std::max((adaptive.end.q - other.end.q).cwiseAbs().maxCoeff() / std::max(q, 1e-300),
+                                (adaptive.end.v - other.end.v).cwiseAbs().maxCoeff() / std::max(v, 1e-300));
+  return {apart <= 100 * options.tolerance ? Finding::agreed : Finding::unjudged, apart, "from event-driven"};
+}
+
+Judgement judge_adaptive(const RandomMachine& r, const ReferenceRun& reference, const ComparisonOptions& options) {
+  const Outcome outcome = run_adaptive(r, options);
+  if (!answered(reference)) return judge_agreement(r, outcome, options);
+  return judge_end(r, reference, outcome, 10 * options.tolerance, std::max(tie_width, options.tolerance),
+                   options.most_work);
 }
 
 Judgement judge_time_stepping(const RandomMachine& r, const ReferenceRun& reference) {
@@ -153,8 +189,8 @@ std::string_view to_string(Method method) {
 }
 
 std::string_view to_string(Finding finding) {
-  constexpr std::array<std::string_view, findings> names{"right",      "sensitive", "refused", "unjudged", "wrong",
-                                                         "other rest", "NaN",       "endless", "crashed"};
+  constexpr std::array<std::string_view, findings> names{"right", "agreed",     "sensitive", "refused", "unjudged",
+                                                         "wrong", "other rest", "NaN",       "endless", "crashed"};
   return names.at(static_cast<std::size_t>(finding));
 }
 
@@ -170,8 +206,7 @@ Judgement Comparison::judge(Method method) {
         return judge_end(random_, reference_, run_event_driven(random_, options_), event_driven_error, tie_width,
                          options_.most_work);
       case Method::adaptive:
-        return judge_end(random_, reference_, run_adaptive(random_, options_), 10 * options_.tolerance,
-                         std::max(tie_width, options_.tolerance), options_.most_work);
+        return judge_adaptive(random_, reference_, options_);
       case Method::time_stepping:
         return judge_time_stepping(random_, reference_);
     }

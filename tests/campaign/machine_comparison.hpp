@@ -16,6 +16,7 @@ inline constexpr int methods = 3;
 
 enum class Finding {
   right,       // within what is promised
+  agreed,      // with each other to 100 times the tolerance, where the reference was not given enough work
   sensitive,   // within what rounding of the input, or the width of a tie, makes of this machine
   refused,     // by name: an InputError with a sentence
   unjudged,    // the reference was not given enough work, or the step of time stepping is too long for the machine
@@ -25,7 +26,7 @@ enum class Finding {
   endless,  // more events than any of these machines has
   crashed   // in a process of its own: killed after BREAKAWAY_CPU_S, or ended by a signal
 };
-inline constexpr int findings = 9;
+inline constexpr int findings = 10;
 
 std::string_view to_string(Method method);
 std::string_view to_string(Finding finding);

@@ -202,7 +202,7 @@ class Reference {
     }
   }
 
-  Outcome leave(Outcome outcome) {
+  void set_state_here() {
     const std::size_t n = at_.e.size() / 2;
     Vector z(n), w(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -212,6 +212,15 @@ class Reference {
     q_ = q_begin_;
     add_scaled(q_, 1, mode_->free * z);
     v_ = mode_->free * w;
+  }
+
+  void note_scales_here() {
+    set_state_here();
+    note_scales();
+  }
+
+  Outcome leave(Outcome outcome) {
+    set_state_here();
     time_s_ += at_.since_s;
     if (outcome == Outcome::event) {
       note_scales();
@@ -233,6 +242,7 @@ class Reference {
       if (!stays_positive(first[g], second[g], third[g], mode_->flow.step_s(level))) return false;
     }
     at_ = end;
+    note_scales_here();
     return true;
   }
 
