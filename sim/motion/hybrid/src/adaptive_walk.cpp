@@ -152,7 +152,8 @@ void AdaptiveWalk::give_way(Limit limit) {
 // A direction that slides has its sliding level instead of its static one, which may bring others to slide: they are
 // added until no more do, so that what sticks keeps its static limit. `told`: the laws that know of their slip.
 DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
-  ModeChoice::Stop stop{time.after(0), VectorXd{q}, VectorXd{v}, applied(), force_rounding(), {}, {}, {}};
+  const VectorXd rounding = force_rounding();
+  ModeChoice::Stop stop{time.after(0), VectorXd{q}, VectorXd{v}, applied(), rounding, rounding, {}, {}, {}};
   for (Index i = 0; i < machine.frictions(); ++i) {
     if (contains(stopped, i)) stop.stopped.push_back(i);
   }

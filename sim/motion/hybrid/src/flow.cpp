@@ -1,23 +1,43 @@
 #include "breakaway/hybrid/flow.hpp"
 
+#include <algorithm>
+#include <functional>
+
+#include "breakaway/hybrid/invariant_blocks.hpp"
+#include "breakaway/hybrid/refused.hpp"
+
 namespace breakaway::hybrid {
 namespace {
 
-using Extended = long double;
+// What the two ways to take a motion apart may leave of the motion's own rate.
+constexpr double rounding_of_decoupled = 1e-14;
+constexpr double rounding_of_blocks = 1e-13;
 
-ExtendedMatrix companion(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness, Extended time) {
+ExtendedMatrix companion(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
   const Eigen::Index k = damping.rows();
   ExtendedMatrix a = ExtendedMatrix::Zero(2 * k, 2 * k);
   a.topRightCorner(k, k).setIdentity();
-  a.bottomLeftCorner(k, k) = -stiffness * time * time;
-  a.bottomRightCorner(k, k) = -damping * time;
+  a.bottomLeftCorner(k, k) = -stiffness;
+  a.bottomRightCorner(k, k) = -damping;
   return a;
 }
 
-// A power of two near the machine's own time: z = (u, time a) has entries of one size.
-Extended time_scale(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
-  const Extended rate = std::max(std::sqrt(stiffness.cwiseAbs().maxCoeff()), damping.cwiseAbs().maxCoeff());
-  return rate > 0 ? std::exp2(-std::round(std::log2(rate))) : 1;
+template <class Matrix>
+double largest(const Matrix& matrix) {
+  return static_cast<double>(matrix.cwiseAbs().maxCoeff());
+}
+
+// What the digits of extended precision leave undecided of the generator inverse A modes.
+Eigen::MatrixXd rounding(const ExtendedMatrix& companion, const ExtendedMatrix& modes, const ExtendedMatrix& inverse) {
+  const auto sizes = [](const ExtendedMatrix& matrix) { return matrix.cwiseAbs().template cast<double>().eval(); };
+  return 0x1p-96 * (sizes(inverse) * (sizes(companion) * sizes(modes)));
+}
+
+// Returns 0 for what is rounding only in v^T A v.
+Extended quadratic_form(const ExtendedVector& v, const ExtendedMatrix& a) {
+  const Extended value = v.dot(a * v);
+  const ExtendedVector sizes = v.cwiseAbs();
+  return abs(value) <= 0x1p-96 * sizes.dot(a.cwiseAbs() * sizes) ? Extended(0) : value;
 }
 
 }  // namespace
@@ -28,17 +48,45 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
       modes_{ExtendedMatrix::Zero(2 * k_, 2 * k_)},
       generator_{ExtendedMatrix::Zero(2 * k_, 2 * k_)} {
   if (k_ == 0) return;
-  if (!decouple(damping, stiffness) && !diagonalise(damping, stiffness)) keep_dense(damping, stiffness);
-  inverse_ = stability::extended::inverse(modes_);
-  dense_ = generator_.cast<double>();
+  const ExtendedMatrix a = companion(damping, stiffness);
+  if (!decouple(damping, stiffness) || !invert(a, rounding_of_decoupled)) {
+    split(a);
+    if (!invert(a, rounding_of_blocks)) {
+      throw Refused{"this machine's motions are too different in their time scales to be told apart in 31 digits",
+                    "hold its stiffest springs rigid, or use the adaptive method"};
+    }
+  }
+  std::ranges::stable_sort(blocks_, std::greater{}, &Block::speed);
   for (const Block& block : blocks_) {
-    const double turns = block.kind == Block::Kind::dense ? 1 : 0.25;
-    if (block.rate > 0) window_s_ = std::min(window_s_, turns / block.rate);
+    if (block.rate > 0) window_s_ = std::min(window_s_, 0.25 / block.rate);
+    const bool dense = block.kind == Block::Kind::dense;
+    bounded_ = bounded_ && (dense ? dense_[block.dense].growth() < HUGE_VAL : block.rate <= 0);
   }
 }
 
-// Returns the factor by which the block's amplitude grows within window_s() at most.
-double Flow::growth_of(const Block& block) const {
+// Inverts the modes and says whether what they leave out of the motion is rounding: A modes = modes generator, compared
+// with the rates of the two blocks that an entry would couple. Blocks that do not move but by rounding stand still.
+bool Flow::invert(const ExtendedMatrix& companion, double tolerance) {
+  inverse_ = stability::twofold::inverse(modes_);
+  const ExtendedMatrix rest = inverse_ * (companion * modes_) - generator_;
+  const Eigen::MatrixXd noise = rounding(companion, modes_, inverse_);
+  for (const Block& row : blocks_) {
+    for (const Block& column : blocks_) {
+      const double speed = std::max(row.speed, column.speed);
+      const auto range = [&](const auto& matrix) {
+        return largest(matrix.block(row.first, column.first, row.size, column.size));
+      };
+      const double error = range(rest);
+      const bool stands = error <= range(noise) && speed <= 100 * error;
+      if (!(error <= tolerance * speed) && !stands) return false;
+    }
+  }
+  return true;
+}
+
+// Returns the factor by which the block's amplitude grows within window_s(), or ever, at most.
+double Flow::growth_of(const Block& block, Horizon horizon) const {
+  if (block.kind == Block::Kind::dense && horizon == Horizon::ever) return dense_[block.dense].growth();
   const double x = block.rate > 0 ? block.rate * window_s_ : 0;
   const double exponential = 1 + x + x * x;  // >= e^x for 0 <= x <= 1.79
   if (block.kind != Block::Kind::critical) return exponential;
@@ -47,54 +95,59 @@ double Flow::growth_of(const Block& block) const {
   return block.rate < 0 ? 1.02 : exponential * exponential * (1 + x);
 }
 
-void Flow::bound(const Block& block, const ExtendedMatrix& row, double* bounds) const {
-  const ExtendedMatrix part = row.middleCols(block.first, block.size);
+void Flow::bound(const Block& block, const ExtendedMatrix& row, Horizon horizon, double* bounds) const {
+  const Eigen::RowVectorXd part = row.middleCols(block.first, block.size).cast<double>();
   double* const bound = bounds + block.first;
-  const double growth = growth_of(block);
-  const auto grown = [growth](Extended size) { return static_cast<double>(size) * growth; };
+  const double growth = growth_of(block, horizon);
   switch (block.kind) {
-    case Block::Kind::pair:  // along the eigenvectors (1, lambda)
-      bound[0] = grown(std::abs(part(0, 0) + part(0, 1) * block.rate));
-      bound[1] = grown(std::abs(part(0, 0) + part(0, 1) * block.lesser));
+    case Block::Kind::pair: {  // along the eigenvectors (1, lambda)
+      const Extended one = row(0, block.first), other = row(0, block.first + 1);
+      bound[0] = growth * std::abs(static_cast<double>(one + other * block.rate));
+      bound[1] = growth * std::abs(static_cast<double>(one + other * block.lesser));
       break;
+    }
     case Block::Kind::complex:
-      bound[0] = grown(part.stableNorm());
+      bound[0] = growth * part.stableNorm();
       break;
     case Block::Kind::free:
-      bound[1] = grown(std::abs(part(0, 1)));
+      bound[1] = growth * std::abs(part[1]);
+      break;
+    case Block::Kind::dense:
+      // Where nothing is known to be bound for ever, 0 times infinity is no bound either.
+      bound[0] = growth < HUGE_VAL ? growth * dense_[block.dense].bound(part) : growth;
       break;
     default:
-      bound[0] = grown(part.cwiseAbs().maxCoeff());
+      bound[0] = growth * part.cwiseAbs().maxCoeff();
   }
 }
 
 // Symmetric C and K that commute: k scalar oscillators, known without an unsymmetric eigenproblem.
 bool Flow::decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
   ExtendedMatrix vectors = ExtendedMatrix::Identity(k_, k_);
-  const Extended c_norm = damping.cwiseAbs().maxCoeff(), k_norm = stiffness.cwiseAbs().maxCoeff();
-  const auto diagonal_in = [&](const ExtendedMatrix& matrix, Extended norm) {
+  const double c_norm = largest(damping), k_norm = largest(stiffness);
+  const auto diagonal_in = [&](const ExtendedMatrix& matrix, double norm) {
     ExtendedMatrix rest = vectors.transpose() * matrix * vectors;
     rest.diagonal().setZero();
-    return rest.cwiseAbs().maxCoeff() <= 2e-16L * norm;
+    return largest(rest) <= 2e-16 * norm;
   };
   if (!diagonal_in(damping, 0) || !diagonal_in(stiffness, 0)) {
     // Eigenvalues of both that coincide in the sum belong together or are told apart by the odd weight.
     ExtendedMatrix sum = ExtendedMatrix::Zero(k_, k_);
-    if (k_norm > 0) sum += stiffness / k_norm;
-    if (c_norm > 0) sum += 0.6180339887498949L * damping / c_norm;
-    vectors = stability::extended::symmetric_eigenvectors((sum + sum.transpose()) / 2);
+    if (k_norm > 0) sum += stiffness / Extended(k_norm);
+    if (c_norm > 0) sum += damping * Extended(0.6180339887498949 / c_norm);
+    vectors = stability::twofold::symmetric_eigenvectors((sum + sum.transpose()) * Extended(0.5));
   }
   if (!diagonal_in(damping, c_norm) || !diagonal_in(stiffness, k_norm)) return false;
   for (Eigen::Index i = 0; i < k_; ++i) {
     const ExtendedVector mode = vectors.col(i);
-    add_oscillator(mode, mode.dot(damping * mode), mode.dot(stiffness * mode), 2 * i);
+    add_oscillator(mode, quadratic_form(mode, damping), quadratic_form(mode, stiffness), 2 * i);
   }
   return true;
 }
 
 // u'' + c u' + k u = 0 along one direction.
 void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Eigen::Index first) {
-  const Extended mean = -c / 2, discriminant = mean * mean - k, root = std::sqrt(std::abs(discriminant));
+  const Extended mean = -c / 2, discriminant = mean * mean - k, root = sqrt(abs(discriminant));
   const auto column = [&](Eigen::Index offset, Extended u, Extended a) {
     modes_.col(first + offset) << u * mode, a * mode;
   };
@@ -103,15 +156,10 @@ void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Ei
     column(1, 0, 1);
     generator_(first, first + 1) = 1;
     blocks_.push_back({Block::Kind::free, first, 2});
-  } else if (root <= 0.01L * std::abs(mean)) {
-    const Extended coupling = std::abs(mean);
+  } else if (root <= 0.01 * abs(mean)) {
     column(0, 1, mean);
-    column(1, 0, coupling);
-    generator_.block(first, first, 2, 2) << mean, coupling, discriminant / coupling, mean;
-    Block block{Block::Kind::critical, first, 2, static_cast<double>(mean)};
-    block.delta_squared = static_cast<double>(discriminant);
-    block.coupling = static_cast<double>(coupling);
-    blocks_.push_back(block);
+    column(1, 0, abs(mean));
+    add_critical(first, mean, discriminant);
   } else if (discriminant < 0) {
     column(0, 1, mean);
     column(1, 0, root);
@@ -121,71 +169,88 @@ void Flow::add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Ei
     column(0, 1, 0);
     column(1, 0, 1);
     generator_.block(first, first, 2, 2) << 0, 1, -k, -c;
-    Block block{Block::Kind::pair, first, 2, static_cast<double>(std::max(large, small))};
-    block.lesser = static_cast<double>(std::min(large, small));
+    const double one = static_cast<double>(large), other = static_cast<double>(small);
+    Block block{Block::Kind::pair, first, 2, std::max(one, other)};
+    block.lesser = std::min(one, other);
+    block.speed = std::abs(one);
     blocks_.push_back(block);
   }
 }
 
 void Flow::add_real(Eigen::Index first, Extended value) {
   generator_(first, first) = value;
-  blocks_.push_back({Block::Kind::real, first, 1, static_cast<double>(value)});
+  Block block{Block::Kind::real, first, 1, static_cast<double>(value)};
+  block.speed = std::abs(block.rate);
+  blocks_.push_back(block);
 }
 
 void Flow::add_complex(Eigen::Index first, Extended rate, Extended frequency) {
   generator_.block(first, first, 2, 2) << rate, frequency, -frequency, rate;
   Block block{Block::Kind::complex, first, 2, static_cast<double>(rate)};
   block.frequency = static_cast<double>(frequency);
-  const Extended square = rate * rate + frequency * frequency;
-  block.inverse_re = static_cast<double>(rate / square);
-  block.inverse_im = static_cast<double>(-frequency / square);
+  const Extended size = sqrt(rate * rate + frequency * frequency);
+  block.inverse_re = static_cast<double>(rate / size / size);
+  block.inverse_im = static_cast<double>(-frequency / size / size);
+  block.speed = static_cast<double>(size);
   blocks_.push_back(block);
 }
 
-bool Flow::diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
-  const Extended time = time_scale(damping, stiffness);
-  const auto eigen = stability::extended::general_eigen(companion(damping, stiffness, time));
-  if (!eigen.found) return false;
-  ExtendedMatrix vectors(2 * k_, 2 * k_);
-  const auto& values = eigen.values;
-  for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {
-    vectors.col(i) = eigen.vectors.col(i).real();
-    if (values[i].imag() != 0) vectors.col(i + 1) = eigen.vectors.col(i).imag();
-  }
-  // The change of coordinates can cost 1e-16 times this, relative to the largest coordinate.
-  const auto inverse = stability::extended::inverse_if_regular(vectors);
-  if (!inverse || !(vectors.norm() * inverse->norm() < 1e4L)) return false;
-  for (Eigen::Index i = 0; i < 2 * k_; i += values[i].imag() == 0 ? 1 : 2) {
-    if (values[i].imag() == 0) {
-      add_real(i, values[i].real() / time);
-    } else {
-      add_complex(i, values[i].real() / time, values[i].imag() / time);
-    }
-  }
-  modes_ << vectors.topRows(k_), vectors.bottomRows(k_) / time;
-  return true;
+void Flow::add_critical(Eigen::Index first, Extended mean, Extended delta_squared) {
+  const Extended coupling = abs(mean);
+  generator_.block(first, first, 2, 2) << mean, coupling, delta_squared / coupling, mean;
+  Block block{Block::Kind::critical, first, 2, static_cast<double>(mean)};
+  block.delta_squared = static_cast<double>(delta_squared);
+  block.coupling = block.speed = static_cast<double>(coupling);
+  blocks_.push_back(block);
 }
 
-void Flow::keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness) {
-  const Extended time = time_scale(damping, stiffness);
-  generator_ = companion(damping, stiffness, time) / time;
-  modes_.setIdentity();
-  modes_.bottomRightCorner(k_, k_) /= time;
-  const Extended norm = generator_.cwiseAbs().colwise().sum().maxCoeff();
-  blocks_.push_back({Block::Kind::dense, 0, 2 * k_, static_cast<double>(norm)});
+// Any C and K: the companion matrix in blocks that can be told apart.
+void Flow::split(const ExtendedMatrix& companion) {
+  blocks_.clear();
+  dense_.clear();
+  const InvariantBlocks parts = invariant_blocks(companion);
+  modes_ = parts.basis;
+  generator_ = parts.generator;
+  const Eigen::MatrixXd noise = rounding(companion, modes_, stability::twofold::inverse(modes_));
+  Eigen::Index first = 0;
+  for (const Eigen::Index size : parts.sizes) {
+    add_block(first, size, noise.block(first, first, size, size).maxCoeff());
+    first += size;
+  }
 }
 
-void Flow::propagate_dense(double h, double* x, double* sum) const {
-  const Eigen::Index size = dense_.rows();
-  Eigen::Map<Eigen::VectorXd> state(x, size), integral(sum, size);
-  Eigen::VectorXd term = state * h;
-  for (int order = 1; order <= 40; ++order) {
-    integral += term;
-    const Eigen::VectorXd next = dense_ * term;
-    state += next;
-    if (next.cwiseAbs().maxCoeff() <= 1e-18 * state.cwiseAbs().maxCoeff()) break;
-    term = next * (h / (order + 1));
+// `noise`: what is rounding in the block's entries.
+void Flow::add_block(Eigen::Index first, Eigen::Index size, double noise) {
+  if (size == 1) {
+    const Extended value = generator_(first, first);
+    return add_real(first, abs(value) <= noise ? Extended(0) : value);
   }
+  if (size > 2) return add_dense(first, size);
+  const PairForm pair = make_pair_form(generator_, modes_, first);
+  if (pair.kind == PairForm::Kind::complex) return add_complex(first, pair.mean, pair.frequency);
+  if (pair.kind == PairForm::Kind::critical) return add_critical(first, pair.mean, pair.delta_squared);
+  if (abs(pair.mean) <= noise && abs(pair.delta_squared) <= noise * abs(generator_(first, first + 1))) {
+    return add_free(first);
+  }
+  add_dense(first, size);
+}
+
+// Two coordinates of which the second drives the first and nothing drives the second, to rounding.
+void Flow::add_free(Eigen::Index first) {
+  modes_.col(first + 1) /= generator_(first, first + 1);
+  generator_.block(first, first, 2, 2) << 0, 1, 0, 0;
+  blocks_.push_back({Block::Kind::free, first, 2});
+}
+
+void Flow::add_dense(Eigen::Index first, Eigen::Index size) {
+  for (Eigen::Index at = first; at + 1 < first + size; ++at) {
+    if (generator_(at + 1, at) != 0) make_pair_form(generator_, modes_, at);
+  }
+  dense_.emplace_back(generator_.block(first, first, size, size));
+  Block block{Block::Kind::dense, first, size, dense_.back().rate()};
+  block.speed = dense_.back().speed();
+  block.dense = dense_.size() - 1;
+  blocks_.push_back(block);
 }
 
 }  // namespace breakaway::hybrid

@@ -7,15 +7,14 @@
 namespace breakaway::hybrid {
 namespace {
 
-namespace extended = stability::extended;
-using Extended = long double;
+namespace twofold = stability::twofold;
 
 // Columns told apart from dependent ones; entries are rounded to double, so 1e-16 is as good as zero.
-constexpr Extended rank_threshold = 1e-13L;
+constexpr double rank_threshold = 1e-13;
 
-extended::Span span(ExtendedMatrix columns) {
+twofold::Span span(ExtendedMatrix columns) {
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i).stableNormalize();
-  return extended::span(columns, rank_threshold);
+  return twofold::span(columns, rank_threshold);
 }
 
 // Calls back with every choice of `count` out of the given indices.
@@ -47,14 +46,14 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const
   for (const Block& block : flow.blocks()) {
     const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
     const ExtendedMatrix slope = first.middleCols(block.first, block.size);
-    if (const auto inverse = extended::inverse_if_regular(part)) {
+    if (const auto inverse = twofold::inverse_if_regular(part)) {
       settled.middleCols(block.first, block.size) = slope * *inverse;
-    } else if (slope.cwiseAbs().maxCoeff() > 0) {
+    } else if (slope.cwiseAbs().maxCoeff() > Extended(0)) {
       line.drifts = true;
     }
-    flow.bound(block, second, line.second_bound.data());
-    flow.bound(block, third, line.third_bound.data());
-    flow.bound(block, settled, line.settled_bound.data());
+    flow.bound(block, second, Flow::Horizon::window, line.second_bound.data());
+    flow.bound(block, third, Flow::Horizon::window, line.third_bound.data());
+    flow.bound(block, settled, Flow::Horizon::ever, line.settled_bound.data());
   }
   line.integral = padded(integral, 1, width);
   line.now = padded(now, 1, width);
@@ -73,7 +72,7 @@ struct Extension {
       : mass{machine.mass.cast<Extended>()},
         damping{machine.damping.cast<Extended>()},
         stiffness{machine.stiffness.cast<Extended>()},
-        inverse_factor{extended::inverse_cholesky_factor(mass)},
+        inverse_factor{twofold::inverse_cholesky_factor(mass)},
         directions{inverse_factor * machine.directions.cast<Extended>()} {}
 };
 
@@ -103,12 +102,12 @@ std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
   for_each_choice(all, static_cast<std::size_t>(rank - 1), [&](const std::vector<Eigen::Index>& chosen) {
     ExtendedVector normal = ExtendedVector::Unit(rank, 0);
     if (rank > 1) {
-      const extended::Span face = span(reduced(Eigen::all, chosen));
+      const twofold::Span face = span(reduced(Eigen::all, chosen));
       if (face.rank() < rank - 1) return;
       normal = face.complement.col(0);
     }
     const bool known = std::any_of(normals.begin(), normals.end(), [&](const ExtendedVector& other) {
-      return std::abs(std::abs(other.dot(normal)) - 1) < 1e-12L;
+      return std::abs(std::abs(static_cast<double>(other.dot(normal))) - 1) < 1e-12;
     });
     if (!known) normals.push_back(normal);
   });
@@ -121,16 +120,16 @@ Facet<Eigen::Dynamic, Eigen::Dynamic> make_facet(const Extension& extension, con
   const ExtendedVector shares = extension.directions.transpose() * normal;
   Extended largest = 0;
   for (Eigen::Index i = 0; i < shares.size(); ++i) {
-    if (contains(sticking, i)) largest = std::max(largest, std::abs(shares[i]));
+    if (contains(sticking, i)) largest = std::max(largest, abs(shares[i]));
   }
   Facet<Eigen::Dynamic, Eigen::Dynamic> facet;
   facet.share = Eigen::VectorXd::Zero(shares.size());
   Extended limit = 0;
   for (Eigen::Index i = 0; i < shares.size(); ++i) {
     if (!contains(sticking, i)) continue;
-    if (std::abs(shares[i]) <= rank_threshold * extension.directions.col(i).norm()) continue;
+    if (abs(shares[i]) <= rank_threshold * extension.directions.col(i).norm()) continue;
     facet.share[i] = static_cast<double>(shares[i] / largest);
-    limit += std::abs(shares[i] / largest) * friction_N[i];
+    limit += abs(shares[i] / largest) * friction_N[i];
   }
   facet.limit_N = static_cast<double>(limit);
   const ExtendedVector d = extension.inverse_factor.transpose() * normal / largest;
@@ -154,8 +153,11 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   const ExtendedMatrix velocities = basis * set.flow.velocity();
   const Eigen::Index n = machine.coordinates();
   set.velocity = padded(velocities, n, 2 * n);
-  set.from_velocity = padded(set.flow.from_velocity() * basis.transpose() * extension.mass, 2 * n, n);
-  set.from_force = padded(set.flow.from_acceleration() * basis.transpose(), 2 * n, n);
+  const ExtendedMatrix from_force = set.flow.from_acceleration() * basis.transpose();
+  const ExtendedMatrix from_momentum = set.flow.from_velocity() * basis.transpose();
+  set.from_position = padded(-from_force * extension.stiffness, 2 * n, n);
+  set.from_velocity = padded(from_momentum * extension.mass - from_force * extension.damping, 2 * n, n);
+  set.from_force = padded(from_force, 2 * n, n);
   const ExtendedMatrix rates = machine.directions.transpose().cast<Extended>() * basis;
   set.coupling = (rates * rates.transpose()).cast<double>();
 

@@ -288,7 +288,8 @@ template <int N, int M>
 void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
   if (walk.budget.exhausted()) {
     walk.budget.refuse(walk.time.sum_s - walk.start_time_s, end_time_s - walk.start_time_s,
-                       "its directions stick and slip so often", "end earlier, or by an early decision");
+                       "its directions stick and slip, or vibrate, so often",
+                       "end earlier, damp what vibrates, or use time stepping");
   }
   throw Refused{"the friction directions switch without end at t = " + shown(walk.time.sum_s) + " s",
                 "the machine is too ill-scaled for double precision; leave out its least friction or mass"};
@@ -309,8 +310,9 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     if (observer) observer(unscaled(walk));
     if (const Verdict verdict = decide(walk); verdict != Verdict::undecided) return finish(walk, verdict);
     start_segment(walk, held);
-    const Ending ending = walk.segment.advance(walk.time.until(end_time_s));
+    const Ending ending = walk.segment.advance(walk.time.until(end_time_s), walk.budget);
     leave_segment(walk, held);
+    if (ending == Ending::exhausted) refuse(walk, end_time_s);
     if (ending != Ending::event) return finish_without_event(walk, ending, end_time_s, observer);
     const bool crawls = walk.segment.elapsed_s() <= std::numeric_limits<double>::epsilon() * std::abs(walk.time.sum_s);
     at_once = crawls ? at_once + 1 : 0;

@@ -9,7 +9,7 @@
 //   complex   (x1, x2)' = [alpha beta; -beta alpha] (x1, x2)
 //   critical  (x1, x2)' = [mu sigma; delta^2/sigma mu] (x1, x2): two eigenvalues mu +- delta too close to be told apart
 //   free      (x1, x2)' = (x2, 0): a mass without spring or damper
-//   dense     x' = A x, where the eigenvectors are too ill-conditioned to be used: summed as Taylor series.
+//   dense     x' = A x with a small A, where the eigenvectors are too ill-conditioned to be used: see DenseBlock.
 #pragma once
 
 #include <algorithm>
@@ -17,37 +17,43 @@
 #include <limits>
 #include <vector>
 
-#include "breakaway/stability/extended.hpp"
+#include "breakaway/hybrid/dense_block.hpp"
+#include "breakaway/stability/twofold.hpp"
 
 namespace breakaway::hybrid {
 
 // Factorisations are done once a mode and in extended precision, so that they lose nothing in double.
-using ExtendedMatrix = stability::extended::Matrix;
-using ExtendedVector = stability::extended::Vector;
+using Extended = stability::twofold::Scalar;
+using ExtendedMatrix = stability::twofold::Matrix;
+using ExtendedVector = stability::twofold::Vector;
 
 struct Block {
   enum class Kind { real, pair, complex, critical, free, dense };
   Kind kind;
   Eigen::Index first;    // coordinate
   Eigen::Index size;     // coordinates
-  double rate = 0;       // lambda, alpha or mu, the greater of a pair; the 1-norm of A for a dense block
+  double rate = 0;       // lambda, alpha or mu, the greater of a pair; DenseBlock::rate()
   double lesser = 0;     // the other eigenvalue of a pair
   double frequency = 0;  // beta
   double delta_squared = 0;
   double coupling = 1;    // sigma
   double inverse_re = 0;  // 1 / (alpha + i beta)
   double inverse_im = 0;
+  double speed = 0;       // the size of the largest eigenvalue
+  std::size_t dense = 0;  // among the dense blocks
 };
 
 class Flow {
  public:
   Flow() = default;
 
-  // k x k, in coordinates in which the mass is the identity.
+  // k x k, in coordinates in which the mass is the identity. Throws Refused where even extended precision cannot tell
+  // the motions apart.
   Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
 
   Eigen::Index size() const { return 2 * k_; }
-  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<Block>& blocks() const { return blocks_; }  // the fastest first
+  double fastest() const { return blocks_.empty() ? 0 : blocks_.front().speed; }
   ExtendedMatrix velocity() const { return modes_.topRows(k_); }               // u = velocity x
   ExtendedMatrix from_velocity() const { return inverse_.leftCols(k_); }       // x = from_velocity u
   ExtendedMatrix from_acceleration() const { return inverse_.rightCols(k_); }  //   + from_acceleration a
@@ -58,10 +64,14 @@ class Flow {
 
   // Says whether the motion dies away in every block that takes part in it.
   bool decays(const double* x) const {
-    return std::all_of(blocks_.begin(), blocks_.end(), [x](const Block& block) {
-      return (block.rate < 0 && block.kind != Block::Kind::dense) || norm1(x + block.first, block.size) == 0;
+    return std::all_of(blocks_.begin(), blocks_.end(), [this, x](const Block& block) {
+      const bool decays = block.kind == Block::Kind::dense ? dense_[block.dense].decays() : block.rate < 0;
+      return decays || norm1(x + block.first, block.size) == 0;
     });
   }
+
+  // Says whether no block's amplitude can grow without bound.
+  bool bounded() const { return bounded_; }
 
   // x <- e^(A h) x and integral <- integral + the integral of x over h.
   void propagate(double h, double* x, double* integral) const {
@@ -84,7 +94,7 @@ class Flow {
           propagate_free(h, state, sum);
           break;
         case Block::Kind::dense:
-          propagate_dense(h, state, sum);
+          dense_[block.dense].propagate(h, state, sum);
           break;
       }
     }
@@ -92,7 +102,7 @@ class Flow {
 
   // Sizes of the block's coordinates: a linear form of x is at most the sum of bound() times them for the next
   // window_s(). For a free mass: a form of x2 alone, as derivatives of anything are.
-  static void amplitudes(const Block& block, const double* x, double* sizes) {
+  void amplitudes(const Block& block, const double* x, double* sizes) const {
     const double* const state = x + block.first;
     double* const size = sizes + block.first;
     switch (block.kind) {
@@ -111,23 +121,28 @@ class Flow {
       case Block::Kind::free:
         size[1] = std::abs(state[1]);
         break;
+      case Block::Kind::dense:
+        size[0] = dense_[block.dense].amplitude(state);
+        break;
       default:
         size[0] = norm1(state, block.size);
     }
   }
-  void bound(const Block& block, const ExtendedMatrix& row, double* bounds) const;
+  enum class Horizon { window, ever };  // `ever` bounds nothing where bounded() is false
+  void bound(const Block& block, const ExtendedMatrix& row, Horizon horizon, double* bounds) const;
 
  private:
-  using Extended = long double;
-
   bool decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Eigen::Index first);
   void add_real(Eigen::Index first, Extended value);
   void add_complex(Eigen::Index first, Extended rate, Extended frequency);
-  bool diagonalise(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
-  void keep_dense(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
-  void propagate_dense(double h, double* x, double* sum) const;
-  double growth_of(const Block& block) const;
+  void add_critical(Eigen::Index first, Extended mean, Extended delta_squared);
+  void split(const ExtendedMatrix& companion);
+  void add_block(Eigen::Index first, Eigen::Index size, double noise);
+  void add_free(Eigen::Index first);
+  void add_dense(Eigen::Index first, Eigen::Index size);
+  bool invert(const ExtendedMatrix& companion, double tolerance);
+  double growth_of(const Block& block, Horizon horizon) const;
 
   static double norm1(const double* x, Eigen::Index size) {
     double sum = 0;
@@ -228,12 +243,17 @@ class Flow {
       }
       return;
     }
+    // e^(mu h) cosh(root) and e^(mu h) sinh(root)/root, or cos and sin: two exponentials where one would overflow, and
+    // two terms of the series where they cancel.
     const double root = std::sqrt(std::abs(square)), size = std::exp(mu * h);
-    // sinh(root)/root or sin(root)/root; two terms of the series hold where root < 1e-3.
-    const double sine = root < 1e-3 ? 1 + square / 6 : (square > 0 ? std::sinh(root) : std::sin(root)) / root;
-    const double cosine = square > 0 ? std::cosh(root) : std::cos(root);
-    x[0] = size * (cosine * a + sigma * h * sine * b);
-    x[1] = size * (cosine * b + back * h * sine * a);
+    const double rise = 0.5 * std::exp(mu * h + root), fall = 0.5 * std::exp(mu * h - root);
+    const double sine = root < 1e-3  ? size * (1 + square / 6)
+                        : square < 0 ? size * std::sin(root) / root
+                        : root < 0.5 ? size * std::sinh(root) / root
+                                     : (rise - fall) / root;
+    const double cosine = square > 0 ? rise + fall : size * std::cos(root);
+    x[0] = cosine * a + sigma * h * sine * b;
+    x[1] = cosine * b + back * h * sine * a;
     const double determinant = mu * mu - block.delta_squared;
     sum[0] += (mu * (x[0] - a) - sigma * (x[1] - b)) / determinant;
     sum[1] += (mu * (x[1] - b) - back * (x[0] - a)) / determinant;
@@ -248,7 +268,8 @@ class Flow {
   ExtendedMatrix modes_;  // (u, a) = modes x
   ExtendedMatrix inverse_;
   ExtendedMatrix generator_;
-  Eigen::MatrixXd dense_;
+  std::vector<DenseBlock> dense_;
+  bool bounded_ = true;
 };
 
 }  // namespace breakaway::hybrid

@@ -154,16 +154,15 @@ typename HybridModes<N, M>::Vector HybridModes<N, M>::force(const State& state) 
 
 template <int N, int M>
 typename HybridModes<N, M>::Coordinates HybridModes<N, M>::coordinates(const State& state, const Set& held) const {
-  const Vector balance = force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
-  return held.from_velocity.lazyProduct(state.v) + held.from_force.lazyProduct(balance);
+  return held.from_position.lazyProduct(state.q) + held.from_velocity.lazyProduct(state.v) +
+         held.from_force.lazyProduct(force(state));
 }
 
 template <int N, int M>
 typename HybridModes<N, M>::Coordinates HybridModes<N, M>::rounding(const State& state, const Set& held) const {
-  const Vector terms = greatest_force_N_ + machine_.stiffness.cwiseAbs().lazyProduct(state.q.cwiseAbs()) +
-                       machine_.damping.cwiseAbs().lazyProduct(state.v.cwiseAbs());
-  const Coordinates sizes =
-      held.from_velocity.cwiseAbs().lazyProduct(state.v.cwiseAbs()) + held.from_force.cwiseAbs().lazyProduct(terms);
+  const Coordinates sizes = held.from_position.cwiseAbs().lazyProduct(state.q.cwiseAbs()) +
+                            held.from_velocity.cwiseAbs().lazyProduct(state.v.cwiseAbs()) +
+                            held.from_force.cwiseAbs().lazyProduct(greatest_force_N_);
   return force_rounding * sizes;
 }
 
@@ -284,6 +283,7 @@ Sliding HybridModes<N, M>::decide_in_extended_precision(const State& state, cons
                         state.v,
                         force(state),
                         force_rounding * force_terms(state),
+                        force_rounding * applied_terms(state),
                         {},
                         DirectionVector(index.size),
                         {}};

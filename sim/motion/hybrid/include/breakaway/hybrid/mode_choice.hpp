@@ -28,7 +28,8 @@ class ModeChoice {
     double time_s;
     Eigen::VectorXd q, v;
     Eigen::VectorXd applied;                // n
-    Eigen::VectorXd rounding;               // n: of the sum of all forces, >= 0
+    Eigen::VectorXd rounding;               // n: of the sum of all forces, >= 0,
+    Eigen::VectorXd applied_rounding;       // and of the applied forces alone
     std::vector<Eigen::Index> stopped;      // directions
     DirectionVector forward_N, backward_N;  // by stopped direction: > 0
   };

@@ -4,6 +4,9 @@
 // second derivative is bounded by that of its modal amplitudes. So c > 0 is proved up to the root of c + c' h - G h^2 /
 // 2, and the search walks from one such root to the next: it cannot step over a pair of crossings. Near a crossing the
 // walk becomes Newton's method, once Kantorovich's condition 2 G c <= c'^2 proves that there is one crossing and where.
+//
+// In a stiff machine G is that of the fastest vibration, however small. There the walk takes the fastest modes out of
+// c, c' and G, and their amplitudes off c: what is left is followed at the pace of the slow modes.
 #pragma once
 
 #include <array>
@@ -11,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "breakaway/hybrid/budget.hpp"
 #include "breakaway/hybrid/stick_set.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/motion/roots.hpp"
@@ -33,6 +37,9 @@ inline double safe_step(double value, double slope, double bound) {
   return half + std::sqrt(half * half + 2 * (value / bound));
 }
 
+// A segment of an ordinary machine takes fewer steps than this.
+inline constexpr int steps_before_stiff = 8;
+
 template <int N>
 struct Watch {
   const Line<N>* line;
@@ -50,7 +57,7 @@ class Segment {
   using Set = StickSet<N, M>;
   using Coordinates = typename Set::Coordinates;
 
-  enum class Ending { time, event, forever };
+  enum class Ending { time, event, forever, exhausted };
 
   // `noise` is the rounding in x.
   void start(const Set& set, const Coordinates& x, const Coordinates& noise) {
@@ -70,8 +77,8 @@ class Segment {
   const Watch<N>& ended_by() const { return watches_[ended_by_]; }
 
   // Moves to the first event within duration_s, or to duration_s. `forever`: proved that there never is an event, and
-  // moved to duration_s if that is finite.
-  Ending advance(double duration_s);
+  // moved to duration_s if that is finite. `exhausted`: the budget was, on the way.
+  Ending advance(double duration_s, Budget& budget);
 
   // Says whether the direction's speed is within rounding of zero and falling.
   bool stops_too(const Watch<N>& watch) const {
@@ -105,6 +112,14 @@ class Segment {
   }
   void measure_amplitudes();
   double curvature(const Row& bound) const { return dot(bound, amplitude_); }
+  static double part(const Block& block, const Row& row, const Coordinates& vector) {
+    return row.segment(block.first, block.size).dot(vector.segment(block.first, block.size));
+  }
+  double slow_pace(const Watch<N>& watch) const;
+  double slow_step(const Watch<N>& watch, double c, double first, double second) const;
+  double work_of_a_step() const {
+    return (static_cast<double>(watches_.size()) * 6 + 20) * static_cast<double>(x_.size());
+  }
   void move(double h) {
     set_->flow.propagate(h, x_.data(), y_.data());
     elapsed_s_ += h;
@@ -116,13 +131,14 @@ class Segment {
     double crossing_s;  // Newton's step of that one, if it surely crosses
     bool at_crossing;   // that one is zero to rounding
   };
-  Proof look_ahead(double window_s);
+  Proof look_ahead(double window_s, bool stiff);
   bool set_departures();
   void polish();
   bool eventless() const;
 
   const Set* set_ = nullptr;
   Coordinates x_, y_, noise_;
+  Coordinates before_x_, before_y_;  // before a long step of Newton's method
   double elapsed_s_ = 0;
   std::vector<Watch<N>> watches_;
   Coordinates amplitude_;
@@ -131,7 +147,8 @@ class Segment {
 
 template <int N, int M>
 void Segment<N, M>::measure_amplitudes() {
-  for (const Block& block : set_->flow.blocks()) Flow::amplitudes(block, x_.data(), amplitude_.data());
+  const Flow& flow = set_->flow;
+  for (const Block& block : flow.blocks()) flow.amplitudes(block, x_.data(), amplitude_.data());
 }
 
 // Quantities that start at zero are not looked at before they are proved to have left it. False: one leaves it the
@@ -158,20 +175,54 @@ bool Segment<N, M>::set_departures() {
     } else {
       // It is zero and stays so, as far as rounding can tell. It is looked at again when the motion has had time to
       // change.
-      const double pace = 0.1 * dot_abs(watch.line->first, x_) / curvature(watch.line->second_bound);
-      watch.departs_s = pace > 0 ? std::min(pace, window_s) : never;
+      const double pace_s = slow_pace(watch);
+      watch.departs_s = pace_s > 0 ? std::min(pace_s, window_s) : never;
     }
   }
   return true;
 }
 
+// A tenth of the time in which the slope of a quantity can change, less the vibrations that are lost in its rounding.
 template <int N, int M>
-typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
+double Segment<N, M>::slow_pace(const Watch<N>& watch) const {
+  const Line<N>& line = *watch.line;
+  double lost = 0, slope = 0, curvature = 0;
+  for (const Block& block : set_->flow.blocks()) {  // the fastest first
+    lost += 2 * part(block, line.settled_bound, amplitude_);
+    if (lost <= rounding(watch)) continue;
+    slope += line.first.segment(block.first, block.size).cwiseAbs().dot(x_.segment(block.first, block.size).cwiseAbs());
+    curvature += part(block, line.second_bound, amplitude_);
+  }
+  return 0.1 * slope / curvature;
+}
+
+// The longest step with c > 0 for any number of fastest blocks that are bounded by their amplitudes.
+template <int N, int M>
+double Segment<N, M>::slow_step(const Watch<N>& watch, double c, double first, double second) const {
+  const Line<N>& line = *watch.line;
+  double longest = safe_step(c, first, second);
+  for (const Block& block : set_->flow.blocks()) {
+    if (block.speed == 0) break;
+    c -= watch.sign * part(block, line.settled, x_) + part(block, line.settled_bound, amplitude_);
+    if (!(c > 0)) break;
+    first -= watch.sign * part(block, line.first, x_);
+    second -= part(block, line.second_bound, amplitude_);
+    // A difference that is lost in rounding bounds nothing.
+    second = std::max(second, 1e-14 * curvature(line.second_bound));
+    longest = std::max(longest, safe_step(c, first, second));
+  }
+  return longest;
+}
+
+template <int N, int M>
+typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget& budget) {
   if (!set_departures()) return Ending::event;
-  const double window_s = set_->flow.window_s();
+  const double window_s = set_->flow.window_s(), work = work_of_a_step();
   for (int step = 1;; ++step) {
+    budget.spend(work);
+    if (budget.exhausted()) return Ending::exhausted;
     const double left_s = duration_s - elapsed_s_;
-    const Proof proof = look_ahead(window_s);
+    const Proof proof = look_ahead(window_s, step > steps_before_stiff);
     if (amplitude_.sum() < faded) {
       x_.setZero();
       if (duration_s < never) move(left_s);
@@ -202,7 +253,7 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s) {
 }
 
 template <int N, int M>
-typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s) {
+typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s, bool stiff) {
   measure_amplitudes();
   Proof proof{window_s, never, never, false};
   for (std::size_t i = 0; i < watches_.size(); ++i) {
@@ -218,7 +269,7 @@ typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s) {
     }
     const double c = std::max(value(watch), 0.0), first = slope(watch);
     const double second = curvature(watch.line->second_bound);
-    const double safe = safe_step(c, first, second);
+    const double safe = stiff ? slow_step(watch, c, first, second) : safe_step(c, first, second);
     if (safe >= proof.free_s) {
       proof.others_s = std::min(proof.others_s, safe);
       continue;
@@ -238,17 +289,32 @@ typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s) {
 template <int N, int M>
 void Segment<N, M>::polish() {
   const Watch<N>& watch = watches_[ended_by_];
+  double before_s = never;
   for (int iteration = 0; iteration < 8; ++iteration) {
     const double c = value(watch), h = c / -slope(watch);
     if (std::abs(c) <= rounding(watch) || !std::isfinite(h)) return;
-    move(h);
+    // Back in time, vibrations that have died away would grow out of their rounding: a long step starts anew.
+    if (h * set_->flow.fastest() > 0.1) {
+      before_x_ = x_;
+      before_y_ = y_;
+      before_s = elapsed_s_;
+    }
+    if (-h * set_->flow.fastest() > 0.1 && before_s < never) {
+      const double ahead_s = elapsed_s_ + h - before_s;
+      x_ = before_x_;
+      y_ = before_y_;
+      elapsed_s_ = before_s;
+      move(std::max(ahead_s, 0.0));
+    } else {
+      move(h);
+    }
   }
 }
 
 // Says whether the bounds of what is watched exclude an event for all time.
 template <int N, int M>
 bool Segment<N, M>::eventless() const {
-  if (set_->flow.window_s() < never) return false;
+  if (!set_->flow.bounded()) return false;
   for (const Watch<N>& watch : watches_) {
     if (watch.line->drifts) return false;
     const double least =

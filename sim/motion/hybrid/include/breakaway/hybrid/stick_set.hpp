@@ -54,8 +54,10 @@ struct StickSet {
 
   DirectionSet sticking = 0;  // with all directions that cannot slide while these stick
   Flow flow;
-  Wide velocity;                         // v = velocity x, q = q0 + velocity Y
-  Tall from_velocity, from_force;        // x = from_velocity v + from_force (F - K q - C v)
+  Wide velocity;  // v = velocity x, q = q0 + velocity Y
+  // x = from_position q + from_velocity v + from_force F. The springs' and dampers' forces are in the first two: a
+  // stiff spring's force would be rounded to more than what moves slow coordinates.
+  Tall from_position, from_velocity, from_force;
   Eigen::Matrix<double, M, M> coupling;  // accelerations of directions by forces in directions: W^T B B^T W
   std::vector<Line<N>> sliding;          // by direction: g_i; empty for sticking ones
   std::vector<Facet<N, M>> facets;
@@ -72,7 +74,8 @@ Line<N> fixed(const Line<Eigen::Dynamic>& line) {
 
 template <int N, int M>
 StickSet<N, M> fixed(const StickSet<>& set) {
-  StickSet<N, M> result{set.sticking, set.flow, set.velocity, set.from_velocity, set.from_force, set.coupling, {}, {}};
+  StickSet<N, M> result{
+      set.sticking, set.flow, set.velocity, set.from_position, set.from_velocity, set.from_force, set.coupling, {}, {}};
   for (const auto& line : set.sliding) result.sliding.push_back(fixed<N>(line));
   for (const auto& facet : set.facets) {
     result.facets.push_back(
