@@ -154,6 +154,15 @@ std::string work_name(const Method& method) {
 
 }  // namespace
 
+scenario::MachineScenario two_mass_scenario() {
+  scenario::MachineScenario s;
+  s.file = "two_mass_example.toml";
+  s.machine = stability::unsized(two_masses());
+  s.start = {shown.time_s, shown.q, shown.v};
+  s.duration_s = end_s;
+  return s;
+}
+
 std::vector<Work> integrator_works() {
   std::vector<Work> works;
   for (const Method& method : methods(false)) {

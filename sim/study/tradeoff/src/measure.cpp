@@ -27,6 +27,9 @@ Frontiers measure(const Options& options) {
   f.periods = measure_periods(options.quick);
   say("parts of a scenario");
   f.scenario_parts = measure_scenario_parts(options);
+  say("accuracies asked for");
+  f.asked = measure_asked();
+  f.left_out = measure_parts_asked();
   return f;
 }
 

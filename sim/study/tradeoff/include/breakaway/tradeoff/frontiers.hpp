@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "breakaway/tradeoff/cost.hpp"
+#include "breakaway/tradeoff/scene_tradeoff.hpp"
 
 namespace breakaway::tradeoff {
 
@@ -61,6 +62,18 @@ struct ScenarioPartRow {
   Cost second{};
 };
 
+// What an accuracy that is asked for leads to on a scene of the project.
+struct AskedRow {
+  std::string scene;
+  double asked_m = 0;
+  std::string method;
+  double error_m = 0;  // estimated
+  double cost_s = 0;   // processor time of a run, estimated
+};
+
+// Asked of can_axis where its parts are left out.
+inline constexpr double parts_asked_m = 1e-3;
+
 struct Frontiers {
   bool quick = false;
   bool counted = false;  // costs hold instructions
@@ -69,6 +82,8 @@ struct Frontiers {
   std::vector<EvaluatorRow> evaluators;
   std::vector<PeriodRow> periods;
   std::vector<ScenarioPartRow> scenario_parts;
+  std::vector<AskedRow> asked;
+  std::vector<LeftOutPart> left_out;  // of can_axis
 };
 
 struct Options {
