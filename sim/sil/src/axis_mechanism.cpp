@@ -30,7 +30,8 @@ std::unique_ptr<BrakedMechanism> plant_of(const config::Axis& axis, const scenar
 }  // namespace
 
 AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world) {
-  AxisMechanism mechanism{plant_of(axis, world), nullptr};
+  AxisMechanism mechanism;
+  mechanism.axis = plant_of(axis, world);
   if (world.encoder_error) mechanism.encoder = std::make_unique<MisreadEncoder>(*mechanism.axis, *world.encoder_error);
   return mechanism;
 }
