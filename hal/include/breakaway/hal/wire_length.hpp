@@ -99,7 +99,8 @@ constexpr void StuffedBits::send(std::uint32_t value, unsigned count) noexcept {
     bits_ += group.bits;
     run_ = group.run;
     last_ = group.last;
-    crc_ = static_cast<std::uint16_t>(((crc_ << 4U) & 0x7FFFU) ^ groups_.crc[((crc_ >> 11U) & 0xFU) ^ four]);
+    crc_ = static_cast<std::uint16_t>(((unsigned{crc_} << 4U) & 0x7FFFU) ^
+                                      groups_.crc[((unsigned{crc_} >> 11U) & 0xFU) ^ four]);
   }
 }
 
