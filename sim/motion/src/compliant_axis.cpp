@@ -13,7 +13,7 @@ namespace breakaway::motion {
 namespace {
 
 // Shares of the speed in the norm of the energy, for a tolerance of 1: the friction of a Slide is judged by the speed.
-constexpr double explicit_share = 100, implicit_share = 10;
+constexpr double explicit_share = 100, implicit_share = 1000;
 // An explicit step is stable up to some tens of relaxation times. A linearly implicit one, which costs about twice as
 // much, pays where it is longer than this many.
 constexpr double relaxations_a_step = 60;

@@ -43,7 +43,10 @@ double CompliantEquation::push_on_motor_N(double tau_s, const CompliantVector& y
 }
 
 double CompliantEquation::motor_level_N(double tau_s, const CompliantVector& y) const {
-  return piece_.motor.law->level_N(time_s_ + tau_s, y[position], piece_.motor.direction * y[velocity]);
+  const Asked asked{tau_s, y[position], y[velocity]};
+  if (asked == asked_level_) return level_N_;
+  asked_level_ = asked;
+  return level_N_ = piece_.motor.law->level_N(time_s_ + tau_s, y[position], piece_.motor.direction * y[velocity]);
 }
 
 double CompliantEquation::load_level_N(double tau_s, const CompliantVector& y) const {

@@ -81,6 +81,12 @@ class CompliantEquation {
   double rest_margin_N(const DryContact& contact, double push_N, double tau_s, double place_m) const;
   bool meshed() const { return plant_.load->coupling.gap_m == 0 || (piece_.side != 0 && piece_.pressing); }
 
+  // The right-hand side and the margins ask for one level several times.
+  struct Asked {
+    double tau_s, position_m, velocity_m_s;
+    bool operator==(const Asked&) const = default;
+  };
+
   const model::CompliantPlant& plant_;
   const CompliantPiece& piece_;
   const model::AppliedForce& force_;
@@ -90,6 +96,8 @@ class CompliantEquation {
   std::size_t watched_count_ = 0;
   double asked_s_ = std::numeric_limits<double>::infinity();
   bool ended_inside_ = false;
+  mutable Asked asked_level_{-1, 0, 0};
+  mutable double level_N_ = 0;
 };
 
 }  // namespace breakaway::motion

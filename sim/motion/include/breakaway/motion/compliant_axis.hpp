@@ -7,7 +7,7 @@
 // than the step, so that a bristle of 1e8 N/m under a fast slide needs no micro-steps. The end of a piece is located as
 // a root, each trial a step of its own from the same start, so that no step passes a jump.
 //
-// The error of a step is at most 1e-11 of the speed in the norm of the energy (1e-12 where it is linearly implicit).
+// The error of a step is at most 1e-11 of the speed in the norm of the energy (1e-10 where it is linearly implicit).
 // There is no absolute tolerance: scaling lengths, velocities and forces by a power of two scales every result.
 //
 // Friction with bristles asks its law for the level in the direction of motion. A level of its own at rest, as that of
