@@ -158,6 +158,12 @@ AdaptiveStep::Index AdaptiveStep::next_to_stop() const {
   return next;
 }
 
+// Says whether this direction, or what slows it down, is lost in rounding.
+bool AdaptiveStep::stops_in_rounding(Index direction) const {
+  const double size_m_s = held_.sliding.row(direction).stableNorm() * u0_.stableNorm();
+  return speed_m_s_[direction] <= 1e-9 * size_m_s || std::abs(rate_m_s2_[direction]) <= 1e3 * rounding_m_s2_[direction];
+}
+
 // Returns all directions that have stopped together with this one. Nearly parallel directions are slow together
 // although a third one, which depends on them, is not: then they do not stop together.
 DirectionSet AdaptiveStep::stops_with(const Trial& trial, Index direction) const {
@@ -219,7 +225,7 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
     walk_.step_s = step < step_s ? std::max(step_s, trial.suggested_s) : trial.suggested_s;
     return accept(trial, {step == duration_s ? Ending::Kind::time : Ending::Kind::none, 0, {}, 0, 0});
   }
-  if (stopping < 0) {
+  if (stopping < 0 || !stops_in_rounding(stopping)) {
     throw Refused{"the steps of the adaptive method became too short at t = " + shown(walk_.time.sum_s) + " s",
                   "use a larger tolerance or the event-driven method"};
   }

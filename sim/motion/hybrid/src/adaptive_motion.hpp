@@ -73,6 +73,7 @@ class AdaptiveStep {
   bool passes(const Trial& trial);
   Trial locate(const Trial& beyond);
   Ending cause(const Trial& trial);
+  bool stops_in_rounding(Index direction) const;
   DirectionSet stops_with(const Trial& trial, Index direction) const;
 
   AdaptiveWalk& walk_;

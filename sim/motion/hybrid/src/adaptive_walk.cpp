@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "breakaway/motion/tie.hpp"
-#include "breakaway/stability/dense.hpp"
+#include "breakaway/stability/extended.hpp"
 
 namespace breakaway::hybrid {
 namespace {
 
-namespace dense = stability::dense;
+namespace extended = stability::extended;
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
@@ -23,19 +22,24 @@ int slides(const Facet<Eigen::Dynamic, Eigen::Dynamic>& facet, Limit limit, Inde
 
 }  // namespace
 
+// The speed of a direction that is nearly parallel to a sticking one is a small difference: bases are found in extended
+// precision, as those of StickSet are.
 HeldSet make_held_set(const LinearMachine<>& machine, DirectionSet sticking) {
   const StickSet<> stuck = make_stick_set(machine, sticking);
   const Index n = machine.coordinates(), m = machine.frictions();
-  const dense::Cholesky mass(machine.mass);
+  const extended::Matrix mass = machine.mass.cast<long double>(), directions = machine.directions.cast<long double>();
+  const extended::Matrix inverse_factor = extended::inverse_cholesky_factor(mass);
   // The motions that are left are orthogonal to the sticking directions, in coordinates in which the mass is 1.
-  MatrixXd columns = mass.solve_lower(machine.directions);
+  extended::Matrix columns = inverse_factor * directions;
   for (Index i = 0; i < m; ++i) {
     columns.col(i).stableNormalize();
     if (!contains(stuck.sticking, i)) columns.col(i).setZero();
   }
-  const MatrixXd left = stuck.sticking == 0 ? MatrixXd::Identity(n, n) : dense::span(columns, 1e-12).complement;
-  HeldSet held{stuck.sticking, mass.solve_upper(left), left.transpose() * mass.lower().transpose(), {}, stuck.facets};
-  held.sliding = machine.directions.transpose() * held.basis;
+  const extended::Matrix left =
+      stuck.sticking == 0 ? extended::Matrix::Identity(n, n) : extended::span(columns, rank_threshold).complement;
+  const extended::Matrix basis = inverse_factor.transpose() * left;
+  HeldSet held{stuck.sticking, basis.cast<double>(), (basis.transpose() * mass).cast<double>(), {}, stuck.facets};
+  held.sliding = (directions.transpose() * basis).cast<double>();
   for (Index i = 0; i < m; ++i) {
     if (contains(held.sticking, i)) held.sliding.row(i).setZero();
   }

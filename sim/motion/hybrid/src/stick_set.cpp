@@ -9,9 +9,6 @@ namespace {
 
 namespace twofold = stability::twofold;
 
-// Columns told apart from dependent ones; entries are rounded to double, so 1e-16 is as good as zero.
-constexpr double rank_threshold = 1e-13;
-
 twofold::Span span(ExtendedMatrix columns) {
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i).stableNormalize();
   return twofold::span(columns, rank_threshold);

@@ -21,6 +21,10 @@ constexpr DirectionSet only(Eigen::Index i) { return DirectionSet{1} << i; }
 // A sum below this share of its own terms is rounding.
 inline constexpr double significance = 1e-12;
 
+// Columns are told apart from dependent ones by this share of their length; entries are rounded to double, so 1e-16 is
+// as good as zero.
+inline constexpr double rank_threshold = 1e-13;
+
 constexpr int twice(int size) { return size == Eigen::Dynamic ? Eigen::Dynamic : 2 * size; }
 
 // A linear form of the motion, value = integral . Y + now . x with Y the integral of x, and its derivatives.
