@@ -58,6 +58,8 @@ void write_scene(const Settings& settings, const RandomMachine& random, Method m
 
 void judge_machine(const Settings& settings, const RandomMachine& random, CampaignTable& table) {
   ComparisonOptions options;
+  // A long campaign ends a run by the seconds that it may take, and lets it make as many steps as it likes.
+  if (settings.cpu_s > 0) options.most_steps = 1'000'000'000;
   options.most_work = settings.whole() ? 2e7 : 7e5;
   Comparison comparison{random, options};
   for (int m = 0; m < methods; ++m) {
