@@ -21,12 +21,12 @@ using namespace breakaway;
 using Port = sil::SimulatedNetwork::Port;
 using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float>;
 
-bool near(const sil::BrakedSlide& axis, double place_m) {
-  return std::abs(axis.slide().state().position_m - place_m) < 3e-6;
+bool near(const sil::BrakedMechanism& axis, double place_m) {
+  return std::abs(axis.state().position_m - place_m) < 3e-6;
 }
 
-void show(const char* name, const sil::BrakedSlide& axis, firmware::AxisFault fault) {
-  std::printf("  %s is at %8.4f mm, fault: %s\n", name, 1e3 * axis.slide().state().position_m,
+void show(const char* name, const sil::BrakedMechanism& axis, firmware::AxisFault fault) {
+  std::printf("  %s is at %8.4f mm, fault: %s\n", name, 1e3 * axis.state().position_m,
               std::string{to_string(fault)}.c_str());
 }
 
@@ -35,13 +35,13 @@ int main() try {
   const auto node = config::certified(scenario.node, config::examine(scenario.node));
 
   // The world: a bus with two emulated drives, and an axis behind each.
-  sil::BrakedSlide x = sil::braked_slide(scenario.node.axes[0], scenario.worlds[0]);
-  sil::BrakedSlide y = sil::braked_slide(scenario.node.axes[1], scenario.worlds[1]);
-  x.release(0);
-  y.release(0);
+  const sil::AxisMechanism x = sil::axis_mechanism(scenario.node.axes[0], scenario.worlds[0]);
+  const sil::AxisMechanism y = sil::axis_mechanism(scenario.node.axes[1], scenario.worlds[1]);
+  x.axis->release(0);
+  y.axis->release(0);
   sil::SimulatedNetwork network{*scenario.bus};
-  network.add_drive(*scenario.worlds[0].drive, x);
-  drive_emulator::DriveEmulator& drive_of_y = network.add_drive(*scenario.worlds[1].drive, y);
+  network.add_drive(*scenario.worlds[0].drive, x.seen_by_drive());
+  drive_emulator::DriveEmulator& drive_of_y = network.add_drive(*scenario.worlds[1].drive, y.seen_by_drive());
 
   // The loop, as on a board.
   Loop loop{network.controller_port(), node.loop};
@@ -61,17 +61,17 @@ int main() try {
   loop.set_target_m(axis_y, -0.025F);
   run_for(std::chrono::seconds{3});
   std::printf("sent to 10 mm and -25 mm:\n");
-  show("x", x, loop.status(axis_x).fault);
-  show("y", y, loop.status(axis_y).fault);
-  const bool arrived = near(x, 0.010) && near(y, -0.025);
+  show("x", *x.axis, loop.status(axis_x).fault);
+  show("y", *y.axis, loop.status(axis_y).fault);
+  const bool arrived = near(*x.axis, 0.010) && near(*y.axis, -0.025);
 
   drive_of_y.power_off(now);
   loop.set_target_m(axis_x, 0.020F);
   run_for(std::chrono::seconds{3});
   std::printf("the drive of y has lost its power, and x was sent to 20 mm:\n");
-  show("x", x, loop.status(axis_x).fault);
-  show("y", y, loop.status(axis_y).fault);
-  const bool went_on = near(x, 0.020) && loop.status(axis_x).fault == firmware::AxisFault::none;
+  show("x", *x.axis, loop.status(axis_x).fault);
+  show("y", *y.axis, loop.status(axis_y).fault);
+  const bool went_on = near(*x.axis, 0.020) && loop.status(axis_x).fault == firmware::AxisFault::none;
   const bool named = loop.status(axis_y).fault != firmware::AxisFault::none;
   return arrived && went_on && named ? 0 : 1;
 } catch (const std::exception& error) {

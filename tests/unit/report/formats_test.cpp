@@ -36,7 +36,7 @@ TEST(Csv, HasAHeaderAndOneLineASample) {
 TEST(Csv, NamesTheAxisOfEachSampleWhereThereAreSeveral) {
   Result result;
   for (const char* name : {"x", "y"}) {
-    result.axes.push_back({.name = name, .kicks = {}, .faults = {}, .ideal = {}, .reached = {}, .trace = {}});
+    result.axes.emplace_back().name = name;
     result.axes.back().trace = {{.time_s = 0.5}};
   }
   EXPECT_EQ(to_csv(scenario_of(result.axes.size()), result),
