@@ -48,7 +48,7 @@ sil::Result recorded(const Scenario& s) { return sil::run_scenario(s, {.trace = 
 void run_only(const Scenario& s) { keep(sil::run_scenario(s, {}).axes.front().final_error_m); }
 
 double asked_m(const Scenario& s) { return s.run->accuracy_m.value(); }
-const std::string& title(const Scenario& s) { return s.node.title; }
+const std::string& title_of(const Scenario& s) { return s.node.title; }
 const auto& parts_of(const Scenario&) { return axis_parts(); }
 
 // --- machines
@@ -62,7 +62,7 @@ sil::MachineResult recorded(const MachineScenario& s) { return sil::run_machine(
 void run_only(const MachineScenario& s) { keep(sil::run_machine(s).outcome.end.q[0]); }
 
 double asked_m(const MachineScenario& s) { return s.accuracy_m.value(); }
-const std::string& title(const MachineScenario& s) { return s.title; }
+const std::string& title_of(const MachineScenario& s) { return s.title; }
 const auto& parts_of(const MachineScenario&) { return machine_parts(); }
 
 void forget_accuracy(Scenario& s) { s.run->accuracy_m.reset(); }
@@ -107,7 +107,7 @@ std::vector<LeftOutPart> leave_out_parts(AnyScenario whole, const Progress& prog
 template <class AnyScenario>
 SceneTradeoff measure(const AnyScenario& scenario, const Progress& progress) {
   SceneTradeoff scene;
-  scene.title = title(scenario);
+  scene.title = title_of(scenario);
   scene.asked_m = asked_m(scenario);
   if (progress) progress("choosing the method");
   try {
