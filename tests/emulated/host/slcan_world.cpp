@@ -72,7 +72,7 @@ std::string SlcanWorld::pass_period() {
     mechanism_.axis->release(hal::seconds(network_.bus().now()));
   ++periods_;
   network_.advance_to(hal::Time{period_ * static_cast<std::int64_t>(periods_)});
-  positions_m_.push_back(mechanism_.position_m());
+  positions_m_.push_back(mechanism_.axis->position_m());
   std::string text = std::exchange(told_, {});
   for (hal::ReceivedFrame received; network_.controller_port().receive(received);) text += line(received.frame);
   return text + "F00\r";
