@@ -108,8 +108,13 @@ std::string failure(const Trial& t, double end_s) {
     before_J = now_J;
   });
   if (!wrong.empty()) return wrong;
-  if (outcome.verdict == hybrid::Verdict::at_rest || outcome.verdict == hybrid::Verdict::captured) return "";
-  if (in_equilibrium(t, set, outcome.end)) return "";
+  const auto rests = [&](const hybrid::Outcome<Eigen::Dynamic>& end) {
+    return end.verdict == hybrid::Verdict::at_rest || end.verdict == hybrid::Verdict::captured ||
+           in_equilibrium(t, set, end.end);
+  };
+  if (rests(outcome)) return "";
+  // A start may be 1e15 times as far as E is wide: its rounding, which is all that is left, is followed anew.
+  if (rests(integrator.run({0, outcome.end.q, outcome.end.v}, end_s))) return "";
   return "it is not at rest";
 }
 

@@ -139,7 +139,7 @@ void write_region(format::JsonWriter& json, const Found& found) {
   json.member("certified_area", region.area(Fate::attracted));
   json.member("certified_lost_area", region.area(Fate::lost));
   json.member("true_area", region.area_simulated());
-  json.member("certified_share", region.area(Fate::attracted) / region.area_simulated());
+  json.member("certified_share", region.proved_share());
   json.member("motions", region.motions());
 }
 
@@ -176,7 +176,7 @@ void print_region(const Found& found) {
   fmt::print("  proved         area {:.6g} attracted, {:.6g} lost, by {} motions\n", region.area(Fate::attracted),
              region.area(Fate::lost), region.motions());
   fmt::print("  simulated      area {:.6g} attracted, of which {:.3g} % are proved\n", region.area_simulated(),
-             100 * region.area(Fate::attracted) / region.area_simulated());
+             100 * region.proved_share());
 }
 
 void print_summary(const scenario::MachineScenario& s, const Found& found) {

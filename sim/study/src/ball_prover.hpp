@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/study/basin.hpp"
 #include "region_bounds.hpp"
 
@@ -20,6 +21,7 @@ class BallProver {
   struct Result {
     Fate proved = Fate::undecided;                           // of every start in the ball
     hybrid::Verdict simulated = hybrid::Verdict::undecided;  // of its centre
+    bool given_up = false;                                   // refused, or more work than the budget has
   };
 
   // `bounds` must outlive it.
@@ -39,19 +41,22 @@ class BallProver {
   BallProver& operator=(const BallProver&) = delete;
 
   // The ball of `radius` > 0 around the start, in the metric above (sqrt J). Follows the centre until the ball is
-  // proved or can no longer be; to the centre's own end if `to_the_end`.
-  Result prove(const hybrid::MachineState<N>& start, double radius, bool to_the_end) {
+  // proved or can no longer be; to the centre's own end if `to_the_end`. Undecided where the motion is refused, or
+  // costs more than the budget.
+  Result prove(const hybrid::MachineState<N>& start, double radius, bool to_the_end, const hybrid::Budget& budget) try {
     result_ = {};
     radius_ = radius;
     escaped_ = 0;
     to_the_end_ = to_the_end;
-    const auto outcome = integrator_.run(start, bounds_.horizon_s);
+    const auto outcome = integrator_.run(start, bounds_.horizon_s, nullptr, {}, budget);
     result_.simulated = outcome.verdict;
     if (outcome.verdict == hybrid::Verdict::at_rest && result_.proved == Fate::undecided) {
       const double share = bounds_.equilibria.gauge(outcome.end.q);
       if ((1 - share) * bounds_.depth > spread(outcome.settling_time_s)) result_.proved = Fate::attracted;
     }
     return result_;
+  } catch (const hybrid::Refused&) {
+    return {.given_up = true};
   }
 
   double distance(const hybrid::MachineState<N>& state) const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -20,6 +21,15 @@ using hybrid::Verdict;
 // Of the distance of the start and of the certified set: far more than all rounding on the way of one motion, 1e-13, as
 // if it had happened at the start, where it grows most.
 constexpr double rounding = 1e-10;
+
+// Multiplications, a second or less on a PC: shared by the motions of one halving of the cells, so that a machine with
+// ever so many events ends, too. Most motions need a tenth of what each has at least.
+constexpr double work_of_a_level = 2e8, least_work_of_a_motion = 1e5;
+// A cell whose motion was given up is quartered no further: its quarters' motions are no shorter.
+constexpr int deepest_given_up = 5;
+// Where so many halvings proved nothing at all, smaller cells would not either: the rest of E is certified by a set too
+// small to be seen in this window.
+constexpr int deepest_unproved = 7;
 
 Fate fate(Verdict verdict) {
   switch (verdict) {
@@ -43,14 +53,14 @@ class CellProver {
         std::max(balls_.distance(at(machine.coordinates(), 1, 1)), balls_.distance(at(machine.coordinates(), 1, -1)));
   }
 
-  void prove(Cell& cell) {
+  void prove(Cell& cell, bool to_the_end, const hybrid::Budget& budget) {
     const double half = window_.half_width / (1 << cell.level);
     start_ = at(start_.q.size(), (2 * cell.column + 1) * half - window_.half_width,
                 (2 * cell.row + 1) * half - window_.half_width);
     const double radius = half * unit_radius_ + rounding * (balls_.distance(start_) + depth_);
-    const auto result = balls_.prove(start_, radius, cell.level == window_.depth);
+    const auto result = balls_.prove(start_, radius, to_the_end, budget);
     cell.proved = result.proved;
-    cell.simulated = fate(result.simulated);
+    cell.simulated = result.given_up ? Fate::pending : fate(result.simulated);
   }
 
  private:
@@ -114,19 +124,30 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
   for (int i = 0; i < threads; ++i) provers.push_back(std::make_unique<Prover>(machine, bounds, window));
   std::vector<Cell> proved, open{{0, 0, 0, Fate::pending, Fate::pending}};
   std::size_t motions = 0;
+  bool anything = false;  // is proved
   for (int level = 0; !open.empty(); ++level) {
     constexpr std::size_t cells_at_a_time = 64;
     LevelProgress done{progress, window.depth, level, open.size()};
+    const hybrid::Budget budget{std::max(work_of_a_level / static_cast<double>(open.size()), least_work_of_a_motion)};
+    const bool last = level == (anything ? window.depth : std::min(window.depth, deepest_unproved));
     in_parallel(open.size(), threads, cells_at_a_time, [&](int thread) {
-      return [&open, &done, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
-        prover.prove(open[i]);
+      return [&open, &done, &budget, last, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
+        prover.prove(open[i], last, budget);
         done.cell_done();
       };
     });
     motions += open.size();
     std::vector<Cell> unproved;
-    for (const Cell& cell : open) {
-      (cell.proved == Fate::undecided && level < window.depth ? unproved : proved).push_back(cell);
+    for (Cell& cell : open) {
+      const bool given_up = cell.simulated == Fate::pending;
+      if (given_up) cell.simulated = Fate::undecided;
+      const int deepest = given_up ? std::min(window.depth, deepest_given_up) : window.depth;
+      anything |= cell.proved != Fate::undecided;
+      (cell.proved == Fate::undecided && level < deepest ? unproved : proved).push_back(cell);
+    }
+    if (!anything && level >= deepest_unproved) {
+      proved.insert(proved.end(), unproved.begin(), unproved.end());
+      unproved.clear();
     }
     open = quartered(unproved);
   }
@@ -144,6 +165,11 @@ double CertifiedRegion::area(Fate proved) const {
   double sum = 0;
   for (const Cell& cell : cells_) sum += cell.proved == proved ? area(cell) : 0;
   return sum;
+}
+
+double CertifiedRegion::proved_share() const {
+  const double whole = area_simulated();
+  return whole > 0 ? area(Fate::attracted) / whole : 0;
 }
 
 double CertifiedRegion::area_simulated() const {

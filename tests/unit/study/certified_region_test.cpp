@@ -155,6 +155,22 @@ TEST(CertifiedRegion, RefusesWhatHasNothingToGrowFrom) {
   EXPECT_THROW(region_of(s, {6, {0, 1}, 3}), InputError);
 }
 
+// A mass that gains energy beside one that loses it, fifteen orders of magnitude apart: what is certified is too small
+// for any cell, each motion has thousands of events, and the search ends nevertheless.
+TEST(CertifiedRegion, EndsWhereNothingCanBeProved) {
+  stability::LinearMachine<> machine;
+  machine.mass = Eigen::Vector2d{1e3, 1e-12}.asDiagonal();
+  machine.damping = Eigen::Vector2d{1e4, -1e-12}.asDiagonal();
+  machine.stiffness = Eigen::Vector2d{1e6, 1e-6}.asDiagonal();
+  machine.directions = Eigen::Matrix2d::Identity();
+  machine.friction_N = Eigen::Vector2d{1, 1e-15};
+  machine.force_N = Eigen::Vector2d::Zero();
+  const CertifiedRegion region = region_of(scenario_of(machine), {1e-5, {0, 1}, 14});
+  EXPECT_EQ(region.area(Fate::attracted), 0);
+  EXPECT_EQ(region.proved_share(), 0);
+  EXPECT_LE(region.motions(), 21'845U);  // seven halvings
+}
+
 TEST(CertifiedRegion, IsDrawn) {
   if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
   const auto s = two_masses();

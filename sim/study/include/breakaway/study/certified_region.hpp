@@ -43,6 +43,8 @@ class CertifiedRegion {
 
   // Of the true region: that of the cells proved to be attracted, and of those undecided whose centre is.
   double area_simulated() const;
+  // Of area_simulated(), what is proved: 0 to 1.
+  double proved_share() const;
 
  private:
   double area(const Cell& cell) const;

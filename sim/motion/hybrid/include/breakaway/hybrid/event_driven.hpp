@@ -35,7 +35,7 @@ class EventDriven {
   // Runs to rest, to a decision or to end_time_s, which may be infinite only if rest or a decision is sure to come.
   // Throws InputError for a start of the wrong size or with entries that are not finite.
   Outcome<N> run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log = nullptr,
-                 const Observer<N>& observer = {}) const;
+                 const Observer<N>& observer = {}, const Budget& budget = Budget{}) const;
 
  private:
   using Modes = HybridModes<N, M>;
@@ -297,12 +297,13 @@ void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
 
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log,
-                                  const Observer<N>& observer) const {
+                                  const Observer<N>& observer, const Budget& budget) const {
   if (!(end_time_s >= start.time_s)) {
     throw InputError{"the end time is no number or before the start: give a later one"};
   }
   Walk walk = begin(start);
   walk.log = log;
+  walk.budget = budget;
   const auto most_at_once = 2 * (modes_.machine().frictions() + 1);
   for (int at_once = 0;;) {
     const Set& held = modes_.set(walk.state.sticking);
