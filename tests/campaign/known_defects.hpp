@@ -16,11 +16,13 @@ struct KnownDefect {
   const char* cause;
 };
 
-inline constexpr std::array<KnownDefect, 1> known_defects{{
+inline constexpr std::array<KnownDefect, 2> known_defects{{
     {1904, Method::adaptive,
      "the end state is right to 1e-13, and the last direction, which only a friction of 1e-12 of the others' brakes, "
-     "is "
-     "found at rest at another instant than the reference's"},
+     "is found at rest at another instant than the reference's"},
+    {1814, Method::event_driven,
+     "an error of 2.7e-10 of the motion: a coordinate in double, times a stiffness of 1e12 of the others, is rounded "
+     "more than the springs between light masses give"},
 }};
 
 inline bool is_known_defect(std::int64_t number, Method method) {
@@ -32,13 +34,12 @@ inline bool is_known_defect(std::int64_t number, Method method) {
 // long campaign runs all of them.
 inline bool is_clean(Family family, Method method) {
   switch (family) {
-    case Family::nearly_parallel:
-      return method != Method::adaptive;  // it passes over stops of directions less than 1e-9 apart
     case Family::stiff_damping:
+    case Family::light_mass:
+      return method == Method::event_driven;  // the others take more steps than the test has
     case Family::stiff_springs:
     case Family::non_normal:
-    case Family::light_mass:
-      return false;  // they do not end in time
+      return false;  // what does not end in time is refused, after seconds
     default:
       return true;
   }
