@@ -14,6 +14,7 @@
 
 #include "../unit/stability/random_systems.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/stability/equilibrium_set.hpp"
 
@@ -121,7 +122,7 @@ std::string failure(const Trial& t, double end_s) {
 TEST(AttractionCampaign, NoMotionLeavesItsCertificate) {
   const long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0),
              count = from_environment("BREAKAWAY_SYSTEMS", 20'000);
-  long certified = 0;
+  long certified = 0, refused = 0;
   for (long number = first; number < first + count; ++number) {
     const Trial t = trial(number);
     const double end_s = patience_s(t.machine);
@@ -130,12 +131,17 @@ TEST(AttractionCampaign, NoMotionLeavesItsCertificate) {
     std::string wrong;
     try {
       wrong = failure(t, end_s);
+    } catch (const hybrid::Refused&) {
+      ++refused;
     } catch (const std::exception& error) {
       wrong = error.what();
     }
     EXPECT_EQ(wrong, "") << "# machine " << number << "\n" << scenario(t.machine, t.start, end_s);
   }
-  std::printf("%ld machines, all certified, each followed from the border of its level\n", certified);
+  // Begun 1e15 times as far away as E is wide, a motion may end in vibrations of rounding that cost too much to follow.
+  EXPECT_LE(refused, 1 + count / 5000);
+  std::printf("%ld machines, all certified, each followed from the border of its level; %ld refused\n", certified,
+              refused);
 }
 
 }  // namespace
