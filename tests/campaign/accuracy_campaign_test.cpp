@@ -46,6 +46,7 @@ struct Tally {
     const bool dear = std::ranges::any_of(
         trials, [&](const sil::MethodTrial& trial) { return trial.holds && choice.cost_s > 2 * trial.cost_s; });
     cheap += dear ? 0 : 1;
+    if (dear && std::getenv("BREAKAWAY_SHOW") != nullptr) std::printf("a dear choice:\n");
   }
   void print(const char* what) const {
     std::printf(

@@ -44,10 +44,11 @@ Eigen::VectorXd mean_m(const std::vector<MachineEnd>& ends) {
 
 // Extrapolates two steps to none, until two such results agree or the next run would be too dear.
 BestEnd by_time_steps(const MachineScenario& s, double accuracy_m) {
-  constexpr double most_steps = 1e7;
+  constexpr double dearest_run_s = 0.25;  // runs begin in four phases, and those before cost as much again in all
   BestEnd best{{}, std::numeric_limits<double>::infinity(), {.integrator = Integrator::time_stepping}};
   Eigen::VectorXd coarser_m, extrapolated_m;
-  for (double steps = 64; steps <= most_steps && best.error_m > accuracy_m / 8; steps *= 2) {
+  const auto cost_s = [&](double steps) { return run_cost_s(s, best.method, steps); };
+  for (double steps = 64; cost_s(steps) <= dearest_run_s && best.error_m > accuracy_m / 8; steps *= 2) {
     const double step_s = step_of(s, steps);
     const std::vector<MachineEnd> ends = ends_by_time_steps(s, step_s);
     const Eigen::VectorXd here_m = mean_m(ends);

@@ -19,7 +19,7 @@ using scenario::MachineScenario;
 
 constexpr std::array tolerances{1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13};
 constexpr double fewest_time_steps = 8;
-constexpr double dearest_run_s = 10;  // beyond this a run is refused and not tried
+constexpr double dearest_run_s = 1;  // beyond this a run is refused and not tried
 constexpr double dearest_shown_s = 0.05;
 
 class MethodSearch {
@@ -41,11 +41,8 @@ class MethodSearch {
   std::vector<MethodTrial> all() {
     if (!best_) return {};
     if (best_->method.integrator == Integrator::event_driven) try_events();
-    for (const double tolerance : tolerances) try_tolerance(tolerance);
-    for (double steps = fewest_time_steps; s_.laws.empty() && cost_of_time_steps_s(steps) < dearest_shown_s;
-         steps *= 2) {
-      try_time_steps(steps);
-    }
+    show_tolerances();
+    if (s_.laws.empty()) show_time_steps();
     return trials_;
   }
 
@@ -110,9 +107,10 @@ class MethodSearch {
     refuse(last->method, fmt::format("errs by {:.2g} m at its finest tolerance", last->error_m), last->cost_s);
   }
 
+  // Time steps may see rest later than the best end has it: the share of the duration that the last ones took counts.
   double cost_of_time_steps_s(double steps) const {
     const double rested_share = std::min(1.0, best_->end.time_s / s_.duration_s);
-    return run_cost_s(s_, {.integrator = Integrator::time_stepping}, rested_share * steps);
+    return run_cost_s(s_, {.integrator = Integrator::time_stepping}, std::max(rested_share, stepped_share_) * steps);
   }
 
   // The error is infinite where the steps are too long for the machine.
@@ -120,6 +118,7 @@ class MethodSearch {
     const Method method{.integrator = Integrator::time_stepping, .step_s = step_of(s_, steps)};
     try {
       const std::vector<MachineEnd> ends = ends_by_time_steps(s_, method.step_s);
+      stepped_share_ = static_cast<double>(ends.back().steps) / steps;
       double largest_m = 0;
       for (const MachineEnd& end : ends) largest_m = std::max(largest_m, error_m(end));
       return add(method, largest_m, error_m(ends.back()), run_cost_s(s_, method, ends.back())).error_m;
@@ -128,7 +127,26 @@ class MethodSearch {
     }
   }
 
-  // Steps shrink by sqrt(2), and by more while the error, which is of the first order, is far from the one asked for.
+  void show_tolerances() {
+    try {
+      for (const double tolerance : tolerances) try_tolerance(tolerance);
+    } catch (const InputError&) {  // finer ones are refused too
+    }
+  }
+
+  // A machine that rests at once is the same to steps of any length, and so is their cost.
+  bool rests_at_once() const { return best_->end.time_s == 0; }
+
+  void show_time_steps() {
+    for (double steps = fewest_time_steps; cost_of_time_steps_s(steps) < dearest_shown_s; steps *= 2) {
+      try_time_steps(steps);
+      if (rests_at_once()) return;
+    }
+  }
+
+  // Steps shrink by sqrt(2): some machines end at the same place after any step below one that is hard to foretell.
+  // Only where no other method bounds the search by its cost they shrink by more while the error, which is of the first
+  // order, is far from the one asked for.
   void climb_time_steps() {
     const std::optional<double> limit_s = cheapest_s();
     if (best_->error_m > asked_m_) {
@@ -143,7 +161,8 @@ class MethodSearch {
         return refuse(method, fmt::format("would need steps of {:.2g} s", method.step_s), cost_s);
       const double error_m = try_time_steps(steps);
       if (error_m <= asked_m_) return;
-      const double lacking = std::isfinite(error_m) ? error_m / asked_m_ : 1;
+      if (rests_at_once()) return refuse(method, "does not see that the machine rests at once", cost_s);
+      const double lacking = limit_s || !std::isfinite(error_m) ? 1 : error_m / asked_m_;
       steps = std::round(steps * std::max(std::numbers::sqrt2, lacking / 4));
     }
   }
@@ -153,6 +172,7 @@ class MethodSearch {
   std::vector<MethodRefusal> refused_;
   std::optional<BestEnd> best_;
   std::vector<MethodTrial> trials_;
+  double stepped_share_ = 0;
 };
 
 }  // namespace

@@ -115,6 +115,15 @@ TEST(MethodChoice, RefusesWhatNothingHoldsWithCauseAndCost) {
   }
 }
 
+TEST(MethodChoice, EndsForAMachineThatRestsAtOnce) {
+  scenario::MachineScenario s = two_masses_to(1e-3);
+  s.start = {0, Eigen::Vector2d{0.01, 0.01}, Eigen::Vector2d::Zero()};
+  for (const sil::MethodTrial& trial : sil::try_methods(s)) {
+    EXPECT_LE(trial.error_m, 1e-17) << to_string(trial.method);  // one rounding of 0.01 m
+  }
+  EXPECT_LE(sil::choose_method(s).cost_s, 1e-5);
+}
+
 TEST(MethodChoice, RefusesTimeStepsThatWouldTakeTooLongBeforeTakingThem) {
   scenario::MachineScenario s = two_masses_to(1e-11);
   s.integrator_is_named = true;

@@ -43,6 +43,11 @@ std::vector<Eigen::Index> rubbing(const Eigen::VectorXd& limit_Ns) {
 
 }  // namespace
 
+bool nearly_dependent(const LinearMachine<>& machine) {
+  return nearly_dependent(
+      MatrixXd{machine.directions.transpose() * stability::dense::inverse(machine.mass) * machine.directions});
+}
+
 bool solve_impulses(const MatrixXd& coupling, const Eigen::VectorXd& limit_Ns, const Eigen::VectorXd& sliding_m_s,
                     Eigen::VectorXd& impulse_Ns) {
   const std::vector<Eigen::Index> index = rubbing(limit_Ns);

@@ -40,6 +40,10 @@ struct SteppingScheme {
   bool nearly_dependent;           // of the directions, so that sweeps over them hardly converge
 };
 
+// Says whether short steps of this machine find the impulses at once, which takes microseconds, because sweeps over its
+// directions hardly converge.
+bool nearly_dependent(const LinearMachine<>& machine);
+
 // Finds the impulses of a step at once. `sliding_m_s`: the speeds at its end without friction, by direction;
 // `impulse_Ns` receives the impulses. Returns whether all directions stick. Throws Refused where double precision does
 // not tell.
