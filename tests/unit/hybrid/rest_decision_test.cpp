@@ -93,4 +93,23 @@ TEST(RestDecision, EveryMethodSeesRestOfACoordinateWithoutFriction) {
   EXPECT_NE(TimeStepping<>(machine).run(swings, 5).verdict, Verdict::at_rest);
 }
 
+// An overdamped mass creeps towards the border of what friction holds and never turns. Begun 1e14 to 1e18 times as far
+// away as friction holds, its place is rounded to more than that: what is left of a force then moves it on, to rest.
+TEST(RestDecision, ACreepFromFarAwayEndsAtRestWhereFrictionHolds) {
+  LinearMachine<> machine;
+  machine.mass = Eigen::MatrixXd::Constant(1, 1, 1);
+  machine.damping = Eigen::MatrixXd::Constant(1, 1, 3);
+  machine.stiffness = machine.directions = Eigen::MatrixXd::Constant(1, 1, 1);
+  machine.friction_N = Eigen::VectorXd::Constant(1, 1);
+  for (const double end_s : {1e5, 1e9}) {
+    for (double start_m = 1e14; std::abs(start_m) < 1e18; start_m *= -7.3) {
+      const State start{0, Eigen::VectorXd::Constant(1, start_m), Eigen::VectorXd::Zero(1)};
+      const auto outcome = EventDriven<>(machine).run(start, end_s);
+      EXPECT_EQ(outcome.verdict, Verdict::at_rest) << start_m;
+      EXPECT_EQ(outcome.end.v[0], 0) << start_m;
+      EXPECT_LE(std::abs(outcome.end.q[0]), 1 + 1e-12) << start_m;
+    }
+  }
+}
+
 }  // namespace

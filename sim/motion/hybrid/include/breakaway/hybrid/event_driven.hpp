@@ -72,6 +72,7 @@ class EventDriven {
   void leave_segment(Walk& walk, const Set& held) const;
   // `doubtful` says that the same instant has been decided again and again.
   void handle_event(Walk& walk, bool doubtful) const;
+  void stop_everything(Walk& walk) const;
   DirectionSet stopped_with(const Walk& walk, int direction) const;
   void record(Walk& walk, const Signs& before) const;
   double work_of_an_event() const;
@@ -219,6 +220,19 @@ void EventDriven<N, M>::handle_event(Walk& walk, bool doubtful) const {
   record(walk, before);
 }
 
+// A creep has died out, and no crossing of zero stops it: static friction has it now. The place still holds the
+// rounding of a motion that began farther away; what that leaves of a force moves it on, from there.
+template <int N, int M>
+void EventDriven<N, M>::stop_everything(Walk& walk) const {
+  const Signs before = walk.state.signs;
+  DirectionSet stopped = walk.state.sticking;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    if (before[i] != 0) stopped |= only(i);
+  }
+  modes_.choose(walk.state, stopped, true);
+  record(walk, before);
+}
+
 // All directions that have no speed when this one stops. Nearly parallel directions are slow together although a third
 // one, which depends on them, is not: then they do not stop together.
 template <int N, int M>
@@ -314,10 +328,11 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
     const Ending ending = walk.segment.advance(walk.time.until(end_time_s), walk.budget);
     leave_segment(walk, held);
     if (ending == Ending::exhausted) refuse(walk, end_time_s);
-    if (ending != Ending::event) return finish_without_event(walk, ending, end_time_s, observer);
+    const bool faded = ending == Ending::faded;
+    if (ending != Ending::event && !faded) return finish_without_event(walk, ending, end_time_s, observer);
     const bool crawls = walk.segment.elapsed_s() <= std::numeric_limits<double>::epsilon() * std::abs(walk.time.sum_s);
     at_once = crawls ? at_once + 1 : 0;
-    handle_event(walk, at_once > most_at_once);
+    faded ? stop_everything(walk) : handle_event(walk, at_once > most_at_once);
     walk.budget.spend(work_of_an_event());
     if (at_once <= 2 * most_at_once && !walk.budget.exhausted()) continue;
     if (modes_.lost_in_rounding(walk.state)) return finish_at_rest(walk, observer);

@@ -9,6 +9,7 @@
 // c, c' and G, and their amplitudes off c: what is left is followed at the pace of the slow modes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -57,7 +58,7 @@ class Segment {
   using Set = StickSet<N, M>;
   using Coordinates = typename Set::Coordinates;
 
-  enum class Ending { time, event, forever, exhausted };
+  enum class Ending { time, event, faded, forever, exhausted };
 
   // `noise` is the rounding in x.
   void start(const Set& set, const Coordinates& x, const Coordinates& noise) {
@@ -77,7 +78,8 @@ class Segment {
   const Watch<N>& ended_by() const { return watches_[ended_by_]; }
 
   // Moves to the first event within duration_s, or to duration_s. `forever`: proved that there never is an event, and
-  // moved to duration_s if that is finite. `exhausted`: the budget was, on the way.
+  // moved to duration_s if that is finite. `faded`: a direction slides, and all motion has died out. `exhausted`: the
+  // budget was, on the way.
   Ending advance(double duration_s, Budget& budget);
 
   // Says whether the direction's speed is within rounding of zero and falling.
@@ -135,6 +137,9 @@ class Segment {
   bool set_departures();
   void polish();
   bool eventless() const;
+  bool anything_slides() const {
+    return std::any_of(watches_.begin(), watches_.end(), [](const Watch<N>& watch) { return watch.direction >= 0; });
+  }
 
   const Set* set_ = nullptr;
   Coordinates x_, y_, noise_;
@@ -225,6 +230,7 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
     const Proof proof = look_ahead(window_s, step > steps_before_stiff);
     if (amplitude_.sum() < faded) {
       x_.setZero();
+      if (anything_slides()) return Ending::faded;
       if (duration_s < never) move(left_s);
       return Ending::forever;
     }
