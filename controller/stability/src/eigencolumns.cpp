@@ -51,6 +51,45 @@ MatrixXd turned(MatrixXd columns, Index i, Index j, double angle) {
   return columns;
 }
 
+// The basis within equal eigenvalues that diagonalises `form`: rounding chose the one that is given, and what is found
+// from there would depend on the units that the machine is written in.
+MatrixXd diagonalising(MatrixXd columns, const VectorXd& values, const MatrixXd& form) {
+  for (Index first = 0, next = 0; first < values.size(); first = next) {
+    while (next < values.size() && values[next] == values[first]) ++next;
+    auto group = columns.middleCols(first, next - first);
+    if (group.cols() == 1) continue;
+    group = (group * dense::symmetric_eigen(dense::symmetric_part(group.transpose() * form * group)).vectors).eval();
+    for (auto column : group.colwise()) {
+      Index largest = 0;
+      column.cwiseAbs().maxCoeff(&largest);
+      if (column[largest] < 0) column = -column;
+    }
+  }
+  return columns;
+}
+
+// Turns two columns of equal eigenvalues at a time, as long as it lowers the cost.
+template <class Cost>
+MatrixXd descend(MatrixXd columns, const VectorXd& values, const Cost& cost_of) {
+  constexpr int most_sweeps = 8;
+  double least = cost_of(columns);
+  bool improved = true;
+  for (int sweep = 0; improved && sweep < most_sweeps; ++sweep) {
+    improved = false;
+    for (Index i = 0; i < values.size(); ++i) {
+      for (Index j = i + 1; j < values.size() && values[j] == values[i]; ++j) {
+        const double angle = best_angle([&](double a) { return cost_of(turned(columns, i, j, a)); });
+        const MatrixXd better = turned(columns, i, j, angle);
+        if (!(cost_of(better) < (1 - 1e-12) * least)) continue;
+        columns = better;
+        least = cost_of(better);
+        improved = true;
+      }
+    }
+  }
+  return columns;
+}
+
 }  // namespace
 
 Eigencolumns eigencolumns(const MatrixXd& damping, Proof definite, Proof semidefinite) {
@@ -72,26 +111,18 @@ Eigencolumns eigencolumns(const MatrixXd& damping, Proof definite, Proof semidef
 }
 
 void turn_for_level(Eigencolumns& basis, Index unstable, const MatrixXd& inverse_mass, const MatrixXd& corners) {
-  constexpr int most_sweeps = 8;
   const VectorXd values = basis.values.head(unstable);
-  MatrixXd columns = basis.columns.leftCols(unstable);
+  const MatrixXd columns = basis.columns.leftCols(unstable);
+  if (std::adjacent_find(values.begin(), values.end()) == values.end()) return;
   const auto cost_of = [&](const MatrixXd& choice) { return cost(choice, values, inverse_mass, corners); };
-  double least = cost_of(columns);
-  bool improved = true;
-  for (int sweep = 0; improved && sweep < most_sweeps; ++sweep) {
-    improved = false;
-    for (Index i = 0; i < unstable; ++i) {
-      for (Index j = i + 1; j < unstable && values[j] == values[i]; ++j) {
-        const double angle = best_angle([&](double a) { return cost_of(turned(columns, i, j, a)); });
-        const MatrixXd better = turned(columns, i, j, angle);
-        if (!(cost_of(better) < (1 - 1e-12) * least)) continue;
-        columns = better;
-        least = cost_of(better);
-        improved = true;
-      }
+  double least = std::numeric_limits<double>::infinity();
+  for (const MatrixXd& form : {inverse_mass, MatrixXd{corners * corners.transpose()}}) {
+    const MatrixXd found = descend(diagonalising(columns, values, form), values, cost_of);
+    if (const double value = cost_of(found); value < least) {
+      least = value;
+      basis.columns.leftCols(unstable) = found;
     }
   }
-  basis.columns.leftCols(unstable) = columns;
 }
 
 }  // namespace breakaway::stability

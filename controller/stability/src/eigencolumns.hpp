@@ -20,7 +20,8 @@ struct Eigencolumns {
 Eigencolumns eigencolumns(const Eigen::MatrixXd& damping, Proof definite, Proof semidefinite);
 
 // Turns the first `unstable` columns within equal eigenvalues, two at a time, for the largest rho*: the smallest
-// alpha * max |lambda_i| |M^-1/2 U_i|. `corners` as from unit_corners(). A local optimum; every basis is valid.
+// alpha * max |lambda_i| |M^-1/2 U_i|. `corners` as from unit_corners(). Every basis is valid; this one is the better
+// of two local optima that are sought from bases which the machine itself tells, whatever its units.
 void turn_for_level(Eigencolumns& basis, Eigen::Index unstable, const Eigen::MatrixXd& inverse_mass,
                     const Eigen::MatrixXd& corners);
 

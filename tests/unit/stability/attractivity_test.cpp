@@ -45,22 +45,23 @@ TEST(Theorem1, HoldsForRandomSystems) {
   std::mt19937_64 random{11};
   for (const auto& [n, m] : {std::pair<Eigen::Index, Eigen::Index>{2, 2}, {2, 5}, {3, 3}, {3, 6}, {4, 4}}) {
     LinearMachine<> s;
-    const MatrixXd k = random_matrix(random, n, n), c = random_matrix(random, n, n);
+    const MatrixXd k = random_matrix(random, n, n), mass = random_matrix(random, n, n), c = random_matrix(random, n, n);
     s.stiffness = k * k.transpose() + MatrixXd::Identity(n, n);
-    s.mass = random_mass(random, n);
+    s.mass = mass * mass.transpose() + MatrixXd::Identity(n, n);
     s.damping = c + c.transpose() - MatrixXd::Identity(n, n);
     s.directions = random_matrix(random, n, m);
     s.friction_N = random_matrix(random, m, 1).cwiseAbs();
     const Attractivity a = certify_attractivity(s);
     ASSERT_TRUE(a.certified) << a.reason;
     ASSERT_GT(a.unstable, 0);
+    const MatrixXd columns = s.mass.diagonal().cwiseSqrt().cwiseInverse().asDiagonal() * a.eigencolumns;
     double closest = 0;
     VectorXd closest_eta = VectorXd::Zero(n);
     for (int i = 0; i < 20000; ++i) {
       // A random search: any direction, then ever nearer to the best so far.
       const double reach = std::exp(-i / 2000.0);
       const VectorXd eta = (closest_eta + reach * random_matrix(random, n, 1)).normalized();
-      const double held = (s.directions.transpose() * a.eigencolumns * eta).cwiseAbs().dot(s.friction_N);
+      const double held = (s.directions.transpose() * columns * eta).cwiseAbs().dot(s.friction_N);
       if (const double ratio = eta.head(a.unstable).cwiseAbs().sum() / (a.alpha * held); ratio > closest) {
         closest = ratio;
         closest_eta = eta;

@@ -97,7 +97,7 @@ TEST(Conditions, OfRandomSystemsAreToldApartNextToTheirBorders) {
       near = s;
       VectorXd values = random_matrix(random, n, 1).cwiseAbs() + VectorXd::Ones(n);
       values[0] = side * hair;
-      near.damping = with_eigenvalues(basis_along(s.directions), values);
+      near.damping = from_mass_units(s, with_eigenvalues(basis_along_directions(s), values));
       EXPECT_EQ(std::isinf(certify_attractivity(near).rho_star_J), side > 0) << "damping " << trial;
       if (!std::isfinite(a.rho_star_J)) continue;
       ++bounded;
@@ -118,11 +118,11 @@ TEST(Conditions, OfRandomSystemsSeeTheUnstableColumnLeaveTheSpan) {
     VectorXd values = VectorXd::Ones(n);
     values[0] = -0.3;
     for (const double lean : {0.0, 1e-7}) {
-      MatrixXd columns = basis_along(s.directions);
+      MatrixXd columns = basis_along_directions(s);
       const VectorXd first = columns.col(0), last = columns.col(n - 1);
       columns.col(0) = std::cos(lean) * first + std::sin(lean) * last;
       columns.col(n - 1) = std::cos(lean) * last - std::sin(lean) * first;
-      s.damping = with_eigenvalues(columns, values);
+      s.damping = from_mass_units(s, with_eigenvalues(columns, values));
       EXPECT_EQ(certify_attractivity(s).certified, lean == 0) << trial;
     }
   }

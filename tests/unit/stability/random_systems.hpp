@@ -19,15 +19,6 @@ inline Eigen::MatrixXd random_definite(std::mt19937_64& random, Eigen::Index n) 
   return root * root.transpose() + 0.3 * Eigen::MatrixXd::Identity(n, n);
 }
 
-// A mass of unit diagonal, as in the units in which condition 2 is asked.
-inline Eigen::MatrixXd random_mass(std::mt19937_64& random, Eigen::Index n) {
-  Eigen::MatrixXd mass = random_definite(random, n);
-  const Eigen::VectorXd scale = mass.diagonal().cwiseSqrt().cwiseInverse();
-  mass = (scale.asDiagonal() * mass * scale.asDiagonal()).eval();
-  mass.diagonal().setOnes();
-  return (mass + mass.transpose()) / 2;
-}
-
 // An orthonormal basis, whose first columns span what the columns of `directions` span.
 inline Eigen::MatrixXd basis_along(const Eigen::MatrixXd& directions) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(directions).householderQ() *
@@ -40,11 +31,24 @@ inline Eigen::MatrixXd with_eigenvalues(const Eigen::MatrixXd& columns, const Ei
   return (damping + damping.transpose()) / 2;
 }
 
+// The lengths in which each coordinate alone has the mass 1, in which condition 2 of Theorem 1 is asked.
+inline Eigen::VectorXd units_of(const LinearMachine<>& s) { return s.mass.diagonal().cwiseSqrt(); }
+
+// A symmetric matrix of these units, written in the machine's own; exactly symmetric.
+inline Eigen::MatrixXd from_mass_units(const LinearMachine<>& s, const Eigen::MatrixXd& matrix) {
+  return matrix.cwiseProduct(units_of(s) * units_of(s).transpose());
+}
+
+// basis_along() the machine's directions, in these units.
+inline Eigen::MatrixXd basis_along_directions(const LinearMachine<>& s) {
+  return basis_along(units_of(s).cwiseInverse().asDiagonal() * s.directions);
+}
+
 // Condition 2 holds: the damping is negative along `unstable` <= min(n, m) directions of span{W} at most, sometimes 0
 // or equally negative along several.
 inline LinearMachine<> random_theorem_1_system(std::mt19937_64& random, Eigen::Index n, Eigen::Index m) {
   LinearMachine<> s;
-  s.mass = random_mass(random, n);
+  s.mass = random_definite(random, n);
   s.stiffness = random_definite(random, n);
   s.directions = random_matrix(random, n, m);
   s.friction_N = random_matrix(random, m, 1).cwiseAbs() + Eigen::VectorXd::Constant(m, 0.05);
@@ -63,7 +67,7 @@ inline LinearMachine<> random_theorem_1_system(std::mt19937_64& random, Eigen::I
     default:
       break;
   }
-  s.damping = with_eigenvalues(basis_along(s.directions), values);
+  s.damping = from_mass_units(s, with_eigenvalues(basis_along_directions(s), values));
   return s;
 }
 
