@@ -135,7 +135,7 @@ class Segment {
   };
   Proof look_ahead(double window_s, bool stiff);
   bool set_departures();
-  void polish();
+  void polish(double latest_s);
   bool eventless() const;
   bool anything_slides() const {
     return std::any_of(watches_.begin(), watches_.end(), [](const Watch<N>& watch) { return watch.direction >= 0; });
@@ -237,7 +237,7 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
     if (proof.crossing_s < never) {
       const double surely_s = 2 * proof.crossing_s;  // the crossing is unique up to here
       if (proof.at_crossing || (surely_s < proof.others_s && surely_s < left_s && surely_s < window_s)) {
-        polish();
+        polish(elapsed_s_ + (proof.at_crossing ? 0 : surely_s));
         return Ending::event;
       }
     }
@@ -291,14 +291,17 @@ typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s, bool st
   return proof;
 }
 
-// Newton's method to rounding.
+// Newton's method to rounding. The crossing is within the segment and not after latest_s, whatever a slope that is lost
+// in rounding makes of it.
 template <int N, int M>
-void Segment<N, M>::polish() {
+void Segment<N, M>::polish(double latest_s) {
   const Watch<N>& watch = watches_[ended_by_];
   double before_s = never;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    const double c = value(watch), h = c / -slope(watch);
-    if (std::abs(c) <= rounding(watch) || !std::isfinite(h)) return;
+    const double c = value(watch), step_s = c / -slope(watch);
+    if (std::abs(c) <= rounding(watch) || !std::isfinite(step_s)) return;
+    const double h = std::clamp(step_s, -elapsed_s_, latest_s - elapsed_s_);
+    if (h == 0) return;
     // Back in time, vibrations that have died away would grow out of their rounding: a long step starts anew.
     if (h * set_->flow.fastest() > 0.1) {
       before_x_ = x_;
