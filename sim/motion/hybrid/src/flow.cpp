@@ -56,12 +56,78 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
                     "hold its stiffest springs rigid, or use the adaptive method"};
     }
   }
+  survey();
+}
+
+// What the blocks say together.
+void Flow::survey() {
   std::ranges::stable_sort(blocks_, std::greater{}, &Block::speed);
   for (const Block& block : blocks_) {
     if (block.rate > 0) window_s_ = std::min(window_s_, 0.25 / block.rate);
     const bool dense = block.kind == Block::Kind::dense;
     bounded_ = bounded_ && (dense ? dense_[block.dense].growth() < HUGE_VAL : block.rate <= 0);
   }
+}
+
+// A driver's mode with the rate r is (g, 1) e^(r t), g being what the others answer: (r^2 + r C + K) g = -(r c + k).
+std::optional<Flow> Flow::driven(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness, Eigen::Index drivers) {
+  const Eigen::Index k = damping.rows(), moved = k - drivers, first = 2 * moved;
+  const ExtendedMatrix own_damping = damping.topLeftCorner(moved, moved),
+                       own_stiffness = stiffness.topLeftCorner(moved, moved);
+  const Flow own{own_damping, own_stiffness};
+  Flow flow = own;
+  flow.k_ = k;
+  for (ExtendedMatrix* const matrix : {&flow.modes_, &flow.inverse_, &flow.generator_}) matrix->setZero(2 * k, 2 * k);
+  flow.generator_.topLeftCorner(first, first) = own.generator_;
+  flow.modes_.block(0, 0, moved, first) = own.modes_.topRows(moved);
+  flow.modes_.block(k, 0, moved, first) = own.modes_.bottomRows(moved);
+  if (moved > 0) {
+    flow.inverse_.block(0, 0, first, moved) = own.inverse_.leftCols(moved);
+    flow.inverse_.block(0, k, first, moved) = own.inverse_.rightCols(moved);
+  }
+  for (Eigen::Index driver = moved; driver < k; ++driver) {
+    const Extended mean = -damping(driver, driver) / 2, square = mean * mean - stiffness(driver, driver);
+    if (!(square > mean * mean / 100)) return {};
+    const Extended large = mean > 0 ? mean + sqrt(square) : mean - sqrt(square);
+    const Extended rates[] = {large, stiffness(driver, driver) / large}, apart = rates[0] - rates[1];
+    const Eigen::Index column = first + 2 * (driver - moved);
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      const Extended rate = rates[i];
+      const ExtendedMatrix dynamic =
+          ExtendedMatrix::Identity(moved, moved) * (rate * rate) + own_damping * rate + own_stiffness;
+      const auto response = stability::twofold::inverse_if_regular(dynamic);
+      if (own.resounds_at(static_cast<double>(rate)) || !response) return {};
+      ExtendedMatrix mode = ExtendedMatrix::Zero(k, 1);
+      mode.topRows(moved) =
+          -(*response * (damping.block(0, driver, moved, 1) * rate + stiffness.block(0, driver, moved, 1)));
+      mode(driver, 0) = 1;
+      flow.modes_.col(column + i) << mode, mode * rate;
+      flow.add_real(column + i, rate);
+      flow.inverse_(column + i, driver) = (i == 0 ? -rates[1] : rates[0]) / apart;
+      flow.inverse_(column + i, k + driver) = (i == 0 ? Extended(1) : Extended(-1)) / apart;
+    }
+  }
+  const ExtendedMatrix answered = flow.modes_.rightCols(2 * drivers) * flow.inverse_.bottomRows(2 * drivers);
+  flow.inverse_.topRows(first) -= (flow.inverse_.topRows(first) * answered).eval();
+  flow.survey();
+  return flow;
+}
+
+// Says whether a mode moves at this rate, or so near it that the two could hardly be told apart.
+bool Flow::resounds_at(double rate) const {
+  const auto near = [rate](double re, double im) { return std::hypot(re - rate, im) < 1e-3 * std::abs(rate); };
+  return std::ranges::any_of(blocks_, [&](const Block& block) {
+    switch (block.kind) {
+      case Block::Kind::pair:
+        return near(block.rate, 0) || near(block.lesser, 0);
+      case Block::Kind::complex:
+        return near(block.rate, block.frequency);
+      case Block::Kind::dense:
+        return std::abs(rate) < 2 * block.speed;
+      default:
+        return near(block.rate, 0);
+    }
+  });
 }
 
 // Inverts the modes and says whether what they leave out of the motion is rounding: A modes = modes generator, compared
@@ -211,9 +277,14 @@ void Flow::split(const ExtendedMatrix& companion) {
   const InvariantBlocks parts = invariant_blocks(companion);
   modes_ = parts.basis;
   generator_ = parts.generator;
-  const Eigen::MatrixXd noise = rounding(companion, modes_, stability::twofold::inverse(modes_));
+  const ExtendedMatrix inverse = stability::twofold::inverse(modes_);
+  const Eigen::MatrixXd noise = rounding(companion, modes_, inverse);
+  // The rate that a mode has, which is exactly zero for one that stands: its eigenvalue is so to the fastest's
+  // rounding.
+  const ExtendedMatrix rates = inverse * (companion * modes_);
   Eigen::Index first = 0;
   for (const Eigen::Index size : parts.sizes) {
+    if (size == 1) generator_(first, first) = rates(first, first);
     add_block(first, size, noise.block(first, first, size, size).maxCoeff());
     first += size;
   }

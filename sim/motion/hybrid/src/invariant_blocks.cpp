@@ -16,6 +16,8 @@ constexpr double most_coupling = 300;
 // Time scales further apart than this are cut first, each to be scaled by itself.
 constexpr double scale_gap = 8;
 constexpr double most_scale_coupling = 1e6;
+// Free motion has no time of its own: the double eigenvalue zero is off by the root of extended precision's rounding.
+constexpr double no_time_scale = 1e-14;
 
 double largest_entry(const Matrix& matrix) { return matrix.size() == 0 ? 0 : double(matrix.cwiseAbs().maxCoeff()); }
 
@@ -271,7 +273,7 @@ InvariantBlocks invariant_blocks(const Matrix& a) {
     for (Index at = first; at < end; at += block_size(whole.form, at)) {
       fastest = std::max(fastest, magnitude(whole.form, at));
     }
-    if (fastest > 0) time_s = std::ldexp(1.0, -std::ilogb(fastest));
+    if (fastest > no_time_scale * magnitude(whole.form, 0)) time_s = std::ldexp(1.0, -std::ilogb(fastest));
     Ordered part = rescaled(whole.form.block(first, first, size, size), whole.basis.middleCols(first, size), time_s);
     for (const Index block : cut_clusters(part)) result.sizes.push_back(block);
     result.basis.middleCols(first, size) = part.basis;

@@ -73,15 +73,38 @@ struct Extension {
         directions{inverse_factor * machine.directions.cast<Extended>()} {}
 };
 
+bool alone_in(const Eigen::MatrixXd& matrix, Eigen::Index i) {
+  return (matrix.row(i).array() != 0).count() == (matrix(i, i) != 0 ? 1 : 0);
+}
+
+// How many of the last coordinates act on others although nothing acts on them, as what a drive's lag is modelled by.
+Eigen::Index count_drivers(const LinearMachine<>& machine) {
+  const Eigen::Index n = machine.coordinates();
+  Eigen::Index drivers = 0;
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    const bool driven = !machine.directions.row(i).isZero(0) || !alone_in(machine.mass, i) ||
+                        !alone_in(machine.damping, i) || !alone_in(machine.stiffness, i);
+    const bool acts = !alone_in(machine.damping.transpose(), i) || !alone_in(machine.stiffness.transpose(), i);
+    if (driven || !acts) break;
+    ++drivers;
+  }
+  return drivers;
+}
+
 // An orthonormal basis of the motions that are left, in the same coordinates; adds to `sticking` what they cannot
 // slide.
-ExtendedMatrix free_motions(const Extension& extension, DirectionSet& sticking) {
+ExtendedMatrix free_motions(const Extension& extension, Eigen::Index drivers, DirectionSet& sticking) {
   const Eigen::Index n = extension.directions.rows(), m = extension.directions.cols();
   ExtendedMatrix free = ExtendedMatrix::Identity(n, n), chosen = ExtendedMatrix::Zero(n, m);
   for (Eigen::Index i = 0; i < m; ++i) {
     if (contains(sticking, i)) chosen.col(i) = extension.directions.col(i);
   }
-  if (sticking != 0) free = span(chosen).complement;
+  if (sticking != 0) {
+    const ExtendedMatrix held = span(chosen.topRows(n - drivers)).complement;
+    free.setZero(n, held.cols() + drivers);
+    free.topLeftCorner(n - drivers, held.cols()) = held;
+    free.bottomRightCorner(drivers, drivers).setIdentity();
+  }
   for (Eigen::Index i = 0; i < m; ++i) {
     const Extended left = (free.transpose() * extension.directions.col(i)).norm();
     if (left <= rank_threshold * extension.directions.col(i).norm()) sticking |= only(i);
@@ -144,8 +167,12 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   const Extension extension(machine);
   StickSet<> set;
   set.sticking = directions;
-  const ExtendedMatrix basis = extension.inverse_factor.transpose() * free_motions(extension, set.sticking);
-  set.flow = Flow(basis.transpose() * extension.damping * basis, basis.transpose() * extension.stiffness * basis);
+  const Eigen::Index drivers = count_drivers(machine);
+  const ExtendedMatrix basis = extension.inverse_factor.transpose() * free_motions(extension, drivers, set.sticking);
+  const ExtendedMatrix damping = basis.transpose() * extension.damping * basis,
+                       stiffness = basis.transpose() * extension.stiffness * basis;
+  auto driven = drivers > 0 ? Flow::driven(damping, stiffness, drivers) : std::nullopt;
+  set.flow = driven ? std::move(*driven) : Flow(damping, stiffness);
 
   const ExtendedMatrix velocities = basis * set.flow.velocity();
   const Eigen::Index n = machine.coordinates();

@@ -37,6 +37,15 @@ class EventDriven {
   Outcome<N> run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log = nullptr,
                  const Observer<N>& observer = {}, const Budget& budget = Budget{}) const;
 
+  // Runs on from where a run ended, as when forces change. `sticking` (bit i: direction i) says what sticks at the
+  // start, whatever rounding has left of its speed, and then what sticks at the end.
+  Outcome<N> resume(const MachineState<N>& start, DirectionSet& sticking, double end_time_s,
+                    std::vector<Event>* log = nullptr, const Budget& budget = Budget{}) const;
+
+  // From now on this constant force acts in place of the machine's. Modes that were met stay factorised. Throws
+  // InputError for a force of the wrong size or that is not finite.
+  void set_force(const Eigen::Matrix<double, N, 1>& force_N);
+
  private:
   using Modes = HybridModes<N, M>;
   using Set = StickSet<N, M>;
@@ -59,8 +68,12 @@ class EventDriven {
   static int largest_exponent(const LinearMachine<N, M>& machine);
   static LinearMachine<N, M> scaled(LinearMachine<N, M> machine, int exponent);
 
-  Walk begin(const MachineState<N>& start) const;
-  void choose_first_modes(State& state) const;
+  Walk begin(const MachineState<N>& start, double end_time_s, DirectionSet sticking) const;
+  Outcome<N> follow(Walk& walk, double end_time_s, const Observer<N>& observer) const;
+  // `sticking` and what has no speed is at rest.
+  void choose_first_modes(State& state, DirectionSet sticking) const;
+  DirectionSet leaders_of(DirectionSet directions) const;
+  DirectionSet followers_of(DirectionSet leaders) const;
   MachineState<N> unscaled(const Walk& walk) const;
   Verdict decide(const Walk& walk) const { return decision_ ? decision_(unscaled(walk)) : Verdict::undecided; }
   Outcome<N> finish(Walk& walk, Verdict verdict) const;
@@ -121,7 +134,11 @@ LinearMachine<N, M> EventDriven<N, M>::scaled(LinearMachine<N, M> machine, int e
 }
 
 template <int N, int M>
-typename EventDriven<N, M>::Walk EventDriven<N, M>::begin(const MachineState<N>& start) const {
+typename EventDriven<N, M>::Walk EventDriven<N, M>::begin(const MachineState<N>& start, double end_time_s,
+                                                          DirectionSet sticking) const {
+  if (!(end_time_s >= start.time_s)) {
+    throw InputError{"the end time is no number or before the start: give a later one"};
+  }
   const Eigen::Index n = modes_.machine().coordinates();
   if (start.q.size() != n || start.v.size() != n) {
     throw InputError{"the start has " + std::to_string(start.q.size()) + " coordinates and " +
@@ -142,12 +159,32 @@ typename EventDriven<N, M>::Walk EventDriven<N, M>::begin(const MachineState<N>&
   if (!finite) {
     throw InputError{"the start is not finite, or more than 1e300 times what friction can hold: correct it"};
   }
-  choose_first_modes(walk.state);
+  choose_first_modes(walk.state, leaders_of(sticking));
   return walk;
 }
 
 template <int N, int M>
-void EventDriven<N, M>::choose_first_modes(State& state) const {
+DirectionSet EventDriven<N, M>::leaders_of(DirectionSet directions) const {
+  DirectionSet leaders = 0;
+  for (std::size_t i = 0; i < groups_.leader.size(); ++i) {
+    if (groups_.leader[i] >= 0 && contains(directions, static_cast<Eigen::Index>(i)))
+      leaders |= only(groups_.leader[i]);
+  }
+  return leaders;
+}
+
+template <int N, int M>
+DirectionSet EventDriven<N, M>::followers_of(DirectionSet leaders) const {
+  DirectionSet directions = 0;
+  for (std::size_t i = 0; i < groups_.leader.size(); ++i) {
+    if (groups_.leader[i] >= 0 && contains(leaders, groups_.leader[i]))
+      directions |= only(static_cast<Eigen::Index>(i));
+  }
+  return directions;
+}
+
+template <int N, int M>
+void EventDriven<N, M>::choose_first_modes(State& state, DirectionSet sticking) const {
   const auto& machine = modes_.machine();
   state.signs.setZero(machine.frictions());
   DirectionSet stopped = 0;
@@ -155,7 +192,8 @@ void EventDriven<N, M>::choose_first_modes(State& state) const {
     if (modes_.frictionless(i)) continue;
     const auto terms = machine.directions.col(i).cwiseProduct(state.v);
     const double speed = terms.sum();
-    if (std::abs(speed) <= 4 * std::numeric_limits<double>::epsilon() * terms.cwiseAbs().sum()) {
+    if (contains(sticking, i) ||
+        std::abs(speed) <= 4 * std::numeric_limits<double>::epsilon() * terms.cwiseAbs().sum()) {
       stopped |= only(i);
     } else {
       state.signs[i] = speed > 0 ? 1 : -1;
@@ -312,12 +350,34 @@ void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log,
                                   const Observer<N>& observer, const Budget& budget) const {
-  if (!(end_time_s >= start.time_s)) {
-    throw InputError{"the end time is no number or before the start: give a later one"};
-  }
-  Walk walk = begin(start);
+  Walk walk = begin(start, end_time_s, 0);
   walk.log = log;
   walk.budget = budget;
+  return follow(walk, end_time_s, observer);
+}
+
+template <int N, int M>
+Outcome<N> EventDriven<N, M>::resume(const MachineState<N>& start, DirectionSet& sticking, double end_time_s,
+                                     std::vector<Event>* log, const Budget& budget) const {
+  Walk walk = begin(start, end_time_s, sticking);
+  walk.log = log;
+  walk.budget = budget;
+  Outcome<N> outcome = follow(walk, end_time_s, {});
+  sticking = followers_of(walk.state.sticking);
+  return outcome;
+}
+
+template <int N, int M>
+void EventDriven<N, M>::set_force(const Eigen::Matrix<double, N, 1>& force_N) {
+  if (force_N.size() != modes_.machine().coordinates() || !force_N.allFinite())
+    throw InputError{"the force is not finite or not of the machine's size: give a number for each coordinate"};
+  Eigen::Matrix<double, N, 1> scaled_N = force_N;
+  for (double& value_N : scaled_N) value_N = std::ldexp(value_N, -exponent_);
+  modes_.set_force(scaled_N);
+}
+
+template <int N, int M>
+Outcome<N> EventDriven<N, M>::follow(Walk& walk, double end_time_s, const Observer<N>& observer) const {
   const auto most_at_once = 2 * (modes_.machine().frictions() + 1);
   for (int at_once = 0;;) {
     const Set& held = modes_.set(walk.state.sticking);

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "breakaway/hybrid/dense_block.hpp"
@@ -50,6 +51,11 @@ class Flow {
   // k x k, in coordinates in which the mass is the identity. Throws Refused where even extended precision cannot tell
   // the motions apart.
   Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
+
+  // The same where the last `drivers` coordinates act on the others and nothing acts on them: their rows of C and K are
+  // zero but for the diagonal. Returns nothing unless each relaxes at two rates well apart that the others do not have.
+  static std::optional<Flow> driven(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness,
+                                    Eigen::Index drivers);
 
   Eigen::Index size() const { return 2 * k_; }
   const std::vector<Block>& blocks() const { return blocks_; }  // the fastest first
@@ -132,6 +138,8 @@ class Flow {
   void bound(const Block& block, const ExtendedMatrix& row, Horizon horizon, double* bounds) const;
 
  private:
+  void survey();
+  bool resounds_at(double rate) const;
   bool decouple(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness);
   void add_oscillator(const ExtendedVector& mode, Extended c, Extended k, Eigen::Index first);
   void add_real(Eigen::Index first, Extended value);

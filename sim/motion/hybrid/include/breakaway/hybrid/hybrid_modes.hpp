@@ -43,6 +43,11 @@ class HybridModes {
   explicit HybridModes(LinearMachine<N, M> machine);
 
   const LinearMachine<N, M>& machine() const { return machine_; }
+  // Stick sets do not depend on the constant force, so those that were met stay.
+  void set_force(const Vector& force_N) {
+    machine_.force_N = force_N;
+    measure_greatest_force();
+  }
   const Set& set(DirectionSet directions) const;
   bool frictionless(Eigen::Index i) const { return !contains(rubbing_, i); }
 
@@ -108,6 +113,10 @@ class HybridModes {
   // The rounding of a sum of forces, as a share of its terms.
   static constexpr double force_rounding = 8 * std::numeric_limits<double>::epsilon();
 
+  void measure_greatest_force() {
+    greatest_force_N_ = machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs().lazyProduct(machine_.friction_N);
+  }
+
   LinearMachine<N, M> machine_;
   DirectionSet rubbing_ = 0;              // the directions with friction
   Eigen::Matrix<double, M, N> response_;  // W^T M^-1: accelerations of directions by forces
@@ -120,9 +129,9 @@ class HybridModes {
 template <int N, int M>
 HybridModes<N, M>::HybridModes(LinearMachine<N, M> machine)
     : machine_{std::move(machine)},
-      greatest_force_N_{machine_.force_N.cwiseAbs() + machine_.directions.cwiseAbs() * machine_.friction_N},
       doubtful_{std::make_shared<const ModeChoice>(stability::unsized(machine_))},
       sets_(std::size_t{1} << machine_.frictions()) {
+  measure_greatest_force();
   response_ = doubtful_->response();
   coupling_ = doubtful_->coupling();
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
