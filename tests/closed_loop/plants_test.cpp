@@ -6,6 +6,7 @@
 #include <string>
 
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
@@ -63,6 +64,77 @@ TEST(RigidAxis, RunsTheSameCodeAsWithoutTheseKeys) {
     ASSERT_EQ(first.axes[0].trace[i].position_m, second.axes[0].trace[i].position_m) << i;
     ASSERT_EQ(first.axes[0].trace[i].force_N, second.axes[0].trace[i].force_N) << i;
   }
+}
+
+// The same axis as a [machine] of its motor and its load.
+scenario::Scenario as_machine(scenario::Scenario s) {
+  scenario::AxisWorld& world = s.worlds[0];
+  const config::Truth truth = config::truth_of(s.node.axes[0]);
+  const Eigen::Index n = world.plant.load ? 2 : 1;
+  stability::LinearMachine<> machine;
+  machine.mass = machine.directions = Eigen::MatrixXd::Identity(n, n);
+  machine.mass(0, 0) = truth.mass_kg;
+  machine.damping = machine.stiffness = Eigen::MatrixXd::Zero(n, n);
+  machine.friction_N = Eigen::VectorXd::Constant(n, world.friction.bounds().upper_N);
+  if (world.plant.load) {
+    const model::FlexibleLoad& load = *world.plant.load;
+    const Eigen::Matrix2d stretch{{1, -1}, {-1, 1}};
+    machine.mass(1, 1) = load.mass_kg;
+    machine.damping = load.coupling.damping_Ns_per_m * stretch;
+    machine.stiffness = load.coupling.stiffness_N_per_m * stretch;
+    machine.friction_N[1] = load.friction->bounds().upper_N;
+  }
+  const Eigen::VectorXd motor = Eigen::VectorXd::Unit(n, 0);
+  s.machine = {machine, {0, Eigen::VectorXd::Constant(n, world.position_m), Eigen::VectorXd::Zero(n)}};
+  world.place = {motor, motor};
+  return s;
+}
+
+void expect_same_way(const sil::AxisResult& one, const sil::AxisResult& other, double apart_m) {
+  EXPECT_EQ(one.settled, other.settled);
+  EXPECT_EQ(one.kicks.size(), other.kicks.size());
+  EXPECT_EQ(one.settling_time_s, other.settling_time_s);
+  ASSERT_EQ(one.trace.size(), other.trace.size());
+  for (std::size_t i = 0; i < one.trace.size(); ++i)
+    ASSERT_NEAR(one.trace[i].position_m, other.trace[i].position_m, apart_m) << i;
+}
+
+TEST(MachineBehindTheBus, OfOneMassRunsAsTheRigidAxis) {
+  auto rigid = scene("can_axis");
+  rigid.worlds[0].friction = {rigid.worlds[0].friction.bounds(), model::shape::constant(1)};
+  rigid.worlds[0].position_m = -0.1;
+  rigid.worlds[0].velocity_m_s = 0;
+  const auto one = sil::run_loop_scenario(rigid, {.trace = true}),
+             other = sil::run_loop_scenario(as_machine(rigid), {.trace = true});
+  expect_same_way(one.axes[0], other.axes[0], 1e-14);
+  EXPECT_TRUE(other.axes[0].settled);
+}
+
+TEST(MachineBehindTheBus, OfMotorAndLoadRunsAsTheFlexibleAxis) {
+  const auto belt = scene("belt_axis");
+  const auto one = sil::run_loop_scenario(belt, {.trace = true}),
+             other = sil::run_loop_scenario(as_machine(belt), {.trace = true});
+  expect_same_way(one.axes[0], other.axes[0], 1e-9);
+  ASSERT_TRUE(other.machine_end);
+  EXPECT_NEAR(*one.axes[0].load_position_m, other.machine_end->q[1], 1e-9);
+}
+
+TEST(MachineBehindTheBus, SettlesAGantryWhoseEndsPushEachOther) {
+  const auto s = scene("gantry");
+  const auto result = sil::run_loop_scenario(s, {.trace = true});
+  EXPECT_TRUE(result.settled());
+  EXPECT_EQ(result.machine_trace.size(), result.axes[0].trace.size());
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_LE(std::abs(result.machine_end->q[static_cast<Eigen::Index>(i)]),
+              judged_tolerance_m(s.node, s.node.axes[i]));
+    EXPECT_GT(result.axes[i].kicks.size(), 0U);
+  }
+  auto alone = s;  // the same without what couples the ends
+  alone.machine->machine.mass(0, 1) = alone.machine->machine.mass(1, 0) = 0;
+  alone.machine->machine.stiffness.setZero();
+  alone.machine->machine.damping.setZero();
+  const auto apart = sil::run_loop_scenario(alone, {});
+  EXPECT_GT(std::abs(apart.axes[0].final_error_m - result.axes[0].final_error_m), 1e-9) << "then nothing couples them";
 }
 
 // Gravity beside friction, as a slide and as a compliant axis whose compliance is too small to matter.

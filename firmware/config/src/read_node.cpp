@@ -141,13 +141,13 @@ FileRows passed_over() {
     for (const std::string_view name : names) rows.push_back(optional(name, {"", [](const Entry&) { return true; }}));
     return rows;
   };
-  return {.root = {},
+  return {.root = named({"machine", "start"}),
           .loop = {},
           .bus = named({"loss_probability", "delay_min_s", "delay_max_s", "seed"}),
           .run = named({"duration_s", "settle_time_s", "stop_when_settled", "accuracy_m"}),
           .axis = [=](std::size_t) {
             return AxisRows{.plant = named({"position_m", "velocity_m_s", "force_N", "presliding", "load", "backlash",
-                                            "cogging", "ripple", "encoder_error", "drift"}),
+                                            "cogging", "ripple", "encoder_error", "drift", "machine"}),
                             .friction = named({"law"}),
                             .controller = named({"scalar"}),
                             .drive = named({"tpdo_delay_min_s", "tpdo_delay_max_s", "seed"})};

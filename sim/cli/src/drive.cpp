@@ -45,7 +45,9 @@ class LiveDrives {
   LiveDrives(const scenario::Scenario& s, const std::vector<drive_emulator::EmulatorConfig>& configs,
              socketcan::KernelSocket& socket)
       : socket_{socket} {
-    for (std::size_t i = 0; i < configs.size(); ++i) axes_.emplace_back(*this, s.node.axes[i], s.worlds[i], configs[i]);
+    auto mechanisms = sil::axis_mechanisms(s);
+    for (std::size_t i = 0; i < configs.size(); ++i)
+      axes_.emplace_back(*this, s.node.axes[i].name, std::move(mechanisms[i]), configs[i]);
   }
 
   // Until `stop` is set by a signal that interrupts ppoll under `mask`, or `duration` is over.
@@ -69,10 +71,9 @@ class LiveDrives {
 
  private:
   struct Axis {
-    Axis(LiveDrives& drives, const config::Axis& axis, const scenario::AxisWorld& world,
-         const drive_emulator::EmulatorConfig& config)
-        : name{axis.name},
-          mechanism{sil::axis_mechanism(axis, world)},
+    Axis(LiveDrives& drives, std::string axis, sil::AxisMechanism moved, const drive_emulator::EmulatorConfig& config)
+        : name{std::move(axis)},
+          mechanism{std::move(moved)},
           drive{config, mechanism.seen_by_drive(), [this, &drives](const hal::CanFrame& frame, hal::Time) {
                   if (!drives.transmit(frame)) ++lost;
                 }} {

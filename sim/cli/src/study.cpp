@@ -38,6 +38,8 @@ const char* controller_name(const Scenario& s) { return s.node.axes.front().cont
 // Returns the axis of this name, or the only one.
 Scenario read_axis(const std::string& file, const std::string& axis) {
   Scenario s = scenario::read_scenario(file);
+  if (s.machine)
+    throw InputError{file + ": a study varies the friction of an axis, and a [machine] has its own: simulate it"};
   if (!axis.empty()) s = only_axis(s, axis);
   if (s.axes() > 1) throw InputError{file + ": has several axes: say which to study with --axis NAME"};
   if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};

@@ -148,6 +148,7 @@ void PowerDrive::command_torque(double demand_per_mille, hal::Time time) {
   if (force_N == motor_.commanded_N()) return;
   advance_mechanism_to(time);
   motor_.command(force_N, hal::seconds(time));
+  mechanism_.change_force(motor_.segment());
   segment_listener_(motor_.segment());
 }
 

@@ -81,12 +81,24 @@ void write_axes(format::JsonWriter& json, const sil::Result& result) {
   });
 }
 
+void write_machine(format::JsonWriter& json, const stability::MachineState<Eigen::Dynamic>& end) {
+  json.object("machine", [&] {
+    json.numbers("q_end", end.q);
+    json.numbers("v_end", end.v);
+  });
+}
+
+// The coordinates of the machine that all axes stand on.
+void append_coordinates(std::string& text, const sil::Result& result, std::size_t sample) {
+  if (result.machine_trace.empty()) return;
+  for (const double q : result.machine_trace[sample].q) fmt::format_to(std::back_inserter(text), ",{:.17g}", q);
+}
+
 void append_sample(std::string& text, const sil::Sample& s, bool loads) {
   fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}", s.time_s,
                  s.position_m, s.velocity_m_s, s.target_m, s.force_N, s.friction_level_N, s.bus_load,
                  law::to_string(s.mode));
   if (loads) fmt::format_to(std::back_inserter(text), ",{:.17g}", s.load_position_m.value_or(s.position_m));
-  text += '\n';
 }
 
 }  // namespace
@@ -100,6 +112,7 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
     } else {
       write_axes(json, result);
     }
+    if (result.machine_end) write_machine(json, *result.machine_end);
     json.member("duration_s", result.duration_s);
     json.member("wall_s", result.wall_s);
     if (result.accuracy) write_accuracy(json, *result.accuracy);
@@ -114,11 +127,16 @@ std::string to_csv(const scenario::Scenario& scenario, const sil::Result& result
   const bool loads =
       std::ranges::any_of(result.axes, [](const auto& axis) { return axis.load_position_m.has_value(); });
   text += "time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode";
-  text += loads ? ",load_position_m\n" : "\n";
+  if (loads) text += ",load_position_m";
+  if (result.machine_end)
+    for (Eigen::Index i = 1; i <= result.machine_end->q.size(); ++i) text += fmt::format(",q{}", i);
+  text += '\n';
   for (const sil::AxisResult& axis : result.axes) {
-    for (const auto& sample : axis.trace) {
+    for (std::size_t i = 0; i < axis.trace.size(); ++i) {
       if (several) text += axis.name + ',';
-      append_sample(text, sample, loads);
+      append_sample(text, axis.trace[i], loads);
+      append_coordinates(text, result, i);
+      text += '\n';
     }
   }
   return text;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "breakaway/format/html_page.hpp"
+#include "motion_picture.hpp"
 #include "pictures.hpp"
 
 namespace breakaway::report {
@@ -55,20 +56,52 @@ void add_gains(HtmlTable& table, const config::Axis& axis) {
   }
 }
 
-std::string inputs(const Scenario& s, std::size_t place) {
+// What the controller is told, and the truth where that is another number.
+void add_told(HtmlTable& table, const char* name, double told, double truth, const char* unit) {
+  if (told == truth) return table.quantity(name, told, unit);
+  table.row(name, fmt::format("told {:.7g} {}, truly {:.7g} {}", told, unit, truth, unit));
+}
+
+void add_friction(HtmlTable& table, const config::Axis& axis) {
+  const auto& told = axis.friction.bounds;
+  const auto truth = config::truth_of(axis).bounds;
+  const std::string bounds = fmt::format("{:g} to {:g} N", told.lower_N, told.upper_N);
+  const bool same = told.lower_N == truth.lower_N && told.upper_N == truth.upper_N;
+  table.row("Friction bounds",
+            same ? bounds : fmt::format("told {}, truly {:g} to {:g} N", bounds, truth.lower_N, truth.upper_N));
+}
+
+// What stands behind an axis: a plant of its own, or a machine.
+void add_plant(HtmlTable& table, const Scenario& s, std::size_t place) {
   const config::Axis& axis = s.node.axes[place];
   const scenario::AxisWorld& world = s.worlds[place];
-  HtmlTable table;
-  table.quantity("Mass", axis.mass_kg, "kg");
+  if (world.place) {
+    const auto& bounds = axis.friction.bounds;
+    table.row("Plant", "a place of the machine");
+    table.row("Told of it",
+              fmt::format("{:g} kg, {:g} to {:g} N of friction", axis.mass_kg, bounds.lower_N, bounds.upper_N));
+    table.row("Start", fmt::format("{:g} m, {:g} m/s", world.place->read.dot(s.machine->start.q),
+                                   world.place->read.dot(s.machine->start.v)));
+    return;
+  }
+  add_told(table, "Mass", axis.mass_kg, config::truth_of(axis).mass_kg, "kg");
   table.row("Start", fmt::format("{:g} m, {:g} m/s", world.position_m, world.velocity_m_s));
-  table.row("Friction bounds",
-            fmt::format("{:g} to {:g} N", axis.friction.bounds.lower_N, axis.friction.bounds.upper_N));
+  add_friction(table, axis);
+}
+
+std::string inputs(const Scenario& s, std::size_t place) {
+  const config::Axis& axis = s.node.axes[place];
+  HtmlTable table;
+  add_plant(table, s, place);
   add_gains(table, axis);
   if (axis.controller.max_force_N < config::unlimited) table.quantity("Force limit", axis.controller.max_force_N, "N");
   if (s.node.loop) table.quantity("Control period", 1e3 * s.node.period_s(), "ms");
   if (axis.drive) {
     table.quantity("Encoder count", 1e6 * axis.drive->encoder_resolution_m, "µm");
-    table.quantity("Force per per-mille of rated torque", std::fabs(axis.drive->force_quantum_N()), "N");
+    const double told = axis.drive->force_per_torque_N_per_Nm, quantum_N = axis.drive->force_quantum_N();
+    add_told(table, "Force per per-mille of rated torque", std::fabs(quantum_N),
+             std::fabs(quantum_N * config::truth_of(axis).force_per_torque_N_per_Nm / told), "N");
+    if (axis.truth) add_told(table, "Latency", axis.latency_periods, 1, "periods");
   }
   if (s.bus) table.quantity("Bus", 1e-6 * s.bus->bit_rate, "Mbit/s");
   return table.text();
@@ -121,6 +154,9 @@ std::string to_html(const Scenario& s, const Result& r) {
     const Picture picture = draw_bus_load(r);
     sections += format::html_section(picture.title, picture.svg, picture.caption);
   }
+  if (!r.machine_trace.empty())
+    sections += format::html_section("Machine", draw_motion(r.machine_trace),
+                                     "The coordinates of the machine that all axes stand on, and their velocities.");
   const bool several = r.axes.size() > 1;
   const char* verdict = r.settled() ? (several ? "all axes settled on their targets" : "settled on the target")
                                     : (several ? "not all axes settled" : "did not settle");

@@ -4,11 +4,10 @@
 
 #include <cmath>
 
-#include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/html_page.hpp"
 #include "breakaway/format/json_writer.hpp"
-#include "breakaway/format/plot_style.hpp"
 #include "breakaway/report/accuracy_json.hpp"
+#include "motion_picture.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -16,39 +15,10 @@ namespace {
 using scenario::MachineScenario;
 using State = hybrid::MachineState<Eigen::Dynamic>;
 
-constexpr int width_px = 900, height_px = 700;
-constexpr const char* colours[] = {"#1c5d99", "#c8553d", "#2a7f62", "#8f6bb3", "#e08e45", "#777777"};
-
 std::string numbered(const char* name, Eigen::Index count) {
   std::string columns;
   for (Eigen::Index i = 1; i <= count; ++i) columns += fmt::format(",{}{}", name, i);
   return columns;
-}
-
-// A line for each coordinate, from the columns of $motion behind `first`.
-std::string lines(const char* symbol, Eigen::Index first, Eigen::Index count) {
-  std::string plot = "plot ";
-  for (Eigen::Index i = 0; i < count; ++i) {
-    plot +=
-        fmt::format("{}$motion using 1:{} with lines linewidth 1.6 linecolor '{}' title '{}_{{{}}}'", i > 0 ? ", " : "",
-                    first + i + 1, colours[static_cast<std::size_t>(i) % std::size(colours)], symbol, i + 1);
-  }
-  return plot + "\n";
-}
-
-std::string motion(const MachineScenario& s, const sil::MachineResult& result) {
-  std::string commands = format::plot_style + "$motion << END\n";
-  for (const State& state : result.trace) {
-    commands += fmt::format("{:.9g}", state.time_s);
-    for (const double q : state.q) commands += fmt::format(" {:.9g}", q);
-    for (const double v : state.v) commands += fmt::format(" {:.9g}", v);
-    commands += '\n';
-  }
-  const Eigen::Index n = s.machine.coordinates();
-  commands += fmt::format("END\nset multiplot layout 2,1\nset xrange [0:{}]\nset ylabel 'coordinates [m]'\n{}",
-                          result.trace.back().time_s, lines("q", 1, n));
-  commands += fmt::format("set xlabel 'time [s]'\nset ylabel 'velocities [m/s]'\n{}", lines("v", 1 + n, n));
-  return format::draw_svg("motion", width_px, height_px, commands);
 }
 
 std::string outcome(const MachineScenario& s, const sil::MachineResult& result) {
@@ -79,12 +49,6 @@ const char* name(hybrid::EventKind kind) {
   return "";
 }
 
-void write_vector(format::JsonWriter& json, std::string_view name, const Eigen::VectorXd& vector) {
-  json.array(name, [&] {
-    for (const double entry : vector) json.value(entry);
-  });
-}
-
 }  // namespace
 
 std::string to_json(const scenario::MachineScenario& s, const sil::MachineResult& result) {
@@ -94,8 +58,8 @@ std::string to_json(const scenario::MachineScenario& s, const sil::MachineResult
     json.member("settled", result.settled());
     json.member("settling_time_s", result.settled() ? result.outcome.settling_time_s : std::nan(""));
     json.member("time_s", result.outcome.end.time_s);
-    write_vector(json, "q_end", result.outcome.end.q);
-    write_vector(json, "v_end", result.outcome.end.v);
+    json.numbers("q_end", result.outcome.end.q);
+    json.numbers("v_end", result.outcome.end.v);
     json.member("certified_attracted", result.proved == hybrid::Verdict::captured);
     json.member("certified_lost", result.proved == hybrid::Verdict::lost);
     json.member("integrator", scenario::to_string(result.accuracy ? result.accuracy->method.integrator : s.integrator));
@@ -138,7 +102,7 @@ std::string to_csv(const MachineScenario& s, const sil::MachineResult& result) {
 std::string to_html(const MachineScenario& s, const sil::MachineResult& result) {
   const std::string sections =
       format::html_section("Outcome", outcome(s, result), "") +
-      format::html_section("Motion", motion(s, result),
+      format::html_section("Motion", draw_motion(result.trace),
                            "Coordinates and their velocities. While a friction sticks, its sliding velocity is zero.");
   return format::html_page(s.title.empty() ? "Motion of a machine" : s.title, result.settled(),
                            result.settled() ? "came to rest" : "not proved to be at rest", sections);

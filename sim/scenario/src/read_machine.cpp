@@ -10,6 +10,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
+#include "read_coupled.hpp"
 #include "read_friction.hpp"
 
 namespace breakaway::scenario {
@@ -127,15 +128,6 @@ stability::LinearMachine<> close_loop(const Section& section, const stability::L
   return stability::with_feedback(machine, actuators, position_gain, velocity_gain);
 }
 
-stability::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
-  stability::MachineState<Eigen::Dynamic> start;
-  section.read({required("q", vector(start.q, "m")), optional("v", vector(start.v, "m/s"))});
-  if (start.v.size() == 0) start.v.setZero(coordinates);
-  require_size(section, "q", start.q, coordinates, 1);
-  require_size(section, "v", start.v, coordinates, 1);
-  return start;
-}
-
 void require_integrator(const Section& section, std::string_view key, bool fits, const char* integrator) {
   if (fits || !section.has(key)) return;
   section.fail(key, fmt::format("needs integrator = \"{}\"; the others do not know it", integrator));
@@ -199,6 +191,8 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
   const Section root{document, name, ""};
   MachineScenario s;
   s.file = name;
+  if (has_axes(document))
+    root.fail("machine", "has axes with drives beside it, which `simulate` runs; leave them out to look at it alone");
   if (!root.has("machine"))
     root.fail("machine", "is missing; give it mass, damping, stiffness, directions and friction_N");
   std::optional<Section> machine, feedback, start, run, sweep;
@@ -224,6 +218,23 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
 
 }  // namespace
 
+stability::LinearMachine<> read_coupled_machine(const Section& section) {
+  MachineScenario s;
+  read_machine(section, s);
+  if (!s.laws.empty())
+    section.fail("friction", "has a law; behind drives the friction of a machine is constant: leave the law out");
+  return std::move(s.machine);
+}
+
+stability::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
+  stability::MachineState<Eigen::Dynamic> start;
+  section.read({required("q", vector(start.q, "m")), optional("v", vector(start.v, "m/s"))});
+  if (start.v.size() == 0) start.v.setZero(coordinates);
+  require_size(section, "q", start.q, coordinates, 1);
+  require_size(section, "v", start.v, coordinates, 1);
+  return start;
+}
+
 const char* to_string(Integrator integrator) {
   switch (integrator) {
     case Integrator::event_driven:
@@ -245,8 +256,8 @@ MachineScenario read_machine_scenario(const std::filesystem::path& file) {
 }
 
 std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name) {
-  const bool machine =
-      with_document(text, name, [](const toml::table& document) { return document.contains("machine"); });
+  const bool machine = with_document(
+      text, name, [](const toml::table& document) { return document.contains("machine") && !has_axes(document); });
   if (machine) return parse_machine_scenario(text, name);
   return parse_scenario(text, name);
 }

@@ -10,6 +10,7 @@
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "read_coupled.hpp"
 #include "read_friction.hpp"
 #include "read_plant.hpp"
 
@@ -56,11 +57,37 @@ void require_sound_plant(const Node& node, const Axis& axis, const AxisWorld& wo
                     fast_rad_s, fastest_rad_s, mass_kg * fastest_rad_s * fastest_rad_s));
 }
 
+// A rigid axis at its start. What makes it more than that, a [machine] has itself.
+bool says_nothing_of_motion(const AxisWorld& world) {
+  return world.plant.rigid() && world.plant.force_N == 0 && world.gap_m == 0 && !world.drift && world.position_m == 0 &&
+         world.velocity_m_s == 0;
+}
+
+void require_sound_place(const Axis& axis, const AxisWorld& world, bool has_law, bool has_place, bool has_machine) {
+  const auto fail = [&](const std::string& what) { throw InputError{"axis " + axis.name + ": " + what}; };
+  if (has_place && !has_machine) fail("[plant.machine] needs a [machine]: describe the one that it pushes");
+  if (!has_machine) return;
+  if (!has_place)
+    fail(
+        "[plant.machine] is missing: say which coordinate of the [machine] its drive pushes, as machine = { push = 1 "
+        "}");
+  if (has_law || !says_nothing_of_motion(world))
+    fail(
+        "[plant] and [friction] say how an axis alone moves, and this one moves as the [machine] does: put forces, "
+        "springs and friction there, and where it starts into [start]");
+  const Truth truth = truth_of(axis);
+  if (truth.mass_kg != axis.mass_kg || truth.bounds.lower_N != axis.friction.bounds.lower_N ||
+      truth.bounds.upper_N != axis.friction.bounds.upper_N)
+    fail(
+        "[told] mass_kg and friction stand beside a [machine]: what its controller is told stands in [plant] and "
+        "[friction], and [machine] is the truth");
+}
+
 // What a file says of the world, while it is read.
 class WorldReader {
  public:
   FileRows rows() {
-    return {.root = {}, .loop = {}, .bus = bus_rows(), .run = run_rows(), .axis = [this](std::size_t) {
+    return {.root = root_rows(), .loop = {}, .bus = bus_rows(), .run = run_rows(), .axis = [this](std::size_t) {
               return axis_rows();
             }};
   }
@@ -68,12 +95,14 @@ class WorldReader {
   // The scenario around the node that was read with these rows.
   Scenario finish(Node node) {
     Scenario s;
+    s.machine = coupled_machine();
     for (std::size_t i = 0; i < node.axes.size(); ++i) {
       AxisWorld& world = worlds_[i].world;
       world.friction = {truth_of(node.axes[i]).bounds, std::move(worlds_[i].shape)};
       if (node.axes[i].drive) world.drive = emulator(node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
+      world.place = place_of(node, i, s.machine);
       s.worlds.push_back(std::move(world));
     }
     s.scalar = scalar_type(node);
@@ -90,7 +119,9 @@ class WorldReader {
  private:
   struct ReadAxis {
     AxisWorld world;
+    std::optional<PlaceInFile> place;
     model::ShapePtr shape = model::shape::constant(1);
+    bool has_law = false;
     ScalarType scalar = ScalarType::float32;
     hal::Duration min_tpdo_delay = drive_emulator::EmulatorConfig{}.min_tpdo_delay;
     hal::Duration max_tpdo_delay = drive_emulator::EmulatorConfig{}.max_tpdo_delay;
@@ -100,8 +131,13 @@ class WorldReader {
   // A deque, because the rows refer to its elements.
   AxisRows axis_rows() {
     ReadAxis& a = worlds_.emplace_back();
-    return {.plant = plant_rows(a.world),
-            .friction = {optional("law", table([&a](const Section& law) { a.shape = read_shape(law); }))},
+    return {.plant = plant_rows(a.world) + std::vector<Key>{optional("machine", table([&a](const Section& section) {
+                                                                       read_place(section, a.place.emplace());
+                                                                     }))},
+            .friction = {optional("law", table([&a](const Section& law) {
+                                    a.shape = read_shape(law);
+                                    a.has_law = true;
+                                  }))},
             .controller = {optional(
                 "scalar", choice(a.scalar, {{"float", ScalarType::float32}, {"double", ScalarType::float64}}))},
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
@@ -123,6 +159,32 @@ class WorldReader {
             optional("ripple", part(read_ripple)),
             optional("encoder_error", part(read_encoder_error)),
             optional("drift", part(read_drift))};
+  }
+
+  std::vector<Key> root_rows() {
+    const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
+    return {optional("machine", keep(machine_)), optional("start", keep(start_))};
+  }
+
+  std::optional<CoupledMachine> coupled_machine() const {
+    if (start_ && !machine_) start_->fail("q", "needs a [machine]; an axis alone starts at position_m of its [plant]");
+    if (!machine_) return {};
+    CoupledMachine coupled{read_coupled_machine(*machine_), {}};
+    const Eigen::Index n = coupled.machine.coordinates();
+    coupled.start.q.setZero(n), coupled.start.v.setZero(n);
+    if (start_) coupled.start = read_start(*start_, n);
+    return coupled;
+  }
+
+  std::optional<MachinePlace> place_of(const Node& node, std::size_t i,
+                                       const std::optional<CoupledMachine>& machine) const {
+    const std::optional<PlaceInFile>& place = worlds_[i].place;
+    try {
+      require_sound_place(node.axes[i], worlds_[i].world, worlds_[i].has_law, place.has_value(), machine.has_value());
+      return machine ? std::optional{place_in(*machine, *place, node.axes[i].name)} : std::nullopt;
+    } catch (const InputError& error) {
+      throw error.in_file(node.file);
+    }
   }
 
   std::vector<Key> bus_rows() {
@@ -172,6 +234,7 @@ class WorldReader {
   }
 
   std::deque<ReadAxis> worlds_;
+  std::optional<Section> machine_, start_;
   virtual_bus::VirtualBusConfig bus_;
   Run run_;
   bool has_run_ = false;
@@ -198,6 +261,11 @@ Scenario only_axis(const Scenario& scenario, const std::string& name) {
     for (const Axis& axis : axes) names += (names.empty() ? "" : ", ") + axis.name;
     throw InputError{fmt::format("has no axis \"{}\"; it has {}", name, names)}.in_file(scenario.node.file);
   }
+  if (scenario.machine && axes.size() > 1)
+    throw InputError{
+        "has a [machine] that its axes share, so that none can be taken alone; leave the choice of an axis "
+        "out, or give it a file of its own"}
+        .in_file(scenario.node.file);
   Scenario one = scenario;
   one.node.axes = {*found};
   one.worlds = {scenario.worlds[static_cast<std::size_t>(found - axes.begin())]};

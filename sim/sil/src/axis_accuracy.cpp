@@ -44,6 +44,7 @@ double cost_s(const Scenario& s, const Method& method, double simulated_s) {
 }
 
 Scenario moved(Scenario s, double share) {
+  if (s.machine) s.machine->start.q *= 1 + share, s.machine->start.v *= 1 + share;
   for (AxisWorld& world : s.worlds) {
     world.position_m *= 1 + share;
     world.velocity_m_s *= 1 + share;
@@ -55,7 +56,7 @@ class AxisMethodSearch {
  public:
   explicit AxisMethodSearch(const Scenario& s)
       : s_{s},
-        closed_form_{std::ranges::all_of(s.worlds, is_closed_form)},
+        closed_form_{s.machine || std::ranges::all_of(s.worlds, is_closed_form)},
         best_{run(with_method(s_, method(finest)))},
         best_error_m_{error_of_best_m()} {}
 

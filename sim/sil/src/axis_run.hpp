@@ -16,22 +16,32 @@
 
 namespace breakaway::sil {
 
+// What the controller is told that differs from the truth; on a machine, all that it is told of mass and friction.
+inline std::string told_of(const config::Axis& axis, const scenario::AxisWorld& world) {
+  const std::string otherwise = config::told_otherwise(axis);
+  if (!world.place) return otherwise;
+  return fmt::format("mass_kg {:g}, friction_lower_N {:g}, friction_upper_N {:g} (truly the [machine]){}{}",
+                     axis.mass_kg, axis.friction.bounds.lower_N, axis.friction.bounds.upper_N,
+                     otherwise.empty() ? "" : ", ", otherwise);
+}
+
 template <class Loop>
 class AxisRun {
  public:
   using AxisId = typename Loop::AxisId;
 
   // Everything must outlive it. The axis is the loop's of the same place.
-  AxisRun(const scenario::Scenario& s, std::size_t place, SimulatedNetwork& network, Loop& loop)
+  AxisRun(const scenario::Scenario& s, std::size_t place, AxisMechanism mechanism, SimulatedNetwork& network,
+          Loop& loop)
       : axis_{s.node.axes[place]},
         world_{s.worlds[place]},
-        mechanism_{axis_mechanism(axis_, world_)},
+        mechanism_{std::move(mechanism)},
         drive_{network.add_drive(*world_.drive, mechanism_.seen_by_drive())},
         loop_{loop},
         id_{*loop.axis(place)},
         judge_{*s.run, judged_tolerance_m(s.node, axis_), *mechanism_.axis} {
     result_.name = axis_.name;
-    result_.told = config::told_otherwise(axis_);
+    result_.told = told_of(axis_, world_);
     if (world_.encoder_error && world_.encoder_error->noise_m > 0)
       result_.encoder_noise_seed = world_.encoder_error->seed;
     move_target(axis_.controller.target_m);

@@ -36,7 +36,10 @@ class LoopRun {
 
   // With all axes in the loop.
   Result run() {
-    for (std::size_t place = 0; place < loop_.axes(); ++place) axes_.emplace_back(s_, place, network_, loop_);
+    auto mechanisms = axis_mechanisms(s_);
+    machine_ = mechanisms.front().machine;
+    for (std::size_t place = 0; place < loop_.axes(); ++place)
+      axes_.emplace_back(s_, place, std::move(mechanisms[place]), network_, loop_);
     if (commission()) move();
     finish();
     return std::move(result_);
@@ -97,6 +100,7 @@ class LoopRun {
     const double load = hal::seconds(busy - busy_before_) / hal::seconds(period_);
     busy_before_ = busy;
     for (Axis& axis : axes_) axis.note(time_s, stepped_at(), load, recording_.trace);
+    if (machine_ && recording_.trace) result_.machine_trace.push_back(machine_->state());
   }
 
   void finish() {
@@ -108,6 +112,7 @@ class LoopRun {
     if (result_.duration_s > 0)
       figures.bus_load = hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
     result_.loop = figures;
+    if (machine_) result_.machine_end = machine_->state();
     for (Axis& axis : axes_) result_.axes.push_back(axis.finish(stepped_at()));
   }
 
@@ -117,6 +122,7 @@ class LoopRun {
   Result result_;
   SimulatedNetwork network_;
   Loop loop_;
+  std::shared_ptr<const DrivenMachine> machine_;
   std::deque<Axis> axes_;
   hal::Time now_{};
   hal::Time release_{};

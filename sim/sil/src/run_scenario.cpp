@@ -38,6 +38,7 @@ void check_ideal(const scenario::Scenario& s, const config::Axis& axis, const sc
   require(c.max_force_N == unlimited && c.max_approach_speed_m_s == unlimited && c.position_tolerance_m == 0,
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
+  require(!s.machine, "a [machine] behind an axis needs a [loop] and a [drive]: the ideal law is for a rigid axis");
   require(!axis.truth, "[told] needs a [loop] and a [drive]: the ideal law knows the truth");
   require(
       world.plant.rigid() && world.plant.force_N == 0 && !world.drift && !world.encoder_error,

@@ -34,7 +34,7 @@ std::vector<std::pair<std::string, std::string>> passed_over_keys() {
   add("[bus]", rows.bus), add("[run]", rows.run), add("[loop]", rows.loop);
   add("[axis.plant]", axis.plant), add("[axis.friction]", axis.friction);
   add("[axis.controller]", axis.controller), add("[axis.drive]", axis.drive);
-  EXPECT_TRUE(rows.root.empty()) << "then its keys belong in here, too";
+  add("", rows.root);
   return keys;
 }
 
@@ -44,10 +44,12 @@ TEST(PassedOver, EveryKeyIsReadByTheSimulationInThatVeryTable) {
   for (const auto& [table, key] : passed_over_keys()) {
     const std::string other = key == "duration_s" ? "" : "duration_s = 1\n";
     const std::string complete = with(text, "[run]\n", "[run]\n" + other);
-    const std::string spoilt = with(complete, table + "\n", table + "\n" + key + " = [[]]\n");
+    const std::string row = key + " = [[]]\n";
+    const std::string spoilt = table.empty() ? row + complete : with(complete, table + "\n", table + "\n" + row);
     EXPECT_EQ(breakaway::testing::refusal([&] { parse_node(spoilt, "node.toml"); }), "") << table << key;
     const std::string message = breakaway::testing::refusal([&] { scenario::parse_scenario(spoilt, "node.toml"); });
-    EXPECT_NE(message.find(table + " " + key + " is an array"), std::string::npos) << table << key << ": " << message;
+    EXPECT_NE(message.find((table.empty() ? "" : table + " ") + key + " is an array"), std::string::npos)
+        << table << key << ": " << message;
   }
 }
 

@@ -45,4 +45,28 @@ TEST(Csv, NamesTheAxisOfEachSampleWhereThereAreSeveral) {
             "y,0.5,0,0,0,0,0,0,approach\n");
 }
 
+Result on_a_machine() {
+  Result result;
+  for (const char* name : {"x", "y"}) {
+    result.axes.emplace_back().name = name;
+    result.axes.back().trace = {{.time_s = 0.5}};
+  }
+  result.machine_end = {0.5, Eigen::Vector3d{1, 2, 3}, Eigen::Vector3d{0, 0, 0.5}};
+  result.machine_trace = {*result.machine_end};
+  return result;
+}
+
+TEST(Csv, ShowsTheCoordinatesOfTheMachineBehindTheAxes) {
+  EXPECT_EQ(to_csv(scenario_of(2), on_a_machine()),
+            "axis,time_s,position_m,velocity_m_s,target_m,force_N,friction_level_N,bus_load,mode,q1,q2,q3\n"
+            "x,0.5,0,0,0,0,0,0,approach,1,2,3\n"
+            "y,0.5,0,0,0,0,0,0,approach,1,2,3\n");
+}
+
+TEST(Json, ShowsWhereTheMachineBehindTheAxesEnded) {
+  const std::string json = breakaway::report::to_json(scenario_of(2), on_a_machine());
+  EXPECT_NE(json.find("\"machine\": {\n    \"q_end\": [1, 2, 3],\n    \"v_end\": [0, 0, 0.5]\n  }"), std::string::npos)
+      << json;
+}
+
 }  // namespace

@@ -85,8 +85,14 @@ const std::vector<ScenePart<Scenario>>& axis_parts() {
        [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return w.drift.has_value(); }); },
        [](Scenario& s) { each_world(s, [](AxisWorld& w) { w.drift.reset(); }); }},
       {"constant force",
-       [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return w.plant.force_N != 0; }); },
-       [](Scenario& s) { each_world(s, [](AxisWorld& w) { w.plant.force_N = 0; }); }},
+       [](const Scenario& s) {
+         return (s.machine && !stability::constant_force(s.machine->machine).isZero(0)) ||
+                any_world(s, [](const AxisWorld& w) { return w.plant.force_N != 0; });
+       },
+       [](Scenario& s) {
+         if (s.machine) s.machine->machine.force_N.setZero();
+         each_world(s, [](AxisWorld& w) { w.plant.force_N = 0; });
+       }},
       {"pre-sliding",
        [](const Scenario& s) {
          return any_world(s, [](const AxisWorld& w) { return w.plant.presliding.has_value(); });

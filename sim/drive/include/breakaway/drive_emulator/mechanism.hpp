@@ -11,6 +11,9 @@ class Mechanism {
   // Moves on to time_s under `force`, which has held since the time of the last call. time_s never decreases.
   virtual void advance_to(double time_s, const model::AppliedForce& force) = 0;
   virtual double position_m() const = 0;
+  // Tells a new force at the instant from which it holds, right after advance_to() with the one before. What several
+  // drives push needs to know, because any of them may move it on.
+  virtual void change_force(const model::AppliedForce& /*force*/) {}
 
  protected:
   ~Mechanism() = default;

@@ -46,6 +46,13 @@ class JsonWriter {
     array(fill);
   }
 
+  template <class Numbers>
+  void numbers(std::string_view name, const Numbers& entries) {
+    array(name, [&] {
+      for (const double entry : entries) value(entry);
+    });
+  }
+
   // The document so far, with a line feed at its end.
   std::string text() const { return text_ + "\n"; }
 

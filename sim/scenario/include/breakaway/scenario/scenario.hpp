@@ -17,11 +17,23 @@
 #include "breakaway/model/friction_drift.hpp"
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/model/shapes.hpp"
+#include "breakaway/stability/linear_machine.hpp"
 #include "breakaway/virtual_bus/virtual_bus.hpp"
 
 namespace breakaway::scenario {
 
 using config::unlimited;
+
+// A machine that all axes stand on, and where it starts.
+struct CoupledMachine {
+  stability::LinearMachine<> machine;
+  stability::MachineState<Eigen::Dynamic> start;  // at time 0
+};
+
+// An axis' place in the machine of n coordinates q: its force u acts as push u, and its encoder reads read . q.
+struct MachinePlace {
+  Eigen::VectorXd push, read;  // n
+};
 
 // What is true of an axis and its node is not told: a rigid axis on dry friction with a perfect encoder, unless the
 // file says otherwise.
@@ -34,6 +46,7 @@ struct AxisWorld {
   bool encoder_on_load = false;   // it sits on the motor otherwise
   std::optional<model::FrictionDrift> drift;
   std::optional<model::EncoderErrorParameters> encoder_error;
+  std::optional<MachinePlace> place;  // in Scenario::machine, which then stands in place of friction and plant
   std::optional<drive_emulator::EmulatorConfig> drive;
   std::optional<double> tolerance;  // of the integration of its motion, for one step; none: the finest
 };
@@ -49,7 +62,8 @@ struct Run {
 
 struct Scenario {
   config::Node node;
-  std::vector<AxisWorld> worlds;  // one for each axis of the node
+  std::vector<AxisWorld> worlds;          // one for each axis of the node
+  std::optional<CoupledMachine> machine;  // that the axes share; none: each moves alone
   std::optional<virtual_bus::VirtualBusConfig> bus;
   ScalarType scalar = ScalarType::float32;  // what the loop computes in; the ideal law always takes double
   std::optional<Run> run;
@@ -58,7 +72,7 @@ struct Scenario {
   std::size_t axes() const noexcept { return node.axes.size(); }
 };
 
-// The scenario with one of its axes alone. Throws InputError when none has the name.
+// The scenario with one of its axes alone. Throws InputError when none has the name, or they share a machine.
 Scenario only_axis(const Scenario& scenario, const std::string& name);
 
 }  // namespace breakaway::scenario

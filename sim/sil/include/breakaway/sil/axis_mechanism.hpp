@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/sil/braked_slide.hpp"
+#include "breakaway/sil/driven_machine.hpp"
 #include "breakaway/sil/misread_encoder.hpp"
 
 namespace breakaway::sil {
@@ -12,14 +14,19 @@ namespace breakaway::sil {
 // What a drive moves, and what its encoder makes of it.
 struct AxisMechanism {
   std::unique_ptr<BrakedMechanism> axis;
-  std::unique_ptr<MisreadEncoder> encoder;  // none: the encoder is perfect
+  std::unique_ptr<MisreadEncoder> encoder;         // none: the encoder is perfect
+  std::shared_ptr<const DrivenMachine> machine{};  // that it shares with other axes; none: it moves alone
 
   drive_emulator::Mechanism& seen_by_drive() const {
     return encoder ? static_cast<drive_emulator::Mechanism&>(*encoder) : *axis;
   }
 };
 
-// The axis as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide.
+// An axis that moves alone, as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide.
 AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world);
+
+// All axes of the scenario, in order, each alone or all on one machine. Requires a drive of each. Throws InputError for
+// a machine that cannot be followed.
+std::vector<AxisMechanism> axis_mechanisms(const scenario::Scenario& scenario);
 
 }  // namespace breakaway::sil

@@ -25,7 +25,7 @@ class BrakedMechanism : public drive_emulator::Mechanism {
   explicit BrakedMechanism(Mounting mounting) : sign_{mounting == Mounting::inverted ? -1.0 : 1.0} {}
   virtual ~BrakedMechanism() = default;
 
-  void release(double time_s) {
+  virtual void release(double time_s) {
     released_ = true;
     release_s_ = time_s;
   }

@@ -13,6 +13,7 @@ class MisreadEncoder final : public drive_emulator::Mechanism {
       : truth_{truth}, error_{error} {}
 
   void advance_to(double time_s, const model::AppliedForce& force) override { truth_.advance_to(time_s, force); }
+  void change_force(const model::AppliedForce& force) override { truth_.change_force(force); }
   double position_m() const override { return error_.read_m(truth_.position_m()); }
 
  private:

@@ -12,6 +12,7 @@
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/law/control_types.hpp"
 #include "breakaway/sil/accuracy.hpp"
+#include "breakaway/stability/linear_machine.hpp"
 
 namespace breakaway::sil {
 
@@ -100,6 +101,9 @@ struct Result {
   double wall_s = 0;             // taken by the computation
   std::vector<AxisResult> axes;  // as the scenario has them
   std::optional<LoopFigures> loop;
+  // Of the machine that all axes stand on, where there is one: at the end, and at the times of the axes' samples.
+  std::optional<stability::MachineState<Eigen::Dynamic>> machine_end;
+  std::vector<stability::MachineState<Eigen::Dynamic>> machine_trace;
   std::vector<TimedFrame> frames;
   std::optional<Accuracy> accuracy;  // where the scenario asks for one
 
