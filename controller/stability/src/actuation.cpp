@@ -3,12 +3,13 @@
 #include <cstdio>
 
 #include "breakaway/stability/dense.hpp"
+#include "breakaway/stability/extended.hpp"
 
 namespace breakaway::stability {
 
 using Eigen::MatrixXd;
 
-Actuation::Actuation(const MatrixXd& actuators) {
+Actuation::Actuation(const MatrixXd& s) : actuators{s} {
   const dense::Span span = dense::span(actuators, rounding);
   reached = span.basis;
   unreached = span.complement;
@@ -32,7 +33,21 @@ std::vector<MatrixXd> Actuation::symmetric_terms(const MatrixXd& levers) {
   return terms;
 }
 
-MatrixXd Actuation::gain(const MatrixXd& open, const MatrixXd& closed) const { return inverse * (closed - open); }
+// With P and Q the projections on what the actuators reach and do not, and N the skew part of open + S F, the change
+// S dF = -P N (P / 2 + Q) takes all of N away but Q N Q, which no gain can change.
+MatrixXd Actuation::gain(const MatrixXd& open, const MatrixXd& closed) const {
+  constexpr int corrections = 3;
+  const extended::Matrix s = actuators.cast<long double>(), reach = reached.cast<long double>();
+  const extended::Matrix onto_reached = reach * reach.transpose();
+  const extended::Matrix weight = extended::Matrix::Identity(open.rows(), open.rows()) - onto_reached / 2;
+  MatrixXd result = inverse * (closed - open);
+  for (int i = 0; i < corrections; ++i) {
+    const extended::Matrix loop = open.cast<long double>() + s * result.cast<long double>();
+    const extended::Matrix skew = loop - loop.transpose();
+    result -= inverse * (onto_reached * skew * weight).cast<double>();
+  }
+  return result;
+}
 
 std::string direction_text(Eigen::VectorXd direction) {
   direction.normalize();

@@ -20,9 +20,11 @@ struct Actuation {
   // l_i^T, and l_i l_i^T, of the columns of `levers`, which has as many as `reached`.
   static std::vector<Eigen::MatrixXd> symmetric_terms(const Eigen::MatrixXd& levers);
 
-  // F of least norm with open + S F = closed, in so far as S can.
+  // F of least norm with open + S F = closed, in so far as S can, and of it the nearest for which the stored numbers
+  // give a matrix that is symmetric but for their rounding. `closed` is symmetric.
   Eigen::MatrixXd gain(const Eigen::MatrixXd& open, const Eigen::MatrixXd& closed) const;
 
+  Eigen::MatrixXd actuators;  // S
   Eigen::MatrixXd reached;    // n x r, orthonormal
   Eigen::MatrixXd unreached;  // Z: n x (n - r), orthonormal
   Eigen::MatrixXd inverse;    // k x n: the pseudoinverse of S

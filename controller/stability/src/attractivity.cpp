@@ -105,9 +105,10 @@ void hold_to_the_proof(Attractivity& a) {
   a.level_J = std::max(a.rho_star_J, a.level_J);
 }
 
-// Conditions 2 and 3, given condition 1 and a list of corners that is not too long. `system` is in mass units.
-void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes,
-                   const PowerProof& proof, Attractivity& a) {
+// Conditions 2 and 3, given condition 1 and a list of corners that is not too long. `system` is in mass units. Returns
+// how far the eigencolumns reach out of span W.
+double apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, const MatrixXd& pushes,
+                     const PowerProof& proof, Attractivity& a) {
   const MatrixXd damping = dense::symmetric_part(system.damping);
   Eigencolumns basis = eigencolumns(damping, proof.definite(), proof.semidefinite());
   a.unstable = (basis.values.array() <= 0).count();
@@ -125,8 +126,7 @@ void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, con
   a.beta = 1 / a.alpha;
   a.eigencolumns = basis.columns;
   a.eigenvalues = basis.values;
-  a.conditions.push_back(in_span(a, outside, proof.found()));
-  if (!spanned) return;
+  if (!spanned) return outside;
   a.certified = true;
   a.rho_J.resize(a.unstable);
   for (Index i = 0; i < a.unstable; ++i) {
@@ -136,7 +136,7 @@ void apply_theorem(const LinearMachine<>& system, const SpannedSpace& space, con
   a.rho_star_J = a.unstable == 0 ? infinite : a.rho_J.minCoeff();
   hold_to_the_proof(a);
   a.all_of_E = a.greatest_rest_J < a.rho_star_J;
-  a.conditions.push_back(rests_inside(a));
+  return outside;
 }
 
 // Returns what keeps V from being defined, or nothing. Condition 1 of the theorem asks whether V is positive.
@@ -147,6 +147,14 @@ std::string ill_formed(const LinearMachine<>& system) try {
   return std::string{skew} + " is not symmetric (condition 1 of Theorem 1); its energy needs a symmetric matrix";
 } catch (const InputError& error) {
   return error.what();
+}
+
+// From figures of a machine whose forces were divided by `unit`.
+void back_to_newtons(Attractivity& a, double unit) {
+  a.alpha /= std::sqrt(unit);
+  a.beta *= std::sqrt(unit);
+  a.rho_J *= unit;
+  for (double* const energy_J : {&a.rho_star_J, &a.level_J, &a.greatest_rest_J, &a.remark_3_J}) *energy_J *= unit;
 }
 
 Attractivity refused(Attractivity a, std::string reason) {
@@ -161,15 +169,16 @@ double Attractivity::certified_share_of_E() const {
   return std::sqrt(level_J / greatest_rest_J);
 }
 
-Attractivity certify_attractivity(const LinearMachine<>& machine) {
+Attractivity certify_attractivity(const LinearMachine<>& given) {
   Attractivity a;
-  if (const std::string error = ill_formed(machine); !error.empty()) return refused(a, error);
-  a.conditions = {definite_condition("mass", machine.mass), definite_condition("stiffness", machine.stiffness),
-                  symmetric_damping(machine.damping)};
+  if (const std::string error = ill_formed(given); !error.empty()) return refused(a, error);
+  a.conditions = {definite_condition("mass", given.mass), definite_condition("stiffness", given.stiffness),
+                  symmetric_damping(given.damping)};
   for (const Condition& condition : a.conditions) {
     if (!condition.holds) return refused(a, condition.reason);
   }
-  const LinearMachine<> system = in_units(machine, mass_units(machine.mass));
+  const double unit = force_unit(given.mass);
+  const LinearMachine<> machine = in_force_unit(given, unit), system = in_units(machine, mass_units(machine.mass));
   if (!system.damping.allFinite() || !system.directions.allFinite())
     return refused(a, "the masses differ by more than numbers can hold; use other units of length or mass");
   a.definite = true;
@@ -178,12 +187,18 @@ Attractivity certify_attractivity(const LinearMachine<>& machine) {
   a.remark_3_J = rest.sum() / 2;
   const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
   const SpannedSpace space = spanned_space(pushes);
-  if (facet_candidates(space) > most_facet_candidates)
+  if (facet_candidates(space) > most_facet_candidates) {
+    back_to_newtons(a, unit);
     return refused(a, "the linear program (9) has more than a million corners; merge frictions");
+  }
   const PowerProof proof{machine};
   a.level_J = dissipated_level_J(machine, proof);
-  apply_theorem(system, space, pushes, proof, a);
-  return a.certified ? a : refused(a, a.conditions.back().reason);
+  const double outside = apply_theorem(system, space, pushes, proof, a);
+  back_to_newtons(a, unit);
+  a.conditions.push_back(in_span(a, outside, proof.found()));
+  if (!a.certified) return refused(a, a.conditions.back().reason);
+  a.conditions.push_back(rests_inside(a));
+  return a;
 }
 
 std::optional<double> closed_form_rho_J(const LinearMachine<>& s) {

@@ -16,9 +16,8 @@ MatrixXd identity(Index size) { return MatrixXd::Identity(size, size); }
 
 }  // namespace
 
-DampingFamily::DampingFamily(const ActuatedSystem& system, const Actuation& actuation, Split split,
-                             double unit_Ns_per_m)
-    : split_{std::move(split)}, unit_{unit_Ns_per_m}, actuator_unit_{system.actuators.norm()} {
+DampingFamily::DampingFamily(const ActuatedSystem& system, const Actuation& actuation, Split split, double unit_per_s)
+    : actuation_{actuation}, split_{std::move(split)}, unit_{unit_per_s}, actuator_unit_{system.actuators.norm()} {
   open_ = system.machine.damping / unit_;
   inverse_ = actuation.inverse * actuator_unit_;
   base_ = actuation.symmetric_base(open_);
@@ -42,8 +41,8 @@ double DampingFamily::least_limit() const {
 MatrixXd DampingFamily::least_gain(double limit) const {
   LmiProblem problem = program();
   if (split_.subspace.cols() > 0) problem.matrices.push_back(above(split_.subspace, -limit));
-  const MatrixXd closed = base_ + combined(minimised(problem).head(count()));
-  return MatrixXd{inverse_ * (closed - open_) * (unit_ / actuator_unit_)};
+  const MatrixXd closed = dense::symmetric_part(base_ + combined(minimised(problem).head(count())));
+  return MatrixXd{unit_ * actuation_.gain(open_, closed)};
 }
 
 // complement^T C_cl subspace = 0: what is left of the family is where these linear equations hold.

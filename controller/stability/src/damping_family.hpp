@@ -19,9 +19,10 @@ struct Split {
 // The symmetric C_cl that feedback can reach and that leave a subspace of span W invariant; positive definite on its
 // complement and above a limit -g on the subspace itself. Then every eigencolumn with a non-positive eigenvalue lies in
 // the subspace. They are base + sum_k z_k terms_k, in units in which C and S are of the size 1.
+// The system is in mass units; it and the actuation must outlive the family.
 class DampingFamily {
  public:
-  DampingFamily(const ActuatedSystem& system, const Actuation& actuation, Split split, double unit_Ns_per_m);
+  DampingFamily(const ActuatedSystem& system, const Actuation& actuation, Split split, double unit_per_s);
 
   // Says whether the subspace can be made invariant.
   bool exists() const { return exists_; }
@@ -39,6 +40,7 @@ class DampingFamily {
   MatrixInequality above(const Eigen::MatrixXd& basis, double least) const;
   LmiProblem program() const;
 
+  const Actuation& actuation_;
   Split split_;
   double unit_, actuator_unit_;
   Eigen::MatrixXd open_, inverse_, base_;

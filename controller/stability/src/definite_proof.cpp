@@ -30,10 +30,12 @@ Enclosure symmetric_enclosure(const Matrix& a, const Matrix& error) {
   return {middle, (error + error.transpose()) / 2 + rounding};
 }
 
-// Scales by powers of two to diagonal entries from 1 to 4. They must be positive.
-Enclosure scaled_to_one(Enclosure a) {
+// Scales by powers of two to diagonal entries that differ by less than 4, which must be positive. As this is measured
+// from the first entry, a factor of all entries changes no digit of what follows.
+Enclosure equilibrated(Enclosure a) {
+  const int first = a.middle.rows() == 0 ? 0 : std::ilogb(a.middle(0, 0));
   for (Index i = 0; i < a.middle.rows(); ++i) {
-    const int exponent = -static_cast<int>(std::floor(std::ilogb(a.middle(i, i)) / 2.0));
+    const int exponent = -static_cast<int>(std::floor((std::ilogb(a.middle(i, i)) - first) / 2.0));
     for (Matrix* const part : {&a.middle, &a.error}) {
       for (long double& entry : part->row(i)) entry = std::ldexp(entry, exponent);
       for (long double& entry : part->col(i)) entry = std::ldexp(entry, exponent);
@@ -141,7 +143,7 @@ Proof definite(const Enclosure& a) {
   const auto highest = a.middle.diagonal() + a.error.diagonal();
   if ((highest.array() <= 0).any()) return Proof::fails;
   if ((a.middle.diagonal().array() <= 0).any()) return Proof::unknown;
-  const Enclosure scaled = scaled_to_one(a);
+  const Enclosure scaled = equilibrated(a);
   if (proved_definite(scaled)) return Proof::holds;
   return proved_indefinite(scaled, false) ? Proof::fails : Proof::unknown;
 }
@@ -162,10 +164,11 @@ Proof positive_semidefinite(const MatrixXd& all) {
   if (a.rows() == 0) return Proof::holds;
   // A zero on the diagonal beside an entry that is not zero makes an indefinite pair.
   if ((a.diagonal().array() <= 0).any()) return Proof::fails;
-  const Enclosure scaled = scaled_to_one(enclosure(a));
+  const Enclosure scaled = equilibrated(enclosure(a));
   if (proved_definite(scaled)) return Proof::holds;
   if (proved_indefinite(scaled, true)) return Proof::fails;
-  const std::vector<Index> taken = pivots(scaled.middle, 1e-15L * static_cast<long double>(a.rows()));
+  const long double negligible = 1e-15L * static_cast<long double>(a.rows()) * scaled.middle.diagonal().maxCoeff();
+  const std::vector<Index> taken = pivots(scaled.middle, negligible);
   const Enclosure taken_part{scaled.middle(taken, taken), scaled.error(taken, taken)};
   const bool holds = proved_definite(taken_part) && rank_of_symmetric_part_at_most(a, static_cast<Index>(taken.size()));
   return holds ? Proof::holds : Proof::unknown;

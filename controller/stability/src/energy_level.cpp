@@ -33,7 +33,7 @@ MatrixXd part_in_mass_basis(const LinearMachine<>& system, const SpannedSpace& s
   MatrixXd reduced = dense::congruence(held, damping);
   if (free.cols() > 0) {
     const MatrixXd coupling = free.transpose() * damping * held;
-    reduced -= coupling.transpose() * Cholesky(dense::congruence(free, damping)).solve(coupling);
+    reduced -= coupling.transpose() * (dense::inverse(dense::congruence(free, damping)) * coupling);
   }
   const MatrixXd felt = symmetric_part(dense::inverse(held.transpose() * Cholesky(system.mass).solve(held)));
   const dense::SymmetricEigen eigen = dense::symmetric_eigen(symmetric_part(reduced), felt);

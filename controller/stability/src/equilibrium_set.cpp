@@ -1,6 +1,7 @@
 #include "breakaway/stability/equilibrium_set.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "breakaway/stability/dense.hpp"
 #include "infinite.hpp"
@@ -11,6 +12,22 @@ namespace breakaway::stability {
 namespace {
 
 constexpr double most_vertex_candidates = 4e6;
+
+// Units in which each coordinate has a spring, or else a mass, of about the same size, so that no unit of a coordinate
+// decides which directions are one and what is zero. They are powers of two, which change no digit.
+Eigen::VectorXd units(const LinearMachine<>& system) {
+  const Eigen::Index n = system.stiffness.rows();
+  const bool springs = (system.stiffness.diagonal().array() > 0).all();
+  const bool masses = system.mass.rows() == n && (system.mass.diagonal().array() > 0).all();
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(n);
+  if (!springs && !masses) return unit;
+  const Eigen::VectorXd size = springs ? system.stiffness.diagonal() : system.mass.diagonal();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int exponent = std::ilogb(size[i]) - std::ilogb(size[0]);
+    unit[i] = std::ldexp(1.0, -(exponent - (exponent & 1)) / 2);
+  }
+  return unit;
+}
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -41,33 +58,33 @@ Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& normal, double bo
 
 EquilibriumSet EquilibriumSet::make(const LinearMachine<>& system) {
   require_valid_statics(system);
-  const Eigen::MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
-  const SpannedSpace space = spanned_space(pushes);
+  EquilibriumSet set;
+  set.unit_ = units(system);
+  set.stiffness_ = set.unit_.asDiagonal() * (system.stiffness * set.unit_.asDiagonal());
+  set.pushes_ = set.unit_.asDiagonal() * (system.directions * system.friction_N.asDiagonal());
+  const SpannedSpace space = spanned_space(set.pushes_);
   if (facet_candidates(space) > most_facet_candidates) {
-    throw InputError{"the equilibrium set of " + std::to_string(pushes.cols()) + " frictions in " +
-                     std::to_string(pushes.rows()) + " coordinates has too many facets; merge frictions"};
+    throw InputError{"the equilibrium set of " + std::to_string(set.pushes_.cols()) + " frictions in " +
+                     std::to_string(set.pushes_.rows()) + " coordinates has too many facets; merge frictions"};
   }
   std::vector<Eigen::VectorXd> normals;
   facet_directions(space, [&](const Eigen::VectorXd& u) { normals.push_back(u); });
-  EquilibriumSet set;
-  set.facets_.resize(static_cast<Eigen::Index>(normals.size()), pushes.rows());
+  set.facets_.resize(static_cast<Eigen::Index>(normals.size()), set.pushes_.rows());
   set.bounds_.resize(set.facets_.rows());
   for (Eigen::Index i = 0; i < set.facets_.rows(); ++i) {
     const Eigen::VectorXd& u = normals[static_cast<std::size_t>(i)];
-    set.facets_.row(i) = u.transpose() * system.stiffness;
-    set.bounds_[i] = (u.transpose() * pushes).cwiseAbs().sum();
+    set.facets_.row(i) = u.transpose() * set.stiffness_;
+    set.bounds_[i] = (u.transpose() * set.pushes_).cwiseAbs().sum();
   }
-  set.unheld_ = space.complement.transpose() * system.stiffness;
+  set.unheld_ = space.complement.transpose() * set.stiffness_;
   set.unheld_row_ = set.unheld_.rowwise().norm();
-  set.stiffness_ = system.stiffness;
-  set.pushes_ = pushes;
-  const Eigen::MatrixXd slack = dense::span(system.stiffness.transpose()).complement;
+  const Eigen::MatrixXd slack = dense::span(set.stiffness_.transpose()).complement;
   if (slack.cols() == 0) {
-    set.reach_ = dense::inverse(system.stiffness) * pushes;
+    set.reach_ = set.unit_.asDiagonal() * (dense::inverse(set.stiffness_) * set.pushes_);
     set.extent_ = set.reach_.cwiseAbs().rowwise().sum();
   } else {
-    set.slack_ = slack.col(0);
-    set.extent_ = Eigen::VectorXd::Constant(pushes.rows(), infinite);
+    set.slack_ = set.unit_.cwiseProduct(slack.col(0)).stableNormalized();
+    set.extent_ = Eigen::VectorXd::Constant(set.pushes_.rows(), infinite);
   }
   return set;
 }
@@ -80,10 +97,11 @@ InputError EquilibriumSet::unbounded() const {
 }
 
 double EquilibriumSet::gauge(const Eigen::VectorXd& q, double tolerance) const {
-  if (((unheld_ * q).cwiseAbs().array() > tolerance * q.norm() * unheld_row_.array()).any()) return infinite;
+  const Eigen::VectorXd y = q.cwiseQuotient(unit_);
+  if (((unheld_ * y).cwiseAbs().array() > tolerance * y.norm() * unheld_row_.array()).any()) return infinite;
   double share = 0;
   for (Eigen::Index i = 0; i < facets_.rows(); ++i)
-    share = std::max(share, std::abs(facets_.row(i).dot(q)) / bounds_[i]);
+    share = std::max(share, std::abs(facets_.row(i).dot(y)) / bounds_[i]);
   return share;
 }
 
@@ -96,7 +114,8 @@ Eigen::MatrixXd EquilibriumSet::vertices() const {
   }
   std::vector<Eigen::VectorXd> corners;
   if (n == 2) {
-    for (const Eigen::Vector2d& corner : zonogon(reach_)) corners.push_back(corner);
+    for (const Eigen::Vector2d& corner : zonogon(unit_.cwiseInverse().asDiagonal() * reach_))
+      corners.push_back(unit_.cwiseProduct(corner));
   } else {
     for (const Signs& signs : vertex_signs(pushes_)) {
       corners.push_back(reach_ * Eigen::Map<const Eigen::Matrix<std::int8_t, Eigen::Dynamic, 1>>(
@@ -111,8 +130,8 @@ Eigen::MatrixXd EquilibriumSet::vertices() const {
 
 double EquilibriumSet::support(const Eigen::VectorXd& u) const {
   if (slack_.size() == 0) return (u.transpose() * reach_).cwiseAbs().sum();
-  const Eigen::VectorXd force = dense::solution(stiffness_.transpose(), u);
-  if (!(stiffness_.transpose() * force).isApprox(u, 1e-12)) return infinite;
+  const Eigen::VectorXd along = unit_.cwiseProduct(u), force = dense::solution(stiffness_.transpose(), along);
+  if (!(stiffness_.transpose() * force).isApprox(along, 1e-12)) return infinite;
   return (force.transpose() * pushes_).cwiseAbs().sum();
 }
 
@@ -122,19 +141,21 @@ Polygon EquilibriumSet::projection(const Eigen::Matrix2Xd& onto) const {
 }
 
 bool EquilibriumSet::contains(const Eigen::VectorXd& q, double tolerance) const {
-  const auto held = ((facets_ * q).cwiseAbs().array() <= bounds_.array() * (1 + tolerance)).all();
-  return held && ((unheld_ * q).cwiseAbs().array() <= tolerance * q.norm() * unheld_row_.array()).all();
+  const Eigen::VectorXd y = q.cwiseQuotient(unit_);
+  const auto held = ((facets_ * y).cwiseAbs().array() <= bounds_.array() * (1 + tolerance)).all();
+  return held && ((unheld_ * y).cwiseAbs().array() <= tolerance * y.norm() * unheld_row_.array()).all();
 }
 
 Polygon EquilibriumSet::cross_section(const Eigen::MatrixX2d& plane, double half_width) const {
+  const Eigen::MatrixX2d scaled = unit_.cwiseInverse().asDiagonal() * plane;
   Polygon polygon = square(half_width);
   const auto keep_strip = [&](const Eigen::Vector2d& normal, double bound) {
     polygon = clipped(clipped(polygon, normal, bound), -normal, bound);
   };
-  for (Eigen::Index i = 0; i < facets_.rows(); ++i) keep_strip((facets_.row(i) * plane).transpose(), bounds_[i]);
+  for (Eigen::Index i = 0; i < facets_.rows(); ++i) keep_strip((facets_.row(i) * scaled).transpose(), bounds_[i]);
   for (Eigen::Index i = 0; i < unheld_.rows(); ++i) {
-    const Eigen::Vector2d normal = (unheld_.row(i) * plane).transpose();
-    if (normal.norm() > 1e-12 * unheld_row_[i]) keep_strip(normal, 0);
+    const Eigen::Vector2d normal = (unheld_.row(i) * scaled).transpose();
+    if (normal.norm() > 1e-12 * unheld_row_[i] * scaled.norm()) keep_strip(normal, 0);
   }
   return polygon;
 }

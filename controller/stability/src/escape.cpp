@@ -3,15 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "breakaway/stability/dense.hpp"
+#include "breakaway/stability/mass_units.hpp"
 
 namespace breakaway::stability {
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
 // The largest |sum_j c_j s_j| over |s_j| <= 1: the farthest corner of a zonogon. Its corners are the ends of its edges,
 // and on the edge along c_j, with the outward normal +-i c_j, every other s_k has the sign of c_k along that normal.
-double farthest(const Eigen::VectorXcd& c) {
+double farthest(const VectorXcd& c) {
   const auto along = [](std::complex<double> direction, std::complex<double> x) {
     return (std::conj(direction) * x).real();
   };
@@ -31,26 +38,85 @@ double farthest(const Eigen::VectorXcd& c) {
   return most;
 }
 
+// The machine as y' = A y + B lambda, with y = (q, q') in units in which every mass is 1 and springs, or dampers if
+// there are none, are of the size 1.
+struct FirstOrder {
+  MatrixXd a, pushes;
+  VectorXd unit;  // (q, q') = unit y
+
+  explicit FirstOrder(const LinearMachine<>& given) {
+    LinearMachine<> machine = in_force_unit(given, force_unit(given.mass));
+    const VectorXd coordinate = mass_units(machine.mass);
+    machine = in_units(machine, coordinate);
+    const Index n = machine.coordinates();
+    const dense::Cholesky mass(machine.mass);
+    const double springs = std::sqrt(machine.stiffness.norm()), dampers = machine.damping.norm();
+    const double rate_per_s = springs > 0 ? springs : dampers > 0 ? dampers : 1;
+    a = MatrixXd::Zero(2 * n, 2 * n);
+    a.topRightCorner(n, n).diagonal().setConstant(rate_per_s);
+    a.bottomLeftCorner(n, n) = -mass.solve(machine.stiffness) / rate_per_s;
+    a.bottomRightCorner(n, n) = -mass.solve(machine.damping);
+    pushes = MatrixXd::Zero(2 * n, machine.frictions());
+    pushes.bottomRows(n) = mass.solve(machine.directions * machine.friction_N.asDiagonal()) / rate_per_s;
+    unit = VectorXd(2 * n);
+    unit << coordinate, rate_per_s * coordinate;
+  }
+};
+
+// The eigenvalues of A, their left eigenvectors, and how far rounding may have moved both: to first order an error of
+// the size e in A moves a value s_i by e |w_i| |x_i|, x being the right eigenvectors with w_i . x_i = 1, and w_i by
+// e sum_j |w_j| |x_j| / |s_i - s_j|. Where eigenvectors are nearly parallel, both are as large as can be.
+class Modes {
+ public:
+  explicit Modes(const MatrixXd& a) : eigen_{dense::general_eigen(a.transpose())} {
+    const Index size = count();
+    if (size == 0) return;  // none were found
+    MatrixXd both(2 * size, 2 * size);
+    both << eigen_.vectors.real(), -eigen_.vectors.imag(), eigen_.vectors.imag(), eigen_.vectors.real();
+    const MatrixXd inverse = dense::inverse(both).topRows(size);
+    rounding_ =
+        64 * static_cast<double>(size) * static_cast<double>(std::numeric_limits<long double>::epsilon()) * a.norm();
+    condition_ = inverse.rowwise().norm();
+  }
+
+  Index count() const { return eigen_.values.size(); }
+  std::complex<double> value(Index i) const { return eigen_.values[i]; }
+  VectorXcd left(Index i) const { return eigen_.vectors.col(i); }
+
+  double value_error(Index i) const { return rounding_ * condition_[i]; }
+
+  // Values that are equal to rounding share their eigenvectors.
+  double vector_error(Index i) const {
+    double error = std::numeric_limits<double>::epsilon();
+    for (Index j = 0; j < count(); ++j) {
+      const double apart = std::abs(value(i) - value(j));
+      if (apart > 4 * (value_error(i) + value_error(j))) error += rounding_ * condition_[j] / apart;
+    }
+    return error;
+  }
+
+ private:
+  dense::GeneralEigen eigen_;
+  VectorXd condition_;  // |w_i| |x_i|
+  double rounding_ = 0;
+};
+
 }  // namespace
 
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system) {
-  const Eigen::Index n = system.mass.rows();
-  const dense::Cholesky mass(system.mass);
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  a.topRightCorner(n, n).setIdentity();
-  a.bottomLeftCorner(n, n) = -mass.solve(system.stiffness);
-  a.bottomRightCorner(n, n) = -mass.solve(system.damping);
-  const Eigen::MatrixXd pushes = mass.solve(system.directions * system.friction_N.asDiagonal());
-
-  const dense::GeneralEigen eigen = dense::general_eigen(a.transpose());
-  const double standing_still = 1e-12 * eigen.values.cwiseAbs().maxCoeff();
+  constexpr double slowest = 1e-12, vector_margin = 1e-12, level_margin = 1e-9;
+  const FirstOrder first{system};
+  if (!first.a.allFinite() || !first.pushes.allFinite()) return {};
+  const Modes modes{first.a};
   std::vector<EscapeLevel> levels;
-  for (Eigen::Index i = 0; i < 2 * n; ++i) {
-    const std::complex<double> s = eigen.values[i];
-    if (!(s.real() > standing_still) || s.imag() < 0) continue;  // of a conjugate pair one is enough
-    const Eigen::VectorXcd w = eigen.vectors.col(i);
-    const double push = farthest(pushes.transpose() * w.tail(n));
-    levels.push_back({w.real(), w.imag(), s.real(), (1 + 1e-9) * push / s.real()});
+  for (Index i = 0; i < modes.count(); ++i) {
+    const std::complex<double> s = modes.value(i);
+    if (!(s.real() > slowest * std::abs(s)) || s.imag() < 0) continue;  // of a conjugate pair one is enough
+    if (!(modes.value_error(i) <= level_margin / 4 * s.real() && modes.vector_error(i) <= vector_margin)) continue;
+    const VectorXcd w = modes.left(i);
+    const double push = farthest(first.pushes.transpose() * w) + vector_margin * first.pushes.colwise().norm().sum();
+    const VectorXcd raw = w.cwiseQuotient(first.unit.cast<std::complex<double>>());
+    levels.push_back({raw.real(), raw.imag(), first.unit, s.real(), (1 + level_margin) * push / s.real()});
   }
   return levels;
 }

@@ -2,60 +2,74 @@
 #include <cmath>
 #include <limits>
 
-#include "breakaway/stability/equilibrium_set.hpp"
+#include "breakaway/stability/mass_units.hpp"
 #include "gain_search.hpp"
+#include "scaled_system.hpp"
 
 namespace breakaway::stability {
 
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-double least_accepted(double first, const std::function<bool(double)>& accepts) {
+namespace {
+
+// S S^T in other coordinates.
+MatrixXd squared(const MatrixXd& actuators, const VectorXd& coordinate) {
+  const MatrixXd scaled = coordinate.asDiagonal() * actuators;
+  return scaled * scaled.transpose();
+}
+
+}  // namespace
+
+double least_accepted(double first, const std::function<bool(double)>& accepts, const SearchProgress& progress) {
+  constexpr int most_decades = 24, bisections = 34;  // the latter for 1e-9 of the least decade
   double refused = 0, accepted = first;
   for (int decade = 0; !accepts(accepted); ++decade) {
-    if (decade == 12) return std::numeric_limits<double>::quiet_NaN();
+    if (decade == most_decades) return std::numeric_limits<double>::quiet_NaN();
     refused = accepted;
     accepted *= 10;
   }
-  while (accepted - refused > 1e-9 * accepted) {
+  for (int step = 0; accepted - refused > 1e-9 * accepted; ++step) {
+    progress.at(std::min(1.0, static_cast<double>(step) / bisections));
     const double middle = (refused + accepted) / 2;
     (accepts(middle) ? accepted : refused) = middle;
   }
   return accepted;
 }
 
-MatrixXd identical_position_gain(const ActuatedSystem& system, double wanted_m) {
+MatrixXd identical_position_gain(const ActuatedSystem& system, const VectorXd& limit_m, double wanted_m,
+                                 const SearchProgress& progress) {
   const MatrixXd& actuators = system.actuators;
-  const MatrixXd squared = actuators * actuators.transpose();
-  LinearMachine<> closed = system.machine;
-  double best_m = std::numeric_limits<double>::infinity();
+  double best = std::numeric_limits<double>::infinity();
   const auto accepts = [&](double p) {
-    closed.stiffness = system.machine.stiffness + p * squared;
-    const double error_m = resting_error_m(closed);
-    best_m = std::min(best_m, error_m);
-    return error_m <= wanted_m;
+    const MatrixXd gain = p * actuators.transpose();
+    const double error = resting_error(closed_loop(system, {gain, MatrixXd::Zero(gain.rows(), gain.cols())}), limit_m);
+    best = std::min(best, error);
+    return error <= 1;
   };
-  const double force_N = (system.machine.directions * system.machine.friction_N).cwiseAbs().maxCoeff();
-  const double scale = std::max({force_N / wanted_m, system.machine.stiffness.norm(), 1e-300}) / squared.norm();
-  const double p = least_accepted(1e-6 * scale, accepts);
+  const LinearMachine<> scaled = in_units(system.machine, limit_m);
+  const double force_J = (scaled.directions * scaled.friction_N.asDiagonal()).cwiseAbs().rowwise().sum().maxCoeff();
+  const double most = std::max({force_J, scaled.stiffness.norm(), std::numeric_limits<double>::min()});
+  const double p = least_accepted(1e-6 * most / squared(actuators, limit_m).norm(), accepts, progress);
   if (std::isnan(p)) {
     throw InputError{"a resting error of " + to_text(wanted_m) +
-                     " m is out of reach of identical gains: the best is about " + to_text(best_m) +
+                     " m is out of reach of identical gains: the best is about " + to_text(best * wanted_m) +
                      " m; ask for less, add actuators, or use full gains"};
   }
   return MatrixXd{p * actuators.transpose()};
 }
 
-MatrixXd identical_velocity_gain(const ActuatedSystem& system, const Accepts& accepts) {
+MatrixXd identical_velocity_gain(const ActuatedSystem& system, const Assess& assess, const SearchProgress& progress) {
   const MatrixXd& actuators = system.actuators;
-  const MatrixXd squared = actuators * actuators.transpose();
-  LinearMachine<> closed = system.machine;
   double best_J = 0;
-  const auto accepts_gain = [&](double d) {
-    closed.damping = system.machine.damping + d * squared;
-    best_J = std::max(best_J, certify_attractivity(closed).rho_star_J);
-    return accepts(closed);
+  const auto accepts = [&](double d) {
+    const Assessment found = assess(d * actuators.transpose());
+    best_J = std::max(best_J, found.rho_star_J);
+    return found.accepted;
   };
-  const double d = least_accepted(1e-6 * damping_unit_Ns_per_m(system.machine) / squared.norm(), accepts_gain);
+  const ScaledSystem scaled = in_mass_units(system);
+  const double least = 1e-6 * damping_unit_per_s(scaled.system.machine) / squared(actuators, scaled.coordinate).norm();
+  const double d = least_accepted(scaled.force_N * least, accepts, progress);
   if (std::isnan(d)) {
     throw InputError{"the region is out of reach of identical gains: the best is about " + to_text(best_J) +
                      " J; ask for less, add actuators, or use full gains"};

@@ -1,5 +1,6 @@
 #include "breakaway/stability/linear_machine.hpp"
 
+#include <cmath>
 #include <string>
 
 #include "breakaway/input/input_error.hpp"
@@ -23,6 +24,23 @@ void require_finite(const char* name, const MatrixXd& matrix) {
   if (!matrix.allFinite()) throw InputError{name, "has an entry that is not a finite number: correct it"};
 }
 
+constexpr double decimal_rounding = 0x1p-53;  // of a number in a file, relative to it
+
+// A + S F, of which entries across the diagonal are made equal where only rounding keeps them apart.
+MatrixXd with_product(const MatrixXd& open, const MatrixXd& actuators, const MatrixXd& gain) {
+  const MatrixXd fed = actuators.cwiseAbs() * gain.cwiseAbs();
+  const MatrixXd rounding = static_cast<double>(actuators.cols() + 8) * decimal_rounding * (open.cwiseAbs() + fed);
+  MatrixXd closed = open + actuators * gain;
+  for (Index i = 0; i < closed.rows(); ++i) {
+    for (Index j = 0; j < i; ++j) {
+      if (fed(i, j) + fed(j, i) == 0) continue;
+      if (!(std::abs(closed(i, j) - closed(j, i)) <= rounding(i, j) + rounding(j, i))) continue;
+      closed(i, j) = closed(j, i) = (closed(i, j) + closed(j, i)) / 2;
+    }
+  }
+  return closed;
+}
+
 // D A D, where D scales lengths and masses.
 MatrixXd with_unit_diagonal(const MatrixXd& matrix) {
   const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
@@ -38,15 +56,20 @@ void require_positive_mass(const MatrixXd& mass) {
 }  // namespace
 
 bool symmetric(const MatrixXd& matrix) {
-  const auto size = matrix.diagonal().cwiseAbs().cwiseSqrt().eval();
-  const MatrixXd entries =
-      (size * size.transpose()).cwiseMax(matrix.cwiseAbs()).cwiseMax(matrix.transpose().cwiseAbs());
-  return ((matrix - matrix.transpose()).cwiseAbs().array() <= 1e-12 * entries.array()).all();
+  const auto entries = matrix.cwiseAbs().cwiseMax(matrix.transpose().cwiseAbs());
+  return ((matrix - matrix.transpose()).cwiseAbs().array() <= 2 * decimal_rounding * entries.array()).all();
 }
 
 double definiteness(const MatrixXd& matrix) {
   if (const double least = matrix.diagonal().minCoeff(); !(least > 0)) return least;
   return dense::symmetric_eigenvalues(with_unit_diagonal(matrix))[0];
+}
+
+LinearMachine<> with_feedback(LinearMachine<> machine, const MatrixXd& actuators, const MatrixXd& position_gain,
+                              const MatrixXd& velocity_gain) {
+  machine.stiffness = with_product(machine.stiffness, actuators, position_gain);
+  machine.damping = with_product(machine.damping, actuators, velocity_gain);
+  return machine;
 }
 
 void require_valid_statics(const LinearMachine<>& machine) {

@@ -1,5 +1,7 @@
 #include "breakaway/stability/mass_units.hpp"
 
+#include <cmath>
+
 namespace breakaway::stability {
 namespace {
 
@@ -11,6 +13,15 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& uni
 }  // namespace
 
 Eigen::VectorXd mass_units(const Eigen::MatrixXd& mass) { return mass.diagonal().cwiseSqrt().cwiseInverse(); }
+
+double force_unit(const Eigen::MatrixXd& mass) { return std::ldexp(1.0, std::ilogb(mass(0, 0))); }
+
+LinearMachine<> in_force_unit(LinearMachine<> machine, double unit) {
+  for (Eigen::MatrixXd* const matrix : {&machine.mass, &machine.damping, &machine.stiffness}) *matrix /= unit;
+  machine.friction_N /= unit;
+  machine.force_N /= unit;
+  return machine;
+}
 
 LinearMachine<> in_units(const LinearMachine<>& machine, const Eigen::VectorXd& unit) {
   LinearMachine<> result = machine;

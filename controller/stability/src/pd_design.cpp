@@ -8,8 +8,10 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
 #include "breakaway/stability/attractivity.hpp"
+#include "breakaway/stability/definite_proof.hpp"
 #include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/lmi.hpp"
+#include "scaled_system.hpp"
 #include "zonotope.hpp"
 
 namespace breakaway::stability {
@@ -19,32 +21,45 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double entry_rounding = std::numeric_limits<double>::epsilon();
+
 double largest(const MatrixXd& matrix) { return matrix.size() == 0 ? 0 : matrix.cwiseAbs().maxCoeff(); }
 
-double skewness(const MatrixXd& matrix) { return largest(matrix - matrix.transpose()); }
+// What keeps a matrix from being symmetric, without what the rounding of its entries explains.
+MatrixXd skew_part(const MatrixXd& matrix) {
+  const auto skew = (matrix - matrix.transpose()).array();
+  const auto size = matrix.cwiseAbs().cwiseMax(matrix.transpose().cwiseAbs()).array();
+  return (skew.abs() > entry_rounding * size).select(skew, 0).matrix();
+}
 
-// `block` is the part that no actuator can change, and `scale` the size of the whole matrix.
-Condition unreached_symmetric(const char* name, const MatrixXd& block, double scale) {
-  Condition condition{name, false, rounding * scale - skewness(block), ""};
-  condition.holds = condition.margin >= 0;
+// Z^T A Z is the part of `matrix` that no actuator can change.
+Condition unreached_symmetric(const char* name, const MatrixXd& z, const MatrixXd& matrix) {
+  const MatrixXd skew = skew_part(matrix);
+  const double found = largest(dense::congruence(z, skew));
+  const double rounding = 64 * static_cast<double>(matrix.rows()) * entry_rounding * skew.norm();
+  Condition condition{name, found <= rounding, rounding - found, ""};
   if (!condition.holds) {
     condition.reason =
-        "where no actuator acts it is not symmetric, by up to " + to_text(skewness(block)) + ": add an actuator there";
+        "where no actuator acts it is not symmetric, by up to " + to_text(found) + " per kg: add an actuator there";
   }
   return condition;
 }
 
-Condition unreached_stiffness_positive(const Actuation& actuation, const MatrixXd& stiffness) {
+// Proved for Z as far as it is known.
+Condition unreached_stiffness_positive(const ScaledSystem& scaled, const MatrixXd& z) {
   Condition condition{"stiffness_positive", true, std::numeric_limits<double>::infinity(), ""};
-  if (actuation.unreached.cols() == 0) return condition;
-  const dense::SymmetricEigen eigen =
-      dense::symmetric_eigen(dense::symmetric_part(dense::congruence(actuation.unreached, stiffness)));
-  condition.margin = eigen.values[0] - rounding * largest(stiffness);
-  condition.holds = condition.margin > 0;
+  if (z.cols() == 0) return condition;
+  const MatrixXd stiffness = dense::symmetric_part(scaled.system.machine.stiffness);
+  const MatrixXd block = dense::congruence(z, stiffness), size = dense::congruence(z.cwiseAbs(), stiffness.cwiseAbs());
+  const double share = 8 * static_cast<double>(stiffness.rows()) * entry_rounding;
+  condition.holds = positive_definite(block.cast<long double>(), share * size.cast<long double>()) == Proof::holds;
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(dense::symmetric_part(block));
+  condition.margin =
+      condition.holds ? std::max(eigen.values[0], std::numeric_limits<double>::min()) : std::min(eigen.values[0], 0.0);
   if (!condition.holds) {
-    condition.reason = "the direction " + direction_text(actuation.unreached * eigen.vectors.col(0)) +
+    condition.reason = "the direction " + direction_text(scaled.direction(z * eigen.vectors.col(0))) +
                        " has the stiffness " + to_text(eigen.values[0]) +
-                       " N/m and no actuator acts on it: add one, or a spring";
+                       " N/m per kg and no actuator acts on it: add one, or a spring";
   }
   return condition;
 }
@@ -96,32 +111,66 @@ VectorXd least_direction(const MatrixXd& hautus) {
 }
 
 // Hautus: for every eigenvalue mu of C with Re mu <= 0 the matrix [C - mu I, W, S] must have the rank n. Its least
-// singular value, C being scaled to the size 1, is the margin.
-Condition stabilizable(const ActuatedSystem& system) {
-  const double scale = std::max(system.machine.damping.norm(), std::numeric_limits<double>::min());
-  const MatrixXd damping = system.machine.damping / scale, directions = acted_on(system);
+// singular value, C being scaled to the size 1, is the margin. Where C is proved to be definite there is no such mu.
+Condition stabilizable(const ScaledSystem& scaled) {
   Condition condition{"stabilizable", true, std::numeric_limits<double>::infinity(), ""};
+  const MatrixXd& unscaled = scaled.system.machine.damping;
+  if (positive_definite(unscaled) == Proof::holds) return condition;
+  const double scale = std::max(unscaled.norm(), std::numeric_limits<double>::min());
+  const MatrixXd damping = unscaled / scale, directions = acted_on(scaled.system);
   for (const std::complex<double> mu : dense::general_eigen(damping).values) {
     if (mu.real() > rounding) continue;
     const MatrixXd hautus = hautus_matrix(damping, mu, directions);
     const double least = dense::least_singular_value(hautus);
     if (!(least < condition.margin)) continue;
     condition.margin = least;
-    condition.reason = "the direction " + direction_text(least_direction(hautus)) + " has the damping " +
-                       to_text(mu.real() * scale) +
-                       " N s/m, and neither friction nor an actuator acts on it: add one of them";
+    condition.reason = "the direction " + direction_text(scaled.direction(least_direction(hautus))) +
+                       " has the damping " + to_text(mu.real() * scale) +
+                       " N s/m per kg, and neither friction nor an actuator acts on it: add one of them";
   }
   condition.holds = condition.margin > rounding;
   if (condition.holds) condition.reason.clear();
   return condition;
 }
 
-// certify_attractivity() asks the same of K. Of C it takes the symmetric part.
+// certify_attractivity() asks the same of K. Of C it takes the symmetric part. The margin is 1 less the greatest skew
+// part over the rounding of decimal numbers.
 Condition symmetry(const char* name, const MatrixXd& matrix) {
-  Condition condition{name, symmetric(matrix), rounding * largest(matrix) - skewness(matrix), ""};
+  const auto skew = (matrix - matrix.transpose()).cwiseAbs().array();
+  const auto size = matrix.cwiseAbs().cwiseMax(matrix.transpose().cwiseAbs()).array();
+  const double share = (skew > 0).select(skew / (entry_rounding * size), 0).maxCoeff();
+  Condition condition{name, symmetric(matrix), 1 - share, ""};
   if (!condition.holds)
-    condition.reason = "entries differ by up to " + to_text(skewness(matrix)) + " across the diagonal";
+    condition.reason = "entries differ by up to " + to_text(largest(skew_part(matrix))) + " across the diagonal";
   return condition;
+}
+
+Condition positive_stiffness(const MatrixXd& stiffness) {
+  const bool holds = symmetric(stiffness) && positive_definite(stiffness) == Proof::holds;
+  const double margin = definiteness(dense::symmetric_part(stiffness));
+  return {"K_cl positive definite", holds,
+          holds ? std::max(margin, std::numeric_limits<double>::min()) : std::min(margin, 0.0),
+          holds ? "" : "its least eigenvalue is not proved to be positive: add feedback of position"};
+}
+
+// In mass units, as certify_attractivity() asks it.
+Condition unstable_columns_in_span(const LinearMachine<>& closed_loop) {
+  Condition span{"eigencolumns in span W", true, std::numeric_limits<double>::infinity(), ""};
+  const ScaledSystem scaled = in_mass_units({closed_loop, MatrixXd(closed_loop.coordinates(), 0)});
+  const LinearMachine<>& machine = scaled.system.machine;
+  if (positive_definite(machine.damping) == Proof::holds) return span;
+  const dense::SymmetricEigen eigen = dense::symmetric_eigen(dense::symmetric_part(machine.damping));
+  const MatrixXd complement = spanned_space(acting_directions(machine)).complement;
+  const double zero = 1e-15 * static_cast<double>(complement.rows()) * machine.damping.norm();
+  for (Index i = 0; i < complement.rows() && eigen.values[i] <= zero; ++i) {
+    const double outside = (complement.transpose() * eigen.vectors.col(i)).norm();
+    span.margin = std::min(span.margin, 1e-9 - outside);
+    if (span.margin >= 0) continue;
+    span.holds = false;
+    span.reason = "the direction " + direction_text(scaled.direction(eigen.vectors.col(i))) + " with the damping " +
+                  to_text(eigen.values[i]) + " N s/m per kg is not a sum of friction directions: damp it by feedback";
+  }
+  return span;
 }
 
 }  // namespace
@@ -131,34 +180,16 @@ LinearMachine<> closed_loop(const ActuatedSystem& system, const PdGains& gains) 
 }
 
 std::vector<Condition> machine_conditions(const ActuatedSystem& system) {
-  const Actuation actuation{system.actuators};
-  const auto unreached = [&](const MatrixXd& matrix) { return dense::congruence(actuation.unreached, matrix); };
-  const MatrixXd &stiffness = system.machine.stiffness, &damping = system.machine.damping;
-  return {unreached_symmetric("stiffness_symmetric", unreached(stiffness), largest(stiffness)),
-          unreached_stiffness_positive(actuation, stiffness),
-          unreached_symmetric("damping_symmetric", unreached(damping), largest(damping)), stabilizable(system)};
+  const ScaledSystem scaled = in_mass_units(system);
+  const MatrixXd z = Actuation{scaled.system.actuators}.unreached;
+  return {unreached_symmetric("stiffness_symmetric", z, scaled.system.machine.stiffness),
+          unreached_stiffness_positive(scaled, z),
+          unreached_symmetric("damping_symmetric", z, scaled.system.machine.damping), stabilizable(scaled)};
 }
 
 std::vector<Condition> loop_conditions(const LinearMachine<>& closed_loop) {
-  Condition stiffness = symmetry("K_cl symmetric", closed_loop.stiffness);
-  Condition positive{"K_cl positive definite", false, 0, ""};
-  positive.margin = proven_least_eigenvalue(dense::symmetric_part(closed_loop.stiffness));
-  positive.holds = positive.margin > 0;
-  if (!positive.holds) positive.reason = "its least eigenvalue is not positive: add feedback of position";
-
-  Condition span{"eigencolumns in span W", true, std::numeric_limits<double>::infinity(), ""};
-  const dense::SymmetricEigen eigen = dense::symmetric_eigen(dense::symmetric_part(closed_loop.damping));
-  const MatrixXd complement = spanned_space(acting_directions(closed_loop)).complement;
-  const double zero = 1e-15 * static_cast<double>(complement.rows()) * closed_loop.damping.norm();
-  for (Index i = 0; i < complement.rows() && eigen.values[i] <= zero; ++i) {
-    const double outside = (complement.transpose() * eigen.vectors.col(i)).norm();
-    span.margin = std::min(span.margin, 1e-9 - outside);
-    if (span.margin >= 0) continue;
-    span.holds = false;
-    span.reason = "the direction " + direction_text(eigen.vectors.col(i)) + " with the damping " +
-                  to_text(eigen.values[i]) + " N s/m is not a sum of friction directions: damp it by feedback";
-  }
-  return {stiffness, positive, span, symmetry("C_cl symmetric", closed_loop.damping)};
+  return {symmetry("K_cl symmetric", closed_loop.stiffness), positive_stiffness(closed_loop.stiffness),
+          unstable_columns_in_span(closed_loop), symmetry("C_cl symmetric", closed_loop.damping)};
 }
 
 Theorem2 verify_theorem_2(const ActuatedSystem& system, const MatrixXd& position_gain_N_per_m) {

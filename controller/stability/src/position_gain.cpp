@@ -10,6 +10,7 @@
 #include "breakaway/stability/dense.hpp"
 #include "breakaway/stability/lmi.hpp"
 #include "gain_search.hpp"
+#include "scaled_system.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -25,14 +26,14 @@ constexpr Index most_variables = 3000;
 // last digits.
 constexpr double least_stiffness = 0.01;
 
-// It calculates in units in which the wanted resting error and the largest friction are 1.
+// It calculates in units in which the wanted resting errors and the largest friction are 1. `system` is in the former.
 class ComplianceProgram {
  public:
-  ComplianceProgram(const ActuatedSystem& system, const Actuation& actuation, double error_m)
+  ComplianceProgram(const ActuatedSystem& system, const Actuation& actuation)
       : reached_{actuation.reached}, base_{actuation.symmetric_base(system.machine.stiffness)} {
     pushes_ = system.machine.directions * system.machine.friction_N.asDiagonal();
     const double force_N = pushes_.cwiseAbs().rowwise().sum().maxCoeff();
-    unit_ = error_m / force_N;
+    unit_ = 1 / force_N;
     pushes_ /= force_N;
     const MatrixXd& z = actuation.unreached;
     const MatrixXd unreached_compliance = z * dense::inverse(dense::congruence(z, base_)) * z.transpose();
@@ -130,27 +131,31 @@ class ComplianceProgram {
   }
 
   MatrixXd reached_, base_, pushes_, fixed_, levers_;
-  double unit_;            // m/N
+  double unit_;            // 1 / J
   double most_compliant_;  // Y at most this
   std::vector<MatrixXd> terms_;
 };
 
 }  // namespace
 
-MatrixXd full_position_gain(const ActuatedSystem& system, double wanted_m) {
-  const Actuation actuation{system.actuators};
-  const ComplianceProgram program{system, actuation, wanted_m};
+MatrixXd full_position_gain(const ActuatedSystem& system, const VectorXd& limit_m, double wanted_m,
+                            const SearchProgress& progress) {
+  const ScaledSystem scaled{system, limit_m};
+  const Actuation actuation{scaled.system.actuators};
+  const ComplianceProgram program{scaled.system, actuation};
   if (program.variables() > most_variables) {
     throw InputError{"full gains of this machine need a program of " + std::to_string(program.variables()) +
                      " variables, which is too many; use identical gains or merge frictions"};
   }
   const double least = program.least_error();
+  progress.at(0.5);
   if (least > 1 - 2 * reserve) {
     throw InputError{"a resting error of " + to_text(wanted_m) +
                      " m is out of reach: with these actuators the best is about " + to_text(least * wanted_m) +
                      " m; ask for less, or add actuators"};
   }
-  return actuation.gain(system.machine.stiffness, program.softest_stiffness());
+  return scaled.gain(
+      actuation.gain(scaled.system.machine.stiffness, dense::symmetric_part(program.softest_stiffness())));
 }
 
 }  // namespace breakaway::stability

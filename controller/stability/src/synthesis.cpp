@@ -8,45 +8,63 @@
 #include "breakaway/stability/equilibrium_set.hpp"
 #include "gain_search.hpp"
 #include "infinite.hpp"
+#include "scaled_system.hpp"
 
 namespace breakaway::stability {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 // This is relative. It is needed because E is computed twice, from matrices that may be ill-conditioned.
 constexpr double resting_tolerance = 1e-9;
 
+// The wants of every coordinate.
+VectorXd unit_of(const PdWants& wants, Index coordinates) {
+  return wants.unit.size() > 0 ? wants.unit : VectorXd{VectorXd::Ones(coordinates)};
+}
+
 // Positions at rest within this of 0 are inside the level, for |q| = r has at most the energy lambda_max(K) r^2 / 2.
-double reach_m(const LinearMachine<>& closed, double level_J) {
-  return std::sqrt(2 * level_J / dense::symmetric_eigenvalues(dense::symmetric_part(closed.stiffness)).maxCoeff());
+double reach_m(const LinearMachine<>& closed, const VectorXd& unit, double level_J) {
+  const MatrixXd stiffness = unit.asDiagonal() * (dense::symmetric_part(closed.stiffness) * unit.asDiagonal());
+  return std::sqrt(2 * level_J / dense::symmetric_eigenvalues(stiffness).maxCoeff());
 }
 
-bool meets(const LinearMachine<>& closed, const PdWants& wants) {
+Assessment assessed(const LinearMachine<>& closed, const PdWants& wants) {
   const Attractivity a = certify_attractivity(closed);
-  return a.certified && a.all_of_E && a.rho_star_J >= wants.region_J && reach_m(closed, a.rho_star_J) >= wants.reach_m;
+  const bool region = a.certified && a.all_of_E && a.rho_star_J >= wants.region_J;
+  return {region && reach_m(closed, unit_of(wants, closed.coordinates()), a.rho_star_J) >= wants.reach_m, a.rho_star_J};
 }
 
-// Says whether E is attractive from everywhere even with less damping. The eigencolumns are those of the closed loop
-// itself.
-bool attracts_with_reserve(LinearMachine<> closed, double reserve_Ns_per_m) {
-  closed.damping.diagonal().array() -= reserve_Ns_per_m;
+// Says whether E is attractive from everywhere even with less damping, of the same rate for every mass. The
+// eigencolumns are those of the closed loop itself.
+bool attracts_with_reserve(LinearMachine<> closed, double reserve_per_s) {
+  closed.damping.diagonal() -= reserve_per_s * closed.mass.diagonal();
   return std::isinf(certify_attractivity(closed).rho_star_J);
 }
 
 void require_solvable(const ActuatedSystem& system, const PdWants& wants) {
+  require_valid(system.machine);
+  const Index n = system.machine.coordinates();
+  if (system.actuators.rows() != n || system.actuators.cols() == 0)
+    throw InputError{"actuators", "must have a row for each coordinate and a column for each actuator"};
   if (!(wants.resting_error_m > 0)) throw InputError{"the wanted resting error must be above 0 m"};
   if (!(wants.region_J >= 0)) throw InputError{"the wanted region must be 0 J or more"};
   if (!(wants.reach_m >= 0)) throw InputError{"the wanted reach must be 0 m or more"};
+  if (wants.unit.size() > 0 && (wants.unit.size() != n || !(wants.unit.array() > 0).all() || !wants.unit.allFinite()))
+    throw InputError{"the units of the wants must be above 0, one for each coordinate"};
   if (system.actuators.cwiseAbs().maxCoeff() == 0) throw InputError{"actuators are all 0: give each a direction"};
   for (const Condition& condition : machine_conditions(system)) {
     if (!condition.holds) throw InputError{condition.name + " fails: " + condition.reason};
   }
 }
 
-MatrixXd position_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure) {
+MatrixXd position_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure,
+                       const SearchProgress& progress) {
   const LinearMachine<>& machine = system.machine;
-  const double open_m = resting_error_m(machine);
+  const VectorXd unit = unit_of(wants, machine.coordinates());
+  const double open_m = resting_error(machine, unit);
   if (std::isfinite(open_m) && open_m <= wants.resting_error_m * (1 + resting_tolerance)) {
     return MatrixXd{MatrixXd::Zero(system.actuators.cols(), machine.mass.rows())};
   }
@@ -55,52 +73,62 @@ MatrixXd position_gain(const ActuatedSystem& system, const PdWants& wants, GainS
         "the stiffness is not symmetric and positive definite, so the machine needs gains of position: say how "
         "far from the target it may rest (resting error)"};
   }
-  if ((machine.directions * machine.friction_N).isZero(0)) {
+  if ((machine.directions * machine.friction_N.asDiagonal()).isZero(0)) {
     throw InputError{"the machine has no friction, so there is no resting error to design for: add its friction"};
   }
-  return structure == GainStructure::full ? full_position_gain(system, wants.resting_error_m)
-                                          : identical_position_gain(system, wants.resting_error_m);
+  const VectorXd limit_m = wants.resting_error_m * unit;
+  return structure == GainStructure::full ? full_position_gain(system, limit_m, wants.resting_error_m, progress)
+                                          : identical_position_gain(system, limit_m, wants.resting_error_m, progress);
 }
 
-MatrixXd velocity_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure) {
+MatrixXd velocity_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure,
+                       const SearchProgress& progress) {
   const MatrixXd& damping = system.machine.damping;
-  if ((symmetric(damping) || structure == GainStructure::identical) && meets(system.machine, wants)) {
+  if ((symmetric(damping) || structure == GainStructure::identical) && assessed(system.machine, wants).accepted) {
     return MatrixXd{MatrixXd::Zero(system.actuators.cols(), damping.rows())};
   }
   const bool everywhere = std::isinf(wants.region_J) || std::isinf(wants.reach_m);
-  const Accepts accepts = [&](const LinearMachine<>& closed) {
-    return meets(closed, wants) &&
-           (!everywhere ||
-            attracts_with_reserve(closed, 0.99 * damping_reserve * damping_unit_Ns_per_m(system.machine)));
+  const double reserve_per_s = 0.99 * damping_reserve * damping_unit_per_s(in_mass_units(system).system.machine);
+  const Assess assess = [&](const MatrixXd& gain) {
+    const LinearMachine<> closed = closed_loop(system, {MatrixXd::Zero(gain.rows(), gain.cols()), gain});
+    Assessment found = assessed(closed, wants);
+    found.accepted = found.accepted && (!everywhere || attracts_with_reserve(closed, reserve_per_s));
+    return found;
   };
-  return structure == GainStructure::full ? full_velocity_gain(system, everywhere, accepts)
-                                          : identical_velocity_gain(system, accepts);
+  return structure == GainStructure::full ? full_velocity_gain(system, everywhere, assess, progress)
+                                          : identical_velocity_gain(system, assess, progress);
 }
 
 }  // namespace
 
-double resting_error_m(const LinearMachine<>& system) {
-  if (!symmetric(system.stiffness)) return infinite;
-  const dense::Cholesky factors(system.stiffness);
+double resting_error(const LinearMachine<>& system, const VectorXd& limit_m) {
+  if (!symmetric(system.stiffness) || !(system.stiffness.diagonal().array() > 0).all()) return infinite;
+  const VectorXd unit = system.stiffness.diagonal().cwiseSqrt().cwiseInverse();
+  const dense::Cholesky factors(unit.asDiagonal() * (system.stiffness * unit.asDiagonal()));
   if (!factors.succeeded() || factors.reciprocal_condition() < 1e-14) return infinite;
-  return factors.solve(system.directions * system.friction_N.asDiagonal()).cwiseAbs().rowwise().sum().maxCoeff();
+  const MatrixXd pushes = unit.asDiagonal() * (system.directions * system.friction_N.asDiagonal());
+  const VectorXd extent_m = unit.cwiseProduct(factors.solve(pushes).cwiseAbs().rowwise().sum());
+  return extent_m.cwiseQuotient(limit_m).maxCoeff();
 }
 
-PdDesign synthesize(const ActuatedSystem& system, const PdWants& wants, GainStructure structure) {
+PdDesign synthesize(const ActuatedSystem& system, const PdWants& wants, GainStructure structure,
+                    const DesignProgress& progress) {
+  constexpr double position_share = 0.2;  // of the work; it takes two programs, the velocity some twenty-five
   require_solvable(system, wants);
   PdDesign design;
-  const Eigen::Index k = system.actuators.cols(), n = system.machine.mass.rows();
-  design.gains = {position_gain(system, wants, structure), MatrixXd::Zero(k, n)};
+  const Index k = system.actuators.cols(), n = system.machine.coordinates();
+  design.gains = {position_gain(system, wants, structure, {progress, 0, position_share}), MatrixXd::Zero(k, n)};
 
   const ActuatedSystem stiffened{closed_loop(system, design.gains), system.actuators};
-  design.gains.velocity_Ns_per_m = velocity_gain(stiffened, wants, structure);
+  design.gains.velocity_Ns_per_m = velocity_gain(stiffened, wants, structure, {progress, position_share, 1});
 
+  const VectorXd unit = unit_of(wants, n);
   design.closed_loop = closed_loop(system, design.gains);
   design.attractivity = certify_attractivity(design.closed_loop);
   design.extent_m = EquilibriumSet::make(design.closed_loop).extent();
-  design.reach_m = reach_m(design.closed_loop, design.attractivity.rho_star_J);
-  if (!meets(design.closed_loop, wants) ||
-      design.extent_m.maxCoeff() > wants.resting_error_m * (1 + resting_tolerance)) {
+  design.reach_m = reach_m(design.closed_loop, unit, design.attractivity.rho_star_J);
+  if (!assessed(design.closed_loop, wants).accepted ||
+      design.extent_m.cwiseQuotient(unit).maxCoeff() > wants.resting_error_m * (1 + resting_tolerance)) {
     throw InputError{"the gains found do not pass the certificate: " +
                      (design.attractivity.reason.empty()
                           ? "rounding is too coarse for what is wanted; ask for a little less"

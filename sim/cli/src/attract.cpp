@@ -64,6 +64,8 @@ std::vector<SweepRow> swept(const scenario::MachineScenario& s) {
 
 Found find(const AttractCommand& options, const scenario::MachineScenario& s) {
   const std::array<int, 2> plane = read_plane(options.plane, static_cast<int>(s.machine.coordinates()));
+  Progress progress{"proving", options.progress};
+  progress.say("the theorem's conditions");
   Found found{sil::certify(s.machine),
               stability::EquilibriumSet::make(s.machine),
               stability::closed_form_rho_J(s.machine),
@@ -73,7 +75,6 @@ Found find(const AttractCommand& options, const scenario::MachineScenario& s) {
   if (found.attractivity().level_J == 0) return found;
   const double half_width =
       options.window > 0 ? options.window : study::fitting_half_width(s.machine, found.attractivity(), plane);
-  Progress progress{"proving", options.progress};
   found.region = study::certify_region(s, found.certificates, {half_width, plane, options.depth}, options.threads,
                                        [&](double share) { progress.tell(share); });
   found.sections = report::regions(s.machine, found.certificates, {2, half_width, plane});

@@ -70,6 +70,8 @@ std::string to_json(const Synthesis& s) {
     json.object("simulation", [&] {
       json.member("trajectories", s.batch.trajectories);
       json.member("at_rest", s.batch.at_rest);
+      json.member("on_their_way", s.batch.on_their_way);
+      json.member("refused", s.batch.refused);
       json.member("seed", s.seed);
       json.member("level_J", s.simulated_level_J);
       json.member("duration_s", s.simulated_for_s);
@@ -97,6 +99,11 @@ void print_summary(const Synthesis& s) {
   }
   fmt::print("  simulated      {} of {} starts with V < {:.6g} J came to rest (seed {})\n", s.batch.at_rest,
              s.batch.trajectories, s.simulated_level_J, s.seed);
+  if (s.batch.on_their_way > 0) {
+    fmt::print("  on their way   {} of them, with less energy than at first, when {:.6g} s were over\n",
+               s.batch.on_their_way, s.simulated_for_s);
+  }
+  if (s.batch.refused > 0) fmt::print("  refused        {} of them, by the integrator\n", s.batch.refused);
   if (s.batch.not_at_rest) {
     fmt::print("  COUNTER-EXAMPLE from q = {}, v = {}\n", matrix_text(s.batch.not_at_rest->q.transpose()),
                matrix_text(s.batch.not_at_rest->v.transpose()));

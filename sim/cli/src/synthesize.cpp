@@ -16,6 +16,7 @@
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/stability/synthesis.hpp"
 #include "commands.hpp"
+#include "progress.hpp"
 #include "synthesis_report.hpp"
 
 namespace breakaway::cli {
@@ -33,6 +34,7 @@ struct SynthesizeCommand {
   std::vector<double> sweep;
   int trajectories = 200;
   std::uint64_t seed = 1;
+  bool progress = false;
 };
 
 void read_want(const std::string& text, PdWants& wants) {
@@ -94,7 +96,9 @@ void simulate(const SynthesizeCommand& options, Synthesis& s) {
   // Near the border of B the energy hardly falls: so many periods of the slowest oscillation are plenty.
   s.simulated_for_s = std::max(s.closed_loop.duration_s, 2e4 * std::acos(-1.0) / std::sqrt(slowest.eigenvalues()[0]));
   if (s.simulated_level_J > 0) {
-    s.batch = study::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, s.seed);
+    Progress progress{"simulating", options.progress};
+    s.batch = study::run_to_rest(s.closed_loop, s.simulated_level_J, s.simulated_for_s, options.trajectories, s.seed,
+                                 [&](double share) { progress.tell(share); });
   }
 }
 
@@ -111,11 +115,13 @@ std::string draw(const SynthesizeCommand& options, const Synthesis& s, const sta
   return report::draw_sweep(options.picture, machines);
 }
 
-stability::PdDesign synthesized(const std::string& file, const stability::ActuatedSystem& system, const PdWants& wants,
-                                stability::GainStructure structure) try {
-  return stability::synthesize(system, wants, structure);
+stability::PdDesign synthesized(const SynthesizeCommand& options, const stability::ActuatedSystem& system,
+                                const PdWants& wants) try {
+  const auto structure = options.gains == "full" ? stability::GainStructure::full : stability::GainStructure::identical;
+  Progress progress{"searching gains", options.progress};
+  return stability::synthesize(system, wants, structure, [&](double share) { progress.tell(share); });
 } catch (const InputError& error) {
-  throw error.in_file(file);
+  throw error.in_file(options.system);
 }
 
 int synthesize(const SynthesizeCommand& options) {
@@ -129,8 +135,7 @@ int synthesize(const SynthesizeCommand& options) {
   s.structure = options.gains;
   s.seed = options.seed;
   s.system = {open.scenario.machine, open.actuators};
-  const auto structure = options.gains == "full" ? stability::GainStructure::full : stability::GainStructure::identical;
-  s.design = synthesized(options.system, s.system, wants, structure);
+  s.design = synthesized(options, s.system, wants);
   s.conditions = stability::machine_conditions(s.system);
   for (const auto& condition : stability::loop_conditions(s.design.closed_loop)) s.conditions.push_back(condition);
   s.theorem_2 = stability::verify_theorem_2(s.system, s.design.gains.position_N_per_m);
@@ -146,7 +151,7 @@ int synthesize(const SynthesizeCommand& options) {
   if (!options.json.empty()) format::write_output(options.json, to_json(s));
   if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-" && options.scenario != "-") print_summary(s);
-  return s.batch.at_rest == s.batch.trajectories ? done : failed_check;
+  return s.batch.not_at_rest ? failed_check : done;
 }
 
 }  // namespace
@@ -188,6 +193,7 @@ void add_synthesize(CLI::App& app, int& exit_code) {
       ->check(file_name);
   command->add_option("--picture", options->picture, "Draw the sweep to this .svg or .png (needs gnuplot)")
       ->check(file_name);
+  add_progress(*command, options->progress);
   command->footer(
       std::string{
           "Example: breakaway synthesize sim/scenarios/two_mass_actuated.toml --want resting-error=1 --want region=16 "

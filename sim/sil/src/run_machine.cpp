@@ -155,6 +155,7 @@ MachineResult run_machine(const scenario::MachineScenario& s, const RecordingOpt
   } catch (const AccuracyRefused&) {
     throw;  // it names the file
   } catch (const InputError& error) {
+    if (s.file.empty()) throw;  // of the type that it is
     throw error.in_file(s.file);
   }
 }

@@ -61,15 +61,16 @@ class EquilibriumSet {
 
   InputError unbounded() const;
 
-  Eigen::MatrixXd facets_;      // E is |facets_ q| <= bounds_, row by row ...
+  Eigen::VectorXd unit_;        // q = unit_ y, entry by entry
+  Eigen::MatrixXd facets_;      // E is |facets_ y| <= bounds_, row by row ...
   Eigen::VectorXd bounds_;      // N
-  Eigen::MatrixXd unheld_;      // ... and unheld_ q = 0: spring forces that no friction acts against
+  Eigen::MatrixXd unheld_;      // ... and unheld_ y = 0: spring forces that no friction acts against
   Eigen::VectorXd unheld_row_;  // norms of the rows of unheld_
   Eigen::VectorXd extent_;
-  Eigen::MatrixXd stiffness_;
-  Eigen::MatrixXd pushes_;  // W diag(p): E is K^-1 pushes_ s with |s_i| <= 1
-  Eigen::MatrixXd reach_;   // K^-1 pushes_; empty when K is singular
-  Eigen::VectorXd slack_;   // a direction without spring force, when K is singular
+  Eigen::MatrixXd stiffness_;  // of y
+  Eigen::MatrixXd pushes_;     // W diag(p) of y: y is in E where it is stiffness_^-1 pushes_ s with |s_i| <= 1
+  Eigen::MatrixXd reach_;      // K^-1 W diag(p); empty when K is singular
+  Eigen::VectorXd slack_;      // a direction without spring force, when K is singular
 };
 
 }  // namespace breakaway::stability

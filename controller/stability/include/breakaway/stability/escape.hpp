@@ -15,15 +15,18 @@
 namespace breakaway::stability {
 
 // An EscapeLevel stands for one unstable mode. Every state with |z| > level is lost, where z = (real + i imaginary) .
-// (q, q').
+// (q, q'). What rounding may have made of z is at most 1e-12 of the length of (q, q') in the unit of each entry.
 struct EscapeLevel {
-  Eigen::VectorXd real, imaginary;  // w, 2n each, |w| = 1
+  Eigen::VectorXd real, imaginary;  // w, 2n each
+  Eigen::VectorXd unit;             // of (q, q'), entry by entry: masses, springs and w are of the size 1 in it
   double growth_rate;               // s_r > 0 [1/s]
   double level;                     // b / s_r, rounded up
 };
 
-// Returns the levels of all modes that grow faster than rounding can tell from standing still; none for a stable
-// machine. The proof is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of w and s.
+// Returns the levels of the modes that grow, by more than 1e-12 of their frequency and by more than rounding can tell
+// from standing still, whatever units the machine is written in; none for a stable machine. The proof is in exact
+// arithmetic; levels carry a margin of 1e-9 for the rounding of s and of 1e-12 for that of w. A mode that rounding
+// leaves less certain, next to a defective eigenvalue, has no level.
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system);
 
 }  // namespace breakaway::stability

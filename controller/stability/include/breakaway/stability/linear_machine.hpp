@@ -72,9 +72,8 @@ void require_well_formed(const LinearMachine<>& machine);
 // Asks, besides, for a mass that is symmetric and positive definite, without which nothing can be simulated.
 void require_valid(const LinearMachine<>& machine);
 
-// Says whether each entry equals the one across the diagonal up to 1e-12 of it, or of the two diagonal entries in its
-// row and column: a closed loop K + S F is symmetric to rounding only, and no unit of a coordinate may hide a skew
-// part.
+// Says whether each entry equals the one across the diagonal but for the rounding of decimal numbers to double, 2^-53
+// of each of the two. What differs by more is a skew part of the machine itself, and a skew stiffness can feed it.
 bool symmetric(const Eigen::MatrixXd& matrix);
 
 // The least eigenvalue of a symmetric matrix that is scaled to a unit diagonal, so that no unit of length or mass makes
@@ -82,13 +81,11 @@ bool symmetric(const Eigen::MatrixXd& matrix);
 double definiteness(const Eigen::MatrixXd& matrix);
 
 // The closed loop (29) of the machine under u = -F1 q - F2 v through the actuators S of (28): n x p, p x n and p x n.
-template <int N, int M, class Actuators, class PositionGain, class VelocityGain>
-LinearMachine<N, M> with_feedback(LinearMachine<N, M> machine, const Actuators& actuators,
-                                  const PositionGain& position_gain, const VelocityGain& velocity_gain) {
-  machine.stiffness += actuators * position_gain;
-  machine.damping += actuators * velocity_gain;
-  return machine;
-}
+//
+// S F is known to its rounding only. Where gains make two entries of K_cl or C_cl across the diagonal that differ by no
+// more than this rounding, (p + 8) 2^-53 (|K| + |S| |F|) of each, both become their mean: they are meant to be equal.
+LinearMachine<> with_feedback(LinearMachine<> machine, const Eigen::MatrixXd& actuators,
+                              const Eigen::MatrixXd& position_gain, const Eigen::MatrixXd& velocity_gain);
 
 // The velocities after a generalized impulse (N s): v + M^-1 p.
 template <int N, int M>

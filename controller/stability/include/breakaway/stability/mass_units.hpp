@@ -15,6 +15,13 @@ namespace breakaway::stability {
 // Returns the diagonal of D. The mass must have a positive diagonal.
 Eigen::VectorXd mass_units(const Eigen::MatrixXd& mass);
 
+// A power of two near the first mass, to divide M, C, K, p and f by. A root of twice the mass has other digits; in this
+// unit of force a machine of twice the masses and forces has the same.
+double force_unit(const Eigen::MatrixXd& mass);
+
+// Returns the machine with its forces, and with them its energies, divided by `unit`.
+LinearMachine<> in_force_unit(LinearMachine<> machine, double unit);
+
 // Returns the machine in coordinates y with q = diag(unit) y.
 LinearMachine<> in_units(const LinearMachine<>& machine, const Eigen::VectorXd& unit);
 

@@ -27,7 +27,8 @@ struct PdGains {
 // (29).
 LinearMachine<> closed_loop(const ActuatedSystem& system, const PdGains& gains);
 
-// No gain can change these conditions, so they decide whether there are gains at all. With Z an orthonormal basis of
+// No gain can change these conditions, so they decide whether there are gains at all. They are examined in mass units
+// (mass_units.hpp), so that no unit changes the answer. With Z an orthonormal basis of
 // the coordinates that no actuator acts on (Z^T S = 0), Z^T K_cl = Z^T K and Z^T C_cl = Z^T C.
 //   stiffness_symmetric, stiffness_positive: Z^T K Z must be so. They are sufficient, too: then K_cl can be made
 //     symmetric and positive definite;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct PdWants {
   double resting_error_m = std::numeric_limits<double>::infinity();
   double region_J = 0;  // >= 0: B = { V < rho* } with rho* at least this; infinite: attractive from everywhere
   double reach_m = 0;   // >= 0: every rest with |q| < reach_m, the Euclidean norm, lies in B
+  // What counts as 1 m of each coordinate in these wants, > 0, so that metres and radians can be wanted together; 1
+  // where it is empty.
+  Eigen::VectorXd unit = {};
 };
 
 enum class GainStructure {
@@ -34,8 +38,11 @@ struct PdDesign {
   LinearMachine<> closed_loop;
   Attractivity attractivity;  // of the closed loop: all of E is certified
   Eigen::VectorXd extent_m;   // the largest |q_i| in E
-  double reach_m = 0;         // every rest with |q| below this lies in B; infinite when B is everything
+  double reach_m = 0;         // every rest with |q| below this, in the unit of the wants, lies in B; may be infinite
 };
+
+// Called with the share of the search that is done, 0 to 1, as far as it can be foreseen.
+using DesignProgress = std::function<void(double share)>;
 
 // The gains of position first, as they decide about E: none if the machine is good enough as it is, else
 //   full: those of the softest closed loop, which has the greatest reach for a given rho* (rho* does not depend on K):
@@ -45,13 +52,19 @@ struct PdDesign {
 //   identical: the least p.
 // Then the least gains of velocity for the region, the reach and for all of E to lie in B:
 //   full: the least spectral norm of F2 under which the eigenvalues of C_cl are above a limit -g, for the largest
-//     g that will do, searched for with Theorem 1 itself;
+//     g that will do, searched for with Theorem 1 itself. Norm, eigenvalues and limit are those in mass units
+//     (mass_units.hpp), with actuators of unit length there;
 //   identical: the least d.
-// "Attractive from everywhere" is designed with a margin: the eigenvalues of C_cl are at least 1e-3 of the size of C.
+// "Attractive from everywhere" is designed with a margin: the eigenvalues of C_cl are at least 1e-3 of the size of C,
+// both in mass units.
+//
+// The same machine in other units of its coordinates, actuators, time and force has the same gains in these units: to
+// the last bit where the units differ by powers of two, of time and coordinates in any case.
 //
 // Whatever the search does, the result has passed Theorem 1 and the exact equilibrium set. Errors name what no gain can
 // change (see machine_conditions), or the best that was found instead.
-PdDesign synthesize(const ActuatedSystem& system, const PdWants& wants, GainStructure structure);
+PdDesign synthesize(const ActuatedSystem& system, const PdWants& wants, GainStructure structure,
+                    const DesignProgress& progress = {});
 
 // The region of attraction as the velocity gains grow: Figure 4 of [A].
 struct GainSweepRow {

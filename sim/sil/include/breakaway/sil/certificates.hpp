@@ -37,8 +37,8 @@ class ProvenFate {
     rho_J_ = certificates.attractivity.level_J * (1 - margin);
     const Eigen::Index n = machine.coordinates();
     for (const stability::EscapeLevel& escape : certificates.escapes) {
-      modes_.push_back(
-          {escape.real.head(n), escape.real.tail(n), escape.imaginary.head(n), escape.imaginary.tail(n), escape.level});
+      modes_.push_back({escape.real.head(n), escape.real.tail(n), escape.imaginary.head(n), escape.imaginary.tail(n),
+                        escape.unit.head(n).cwiseInverse(), escape.unit.tail(n).cwiseInverse(), escape.level});
     }
   }
 
@@ -49,7 +49,8 @@ class ProvenFate {
     for (const Mode& mode : modes_) {
       const double size = std::hypot(mode.real_q.dot(q) + mode.real_v.dot(state.v),
                                      mode.imaginary_q.dot(q) + mode.imaginary_v.dot(state.v));
-      const double rounding = margin * std::sqrt(q.squaredNorm() + state.v.squaredNorm());  // |w| = 1
+      const double rounding = margin * std::sqrt(mode.per_unit_q.cwiseProduct(q).squaredNorm() +
+                                                 mode.per_unit_v.cwiseProduct(state.v).squaredNorm());
       if (size > mode.level + rounding) return hybrid::Verdict::lost;
     }
     return hybrid::Verdict::undecided;
@@ -60,7 +61,7 @@ class ProvenFate {
   static constexpr double margin = 1e-12;
 
   struct Mode {
-    Vector real_q, real_v, imaginary_q, imaginary_v;
+    Vector real_q, real_v, imaginary_q, imaginary_v, per_unit_q, per_unit_v;
     double level;
   };
 
