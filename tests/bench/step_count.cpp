@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "breakaway/design/k3.hpp"
+#include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 #include "callgrind_count.hpp"
@@ -170,6 +171,21 @@ void count_simulation() {
   count_plant("plant, constant friction", s, r);
 }
 
+// The example of van de Wouw & Leine with two masses, to its rest.
+template <int N, int M>
+void count_events(const std::string& size) {
+  hybrid::LinearMachine<N, M> machine{Eigen::Matrix2d::Identity(), Eigen::Matrix2d{{0.125, 0.375}, {0.375, 0.125}},
+                                      Eigen::Matrix2d{{2, -1}, {-1, 2}}, Eigen::Matrix2d::Identity(),
+                                      Eigen::Vector2d::Ones()};
+  const hybrid::EventDriven<N, M> integrator{machine};
+  const hybrid::MachineState<N> start{0, Eigen::Vector2d{2.5, -1}, Eigen::Vector2d::Zero()};
+  auto outcome = integrator.run(start, 60);  // modes are factorised when first met
+  start_counting();
+  count(size, [&] { outcome = integrator.run(start, 60); });
+  stop_counting();
+  std::printf("fact %s/segments %llu\n", size.c_str(), static_cast<unsigned long long>(outcome.steps));
+}
+
 int run(std::string_view part) {
   const std::map<std::string_view, std::function<void()>> parts{
       {"law", [] { count_law<float>(), count_law<double>(); }},
@@ -180,11 +196,16 @@ int run(std::string_view part) {
          for (const std::size_t axes : {1U, 2U, 4U, 8U}) count_loop(axes);
        }},
       {"simulation", count_simulation},
+      {"events",
+       [] {
+         count_events<2, 2>("compiled size");
+         count_events<Eigen::Dynamic, Eigen::Dynamic>("any size");
+       }},
       {"tick", [] { count_scenario(axis_scenario()); }}};
   if (!can_count() || !parts.contains(part)) {
     std::fputs(
         "usage: valgrind --tool=callgrind --instr-atstart=no --combine-dumps=yes \\\n"
-        "         step_count law|k3|drive|loop|simulation|tick\n",
+        "         step_count law|k3|drive|loop|simulation|events|tick\n",
         stderr);
     return 2;
   }

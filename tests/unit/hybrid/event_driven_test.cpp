@@ -206,6 +206,31 @@ TEST(EventDriven, EndsOnTheCallersDecision) {
   EXPECT_LT(outcome.settling_time_s, 7.2);
 }
 
+// A machine whose size is read at run time is handed to code of that size, with its observer and its decision.
+TEST(EventDriven, GivesTheSameBitsAtASizeThatIsReadAtRunTime) {
+  std::vector<Event> log, log_of_any;
+  std::vector<double> seen, seen_of_any;
+  const auto end = EventDriven<2, 2>(two_mass_example()).run({0, {2.5, -1}, {0, 0}}, 60, &log, [&](const auto& s) {
+    seen.push_back(s.q[0]);
+  });
+  const MachineState<Eigen::Dynamic> start{0, Eigen::Vector2d{2.5, -1}, Eigen::Vector2d{0, 0}};
+  const EventDriven<> any(breakaway::stability::unsized(two_mass_example()));
+  const auto end_of_any = any.run(start, 60, &log_of_any, [&](const auto& s) { seen_of_any.push_back(s.q[0]); });
+  EXPECT_EQ(end_of_any.verdict, end.verdict);
+  EXPECT_EQ(end_of_any.settling_time_s, end.settling_time_s);
+  EXPECT_EQ(end_of_any.end.q, end.end.q);
+  EXPECT_EQ(end_of_any.steps, end.steps);
+  EXPECT_EQ(end_of_any.events, end.events);
+  EXPECT_EQ(seen_of_any, seen);
+  ASSERT_EQ(log_of_any.size(), log.size());
+  for (std::size_t i = 0; i < log.size(); ++i) EXPECT_EQ(log_of_any[i].time_s, log[i].time_s);
+
+  const EventDriven<> decided(breakaway::stability::unsized(two_mass_example()),
+                              [](const auto& s) { return s.q.norm() < 1 ? Verdict::lost : Verdict::undecided; });
+  EXPECT_EQ(decided.run(start, 60).verdict, Verdict::lost);
+  EXPECT_THROW(any.run({0, Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero()}, 1), InputError);
+}
+
 TEST(EventDriven, RefusesByName) {
   auto machine = two_mass_example();
   machine.friction_N[1] = -1;

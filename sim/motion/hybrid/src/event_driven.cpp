@@ -1,5 +1,5 @@
-// The sizes that are compiled once: two coordinates with two frictions, as in the example of van de Wouw & Leine, and
-// any size. Whoever needs another one compiles it from the header.
+// The sizes that are compiled once: two coordinates with two frictions, as in the example of van de Wouw & Leine, one
+// and two coordinates with any frictions, and any size. Whoever needs another one compiles it from the header.
 #include "breakaway/hybrid/event_driven.hpp"
 
 namespace breakaway::hybrid {
@@ -7,6 +7,14 @@ namespace breakaway::hybrid {
 template class Segment<2, 2>;
 template class HybridModes<2, 2>;
 template class EventDriven<2, 2>;
+
+template class Segment<1, Eigen::Dynamic>;
+template class HybridModes<1>;
+template class EventDriven<1>;
+
+template class Segment<2, Eigen::Dynamic>;
+template class HybridModes<2>;
+template class EventDriven<2>;
 
 template class Segment<Eigen::Dynamic, Eigen::Dynamic>;
 template class HybridModes<>;

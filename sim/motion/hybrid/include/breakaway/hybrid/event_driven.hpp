@@ -10,10 +10,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "breakaway/hybrid/budget.hpp"
+#include "breakaway/hybrid/compiled_size.hpp"
 #include "breakaway/hybrid/friction_groups.hpp"
 #include "breakaway/hybrid/hybrid_modes.hpp"
 #include "breakaway/hybrid/refused.hpp"
@@ -29,6 +32,8 @@ namespace breakaway::hybrid {
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 class EventDriven {
  public:
+  static constexpr int coordinates = N;
+
   // Throws InputError for a machine that require_valid() refuses or with more than 16 directions.
   explicit EventDriven(const LinearMachine<N, M>& machine, EarlyDecision<N> decision = {});
 
@@ -50,8 +55,11 @@ class EventDriven {
   using Modes = HybridModes<N, M>;
   using Set = StickSet<N, M>;
   using State = HybridState<N, M>;
-  using Signs = Eigen::Matrix<double, M, 1>;
+  using Signs = hybrid::Signs<M>;
   using Ending = typename Segment<N, M>::Ending;
+  // The same machine at a size that the compiler knows, which takes less than half of the instructions.
+  using Compiled =
+      std::conditional_t<N == Eigen::Dynamic, CompiledSize<EventDriven<1>, EventDriven<2>>, std::monostate>;
 
   // The run at the last event.
   struct Walk {
@@ -65,6 +73,14 @@ class EventDriven {
   };
 
   static const LinearMachine<N, M>& checked(const LinearMachine<N, M>& machine);
+  static Compiled make_compiled([[maybe_unused]] const LinearMachine<N, M>& machine,
+                                [[maybe_unused]] const EarlyDecision<N>& decision) {
+    if constexpr (N == Eigen::Dynamic) {
+      return Compiled{stability::unsized(machine), decision};
+    } else {
+      return {};
+    }
+  }
   static int largest_exponent(const LinearMachine<N, M>& machine);
   static LinearMachine<N, M> scaled(LinearMachine<N, M> machine, int exponent);
 
@@ -91,6 +107,7 @@ class EventDriven {
   double work_of_an_event() const;
   [[noreturn]] void refuse(const Walk& walk, double end_time_s) const;
 
+  Compiled compiled_;
   EarlyDecision<N> decision_;
   int exponent_;  // forces, coordinates and velocities are in units of 2^exponent_
   FrictionGroups groups_;
@@ -99,8 +116,9 @@ class EventDriven {
 
 template <int N, int M>
 EventDriven<N, M>::EventDriven(const LinearMachine<N, M>& machine, EarlyDecision<N> decision)
-    : decision_{std::move(decision)},
-      exponent_{largest_exponent(checked(machine))},
+    : compiled_{make_compiled(checked(machine), decision)},
+      decision_{std::move(decision)},
+      exponent_{largest_exponent(machine)},
       groups_{group_frictions(stability::unsized(scaled(machine, -exponent_)))},
       modes_{stability::sized<N, M>(groups_.machine)} {}
 
@@ -350,6 +368,9 @@ void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_s, std::vector<Event>* log,
                                   const Observer<N>& observer, const Budget& budget) const {
+  if constexpr (N == Eigen::Dynamic) {
+    if (compiled_.takes(start)) return compiled_.run(start, end_time_s, log, observer, budget);
+  }
   Walk walk = begin(start, end_time_s, 0);
   walk.log = log;
   walk.budget = budget;
@@ -359,6 +380,9 @@ Outcome<N> EventDriven<N, M>::run(const MachineState<N>& start, double end_time_
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::resume(const MachineState<N>& start, DirectionSet& sticking, double end_time_s,
                                      std::vector<Event>* log, const Budget& budget) const {
+  if constexpr (N == Eigen::Dynamic) {
+    if (compiled_.takes(start)) return compiled_.resume(start, sticking, end_time_s, log, budget);
+  }
   Walk walk = begin(start, end_time_s, sticking);
   walk.log = log;
   walk.budget = budget;
@@ -371,6 +395,7 @@ template <int N, int M>
 void EventDriven<N, M>::set_force(const Eigen::Matrix<double, N, 1>& force_N) {
   if (force_N.size() != modes_.machine().coordinates() || !force_N.allFinite())
     throw InputError{"the force is not finite or not of the machine's size: give a number for each coordinate"};
+  if constexpr (N == Eigen::Dynamic) compiled_.set_force(force_N);
   Eigen::Matrix<double, N, 1> scaled_N = force_N;
   for (double& value_N : scaled_N) value_N = std::ldexp(value_N, -exponent_);
   modes_.set_force(scaled_N);
@@ -401,6 +426,8 @@ Outcome<N> EventDriven<N, M>::follow(Walk& walk, double end_time_s, const Observ
 }
 
 extern template class EventDriven<2, 2>;
+extern template class EventDriven<1>;
+extern template class EventDriven<2>;
 extern template class EventDriven<>;
 
 }  // namespace breakaway::hybrid

@@ -24,9 +24,9 @@ namespace breakaway::hybrid {
 template <int N, int M>
 struct HybridState {
   Eigen::Matrix<double, N, 1> q, v;
-  Eigen::Matrix<double, M, 1> signs;  // of sliding; 0 while sticking
-  DirectionSet sticking = 0;          // with all directions that cannot slide while these stick
-  double time_s = 0;                  // for what is told to a person
+  hybrid::Signs<M> signs;     // of sliding; 0 while sticking
+  DirectionSet sticking = 0;  // with all directions that cannot slide while these stick
+  double time_s = 0;          // for what is told to a person
 };
 
 // HybridModes is for one thread, because stick sets are factorised when first met. Copies are cheap and independent.
@@ -48,7 +48,10 @@ class HybridModes {
     machine_.force_N = force_N;
     measure_greatest_force();
   }
-  const Set& set(DirectionSet directions) const;
+  const Set& set(DirectionSet directions) const {
+    const auto& found = sets_[directions];
+    return found ? *found : make_set(directions);
+  }
   bool frictionless(Eigen::Index i) const { return !contains(rubbing_, i); }
 
   // All forces but those of springs, dampers and sticking directions.
@@ -73,7 +76,7 @@ class HybridModes {
   void release(State& state, int forced_facet) const;
 
  private:
-  using Signs = Eigen::Matrix<double, M, 1>;
+  using Signs = hybrid::Signs<M>;
 
   // Holds a few directions, off the heap.
   struct Indices {
@@ -91,6 +94,7 @@ class HybridModes {
     DirectionSet forced = 0;  // those of the face that is being crossed
   };
 
+  const Set& make_set(DirectionSet directions) const;
   // The sizes of the terms of force(), and of all forces.
   Vector applied_terms(const State& state) const;
   Vector force_terms(const State& state) const {
@@ -140,16 +144,13 @@ HybridModes<N, M>::HybridModes(LinearMachine<N, M> machine)
 }
 
 template <int N, int M>
-const StickSet<N, M>& HybridModes<N, M>::set(DirectionSet directions) const {
-  auto& found = sets_[directions];
-  if (!found) {
-    const auto made = make_stick_set(stability::unsized(machine_), directions);
-    // Directions that cannot slide while the others stick make two names for one set.
-    auto& closed = sets_[made.sticking];
-    if (!closed) closed = std::make_shared<const Set>(fixed<N, M>(made));
-    found = closed;
-  }
-  return *found;
+const StickSet<N, M>& HybridModes<N, M>::make_set(DirectionSet directions) const {
+  const auto made = make_stick_set(stability::unsized(machine_), directions);
+  // Directions that cannot slide while the others stick make two names for one set.
+  auto& closed = sets_[made.sticking];
+  if (!closed) closed = std::make_shared<const Set>(fixed<N, M>(made));
+  sets_[directions] = closed;
+  return *closed;
 }
 
 template <int N, int M>
@@ -384,6 +385,8 @@ DirectionSet HybridModes<N, M>::leaving(const State& state, const Limited& limit
 }
 
 extern template class HybridModes<2, 2>;
+extern template class HybridModes<1>;
+extern template class HybridModes<2>;
 extern template class HybridModes<>;
 
 }  // namespace breakaway::hybrid

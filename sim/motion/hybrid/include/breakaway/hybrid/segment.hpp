@@ -131,10 +131,13 @@ class Segment {
     double free_s;      // nothing crosses zero up to here
     double others_s;    // all but one do not up to here
     double crossing_s;  // Newton's step of that one, if it surely crosses
-    bool at_crossing;   // that one is zero to rounding
+    bool falls;         // that one, which is ended_by_
   };
   Proof look_ahead(double window_s, bool stiff);
+  // Says whether what falls is zero to rounding.
+  bool at_crossing() const { return value(watches_[ended_by_]) <= rounding(watches_[ended_by_]); }
   bool set_departures();
+  double step_to_zero(const Watch<N>& watch, double c) const;
   void polish(double latest_s);
   bool eventless() const;
   bool anything_slides() const {
@@ -234,10 +237,11 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
       if (duration_s < never) move(left_s);
       return Ending::forever;
     }
-    if (proof.crossing_s < never) {
+    if (proof.falls) {
       const double surely_s = 2 * proof.crossing_s;  // the crossing is unique up to here
-      if (proof.at_crossing || (surely_s < proof.others_s && surely_s < left_s && surely_s < window_s)) {
-        polish(elapsed_s_ + (proof.at_crossing ? 0 : surely_s));
+      const bool surely = surely_s < proof.others_s && surely_s < left_s && surely_s < window_s;
+      if (surely || at_crossing()) {
+        polish(elapsed_s_ + (surely ? surely_s : 0));
         return Ending::event;
       }
     }
@@ -255,12 +259,12 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
     }
     const double least = 1e-15 * elapsed_s_;  // where rounding eats the proof, the crossing is here
     move(std::max(proof.free_s, least));
+    measure_amplitudes();
   }
 }
 
 template <int N, int M>
 typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s, bool stiff) {
-  measure_amplitudes();
   Proof proof{window_s, never, never, false};
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     const Watch<N>& watch = watches_[i];
@@ -283,12 +287,22 @@ typename Segment<N, M>::Proof Segment<N, M>::look_ahead(double window_s, bool st
     proof = {safe, proof.free_s, never, false};
     if (first >= 0) continue;
     ended_by_ = i;
+    proof.falls = true;
     const double newton = c / -first;
-    proof.at_crossing = c <= rounding(watch);
     // Kantorovich's condition is 1/2; the rest pays for the rounding of the bound.
-    if (proof.at_crossing || newton * (second / -first) < 0.25) proof.crossing_s = newton;
+    if (newton * (second / -first) < 0.25) proof.crossing_s = newton;
   }
   return proof;
+}
+
+// Newton's step, better by what the second and third derivatives say of the way: they cost less than another step.
+template <int N, int M>
+double Segment<N, M>::step_to_zero(const Watch<N>& watch, double c) const {
+  const double first = slope(watch), newton = c / -first, second = watch.sign * dot(watch.line->second, x_) / first;
+  if (!(std::abs(newton * second) < 0.25)) return newton;
+  const double h = 2 * newton / (1 + std::sqrt(1 + 2 * newton * second));
+  const double third = watch.sign * dot(watch.line->third, x_) / first, bend = h * h * third / 6;
+  return std::abs(bend) < 0.05 ? h - h * bend / (1 + h * second + 3 * bend) : h;
 }
 
 // Newton's method to rounding. The crossing is within the segment and not after latest_s, whatever a slope that is lost
@@ -298,8 +312,10 @@ void Segment<N, M>::polish(double latest_s) {
   const Watch<N>& watch = watches_[ended_by_];
   double before_s = never;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    const double c = value(watch), step_s = c / -slope(watch);
-    if (std::abs(c) <= rounding(watch) || !std::isfinite(step_s)) return;
+    const double c = value(watch);
+    if (std::abs(c) <= rounding(watch)) return;
+    const double step_s = step_to_zero(watch, c);
+    if (!std::isfinite(step_s)) return;
     const double h = std::clamp(step_s, -elapsed_s_, latest_s - elapsed_s_);
     if (h == 0) return;
     // Back in time, vibrations that have died away would grow out of their rounding: a long step starts anew.
@@ -334,6 +350,8 @@ bool Segment<N, M>::eventless() const {
 }
 
 extern template class Segment<2, 2>;
+extern template class Segment<1, Eigen::Dynamic>;
+extern template class Segment<2, Eigen::Dynamic>;
 extern template class Segment<Eigen::Dynamic, Eigen::Dynamic>;
 
 }  // namespace breakaway::hybrid

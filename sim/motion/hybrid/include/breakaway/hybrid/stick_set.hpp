@@ -18,6 +18,10 @@ inline constexpr int most_directions = 16;
 constexpr bool contains(DirectionSet set, Eigen::Index i) { return (set >> i & 1U) != 0; }
 constexpr DirectionSet only(Eigen::Index i) { return DirectionSet{1} << i; }
 
+// An entry for each direction; not on the heap.
+template <int M>
+using Signs = Eigen::Matrix<double, M, 1, 0, M == Eigen::Dynamic ? int{most_directions} : M, 1>;
+
 // A sum below this share of its own terms is rounding.
 inline constexpr double significance = 1e-12;
 
