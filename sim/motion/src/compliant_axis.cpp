@@ -218,11 +218,15 @@ CompliantAxis::Motion::Trial CompliantAxis::Motion::try_step(double step_s, bool
   CompliantEquation motion = equation();
   const double scale_m_s = speed_scale_m_s(motion, step_s);
   Trial trial;
-  trial.step = implicit
-                   ? linearly_implicit_step<components>(motion, motion.jacobian(0, y_), 0, y_, step_s,
-                                                        floor(scale_m_s, implicit_share * tolerance_, step_s))
-                   : extrapolated_step(motion, 0, y_, step_s, 0, floor(scale_m_s, explicit_share * tolerance_, step_s));
-  trial.ended_inside = motion.ended_inside();
+  if (!implicit) {
+    trial.step = extrapolated_step(motion, 0, y_, step_s, 0, floor(scale_m_s, explicit_share * tolerance_, step_s));
+    trial.ended_inside = motion.ended_inside();
+    return trial;
+  }
+  motion.watch_coarsely();
+  trial.step = linearly_implicit_step<components>(motion, motion.jacobian(0, y_), 0, y_, step_s,
+                                                  floor(scale_m_s, implicit_share * tolerance_, step_s));
+  trial.ended_inside = motion.ended_inside() || motion.slack_fails_between(y_, trial.step.state, step_s);
   return trial;
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 // In steady sliding the bend equals what the level bears, to the rounding of a step.
 constexpr double slack_rounding = 1e-11;
+// Less than this of damping the wrong way, for a part of a step, is lost in the step's error.
+constexpr double slack_between_ends = 1e-7;
 
 }  // namespace
 
@@ -84,7 +86,19 @@ void CompliantEquation::operator()(double tau_s, const CompliantVector& y, Compl
   // Each subdivision of a step asks in the order of time, the finest one last.
   if (tau_s <= asked_s_) ended_inside_ = false;
   asked_s_ = tau_s;
-  for (const PieceEnd end : watched()) ended_inside_ = ended_inside_ || margin(end, tau_s, y) < 0;
+  for (const PieceEnd end : watched())
+    ended_inside_ = ended_inside_ || (!(coarse_ && end == PieceEnd::damping) && margin(end, tau_s, y) < 0);
+}
+
+// The cubic through both ends, half-way.
+bool CompliantEquation::slack_fails_between(const CompliantVector& from, const CompliantVector& to, double step_s) {
+  if (!may_come(PieceEnd::damping)) return false;
+  CompliantVector slope_from, slope_to, middle;
+  (*this)(0, from, slope_from);
+  (*this)(step_s, to, slope_to);
+  for (std::size_t i = 0; i < components; ++i)
+    middle[i] = 0.5 * (from[i] + to[i]) + 0.125 * step_s * (slope_from[i] - slope_to[i]);
+  return margin(PieceEnd::damping, 0.5 * step_s, middle) < -slack_between_ends;
 }
 
 Matrix<components> CompliantEquation::jacobian(double tau_s, const CompliantVector& y) const {

@@ -50,6 +50,10 @@ class CompliantEquation {
   // The right-hand side. It notes whether the piece ended inside the step's finest subdivision.
   void operator()(double tau_s, const CompliantVector& y, CompliantVector& derivative);
   bool ended_inside() const { return ended_inside_; }
+  // The stages of a linearly implicit step are of first order, far too coarse for the slack of bristles in sliding,
+  // which is nearly none. It is left out of what operator() notes, and looked for by the cubic between the two ends.
+  void watch_coarsely() { coarse_ = true; }
+  bool slack_fails_between(const CompliantVector& from, const CompliantVector& to, double step_s);
   std::span<const PieceEnd> watched() const { return {watched_.data(), watched_count_}; }
 
   Matrix<components> jacobian(double tau_s, const CompliantVector& y) const;
@@ -96,6 +100,7 @@ class CompliantEquation {
   std::size_t watched_count_ = 0;
   double asked_s_ = std::numeric_limits<double>::infinity();
   bool ended_inside_ = false;
+  bool coarse_ = false;
   mutable Asked asked_level_{-1, 0, 0};
   mutable double level_N_ = 0;
 };
