@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
+#include "breakaway/model/friction_drift.hpp"
 #include "breakaway/motion/slide.hpp"
 
 namespace breakaway::sil {
@@ -27,6 +29,18 @@ law::K3Table<double> kick_table(const law::AxisParameters<double>& p) {
       .table;
 }
 
+model::FrictionLaw friction_of(const scenario::AxisWorld& world) {
+  return world.drift ? model::drifting(world.friction, *world.drift) : world.friction;
+}
+
+// What is proved of the law holds where it is told the truth, and nothing but friction disturbs the axis.
+bool proved_for(const config::Axis& axis, const scenario::AxisWorld& world) {
+  const config::Truth truth = config::truth_of(axis);
+  const auto &told = axis.friction.bounds, &bounds = truth.bounds;
+  return axis.mass_kg == truth.mass_kg && told.lower_N <= bounds.lower_N && told.upper_N >= bounds.upper_N &&
+         world.plant.force_N == 0 && !world.drift;
+}
+
 class IdealRun {
  public:
   IdealRun(const scenario::Scenario& s, std::size_t place, const RecordingOptions& recording)
@@ -35,11 +49,14 @@ class IdealRun {
         parameters_{config::axis_parameters<double>(s.node, axis_)},
         table_{kick_table(parameters_)},
         controller_{parameters_, table_},
-        slide_{axis_.mass_kg,
-               s.worlds[place].friction,
+        force_N_{s.worlds[place].plant.force_N},
+        proved_{proved_for(axis_, s.worlds[place])},
+        slide_{config::truth_of(axis_).mass_kg,
+               friction_of(s.worlds[place]),
                {0, s.worlds[place].position_m, s.worlds[place].velocity_m_s},
                s.worlds[place].tolerance.value_or(motion::Slide::usual_tolerance)} {
     result_.name = axis_.name;
+    result_.told = config::told_otherwise(axis_);
     if (recording.trace) record();
   }
 
@@ -64,7 +81,8 @@ class IdealRun {
   double error_m() const { return slide_.state().position_m - target_m_; }
 
   model::AppliedForce feedback() const {
-    return {.stiffness_N_per_m = parameters_.stiffness_N_per_m,
+    return {.constant_N = force_N_,
+            .stiffness_N_per_m = parameters_.stiffness_N_per_m,
             .damping_Ns_per_m = controller_.damping_Ns_per_m(),
             .reference_m = target_m_};
   }
@@ -90,6 +108,8 @@ class IdealRun {
   // What the law makes of the present state: at rest within the maximal stick set, a kick.
   void answer() {
     const auto output = controller_.update({error_m(), slide_.state().velocity_m_s});
+    if (controller_.fault() != law::ControlFault::none && result_.faults.empty())
+      result_.faults.push_back({slide_.state().time_s, std::string{law::to_string(controller_.fault())}});
     const bool rests_on_target = error_m() == 0 && slide_.state().velocity_m_s == 0;
     if (!output.kicked && !rests_on_target) return;
     const motion::SlideState before = slide_.state();
@@ -111,12 +131,12 @@ class IdealRun {
     if (std::isnan(figures_.t2_s)) {
       figures_.t2_s = time_s;
       figures_.y2_m = error_m();
-      figures_.bound_s = time_s + left_s;
+      if (proved_) figures_.bound_s = time_s + left_s;
     }
     if (left_s > resolution(time_s) && std::fabs(error_m()) > 2 * resolution(target_m_)) return;
     result_.settled = true;
     figures_.t_inf_s = time_s + left_s / 2;
-    figures_.t_inf_width_s = left_s;
+    if (proved_) figures_.t_inf_width_s = left_s;
   }
 
   bool reached() const { return result_.settled; }
@@ -146,6 +166,8 @@ class IdealRun {
   law::AxisParameters<double> parameters_;
   law::K3Table<double> table_;
   law::AxisController<double> controller_;
+  double force_N_;
+  bool proved_;
   motion::Slide slide_;
   double target_m_ = 0;
   IdealFigures figures_;

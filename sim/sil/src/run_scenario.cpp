@@ -28,7 +28,7 @@ class Requirements {
   std::string prefix_;
 };
 
-// The ideal law's figures are proved for a rigid axis inside the bounds that the law is told.
+// What the ideal law, which is continuous, cannot be run on.
 void check_ideal(const scenario::Scenario& s, const config::Axis& axis, const scenario::AxisWorld& world) {
   const Requirements require{s, &axis};
   const config::Controller& c = axis.controller;
@@ -39,11 +39,11 @@ void check_ideal(const scenario::Scenario& s, const config::Axis& axis, const sc
           "[controller] max_force_N, max_approach_speed_m_s and position_tolerance_m need a [loop]: the ideal law has "
           "none");
   require(!s.machine, "a [machine] behind an axis needs a [loop] and a [drive]: the ideal law is for a rigid axis");
-  require(!axis.truth, "[told] needs a [loop] and a [drive]: the ideal law knows the truth");
+  require(axis.latency_periods == 1, "[told] latency_periods needs a [loop]: the ideal law has no periods");
   require(
-      world.plant.rigid() && world.plant.force_N == 0 && !world.drift && !world.encoder_error,
-      "[plant] force_N, presliding, load, cogging, ripple, drift and encoder_error need a [loop] and a [drive]: the "
-      "ideal law is for a rigid axis on friction within its bounds");
+      world.plant.rigid() && !world.encoder_error,
+      "[plant] presliding, load, backlash, cogging, ripple and encoder_error need a [loop] and a [drive]: the ideal "
+      "law acts on a rigid axis and sees where it is");
 }
 
 void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {

@@ -140,4 +140,45 @@ TEST(IdealScenario, SettlesWithinTheBoundUnderRandomFriction) {
   }
 }
 
+// Told a lighter mass, its kicks are too weak by that share, and what is left is kicked again.
+TEST(IdealScenario, BearsAMassThatItIsNotTold) {
+  Scenario s = example();
+  auto& axis = s.node.axes.front();
+  axis.truth = breakaway::config::truth_of(axis);
+  axis.mass_kg *= 0.9;
+  axis.controller.impulsive->kick_damping_Ns_per_m *= 1.2;
+  const AxisResult result = run_ideal(s);
+  EXPECT_TRUE(result.settled);
+  EXPECT_EQ(result.told, "mass_kg 0.9 (truly 1)");
+  EXPECT_TRUE(std::isnan(result.ideal->bound_s)) << "the bound is proved for what is told";
+  EXPECT_GT(result.kicks.size(), run_ideal(example()).kicks.size() / 2);
+}
+
+// The same truth, told in so many words, changes nothing.
+TEST(IdealScenario, IsTheSameWhenItIsToldTheTruth) {
+  Scenario s = example();
+  s.node.axes.front().truth = breakaway::config::truth_of(s.node.axes.front());
+  const AxisResult told = run_ideal(s), plain = run_ideal(example());
+  EXPECT_EQ(told.settling_time_s, plain.settling_time_s);
+  EXPECT_EQ(told.ideal->bound_s, plain.ideal->bound_s);
+  EXPECT_EQ(told.told, "");
+}
+
+// Far from the target the axis slides where spring and force balance: with friction f and force F it first rests within
+// (f + |F|)/k1, and a force beyond friction never lets it rest on the target.
+TEST(IdealScenario, FeelsAConstantForceThatItDoesNotKnow) {
+  Scenario s = example();
+  s.worlds.front().friction = {{2.5, 4.5}, breakaway::model::shape::constant(0)};
+  s.worlds.front().plant.force_N = 0.2;
+  const AxisResult light = run_ideal(s);
+  EXPECT_TRUE(light.settled);
+  EXPECT_TRUE(std::isnan(light.ideal->bound_s));
+  s.worlds.front().plant.force_N = 5;
+  const AxisResult heavy = run_ideal(s);
+  EXPECT_FALSE(heavy.settled);
+  const double stiffness_N_per_m = s.node.axes.front().controller.impulsive->stiffness_N_per_m;
+  EXPECT_NEAR(heavy.final_error_m, 5 / stiffness_N_per_m, 2.5 / stiffness_N_per_m)
+      << "the spring holds what friction leaves of the force";
+}
+
 }  // namespace

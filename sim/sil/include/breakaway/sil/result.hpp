@@ -50,7 +50,8 @@ struct Sample {
   law::Mode mode = law::Mode::approach;
 };
 
-// Figures of the ideal law only; times that never came are NaN.
+// Figures of the ideal law only; times that never came are NaN, and so is what is not proved because the law is told
+// otherwise, or because a force or a drift acts that it does not know.
 struct IdealFigures {
   double t1_s = 0;           // first rest within the maximal stick set
   double t2_s = 0;           // first rest within the minimal stick set
