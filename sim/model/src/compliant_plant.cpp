@@ -5,6 +5,15 @@
 #include "require.hpp"
 
 namespace breakaway::model {
+namespace {
+
+void require_spring(double stiffness_N_per_m, double damping_Ns_per_m) {
+  require_positive("stiffness_N_per_m", stiffness_N_per_m);
+  require_not_negative("damping_Ns_per_m", damping_Ns_per_m);
+}
+
+}  // namespace
+
 void require_valid(const PositionSine& sine) {
   require_not_negative("amplitude", sine.amplitude);
   require_positive("period_m", sine.period_m);
@@ -12,13 +21,11 @@ void require_valid(const PositionSine& sine) {
 }
 
 void require_valid(const Presliding& presliding) {
-  require_positive("stiffness_N_per_m", presliding.stiffness_N_per_m);
-  require_not_negative("damping_Ns_per_m", presliding.damping_Ns_per_m);
+  require_spring(presliding.stiffness_N_per_m, presliding.damping_Ns_per_m);
 }
 
 void require_valid(const ElasticCoupling& coupling) {
-  require_positive("stiffness_N_per_m", coupling.stiffness_N_per_m);
-  require_not_negative("damping_Ns_per_m", coupling.damping_Ns_per_m);
+  require_spring(coupling.stiffness_N_per_m, coupling.damping_Ns_per_m);
   require_not_negative("gap_m", coupling.gap_m);
 }
 
