@@ -52,6 +52,7 @@ void CompliantAxis::Motion::move(double duration_s, double end_s) {
   double step_s = std::min(longest_s, next_s);
   if (!implicit) implicit_step_s_ *= 2;  // it may pay again
   for (int refusals = 0; refusals < most_refusals; ++refusals) {
+    ++counters_.tries;
     const Trial trial = try_step(step_s, implicit);
     if (!trial.step.converged) {
       step_s = next_s = std::min(trial.step.suggested_step, 0.7 * step_s);

@@ -12,7 +12,7 @@ namespace breakaway::scenario {
 using namespace config;
 namespace {
 
-Value place_value(std::function<PushedOrRead&()> to) {
+Value place_value(const std::function<PushedOrRead&()>& to) {
   return {"the number of a coordinate, from 1, or an array of a share for each, as [1, 0.5]", [to](const Entry& entry) {
             PushedOrRead& place = to();
             if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;

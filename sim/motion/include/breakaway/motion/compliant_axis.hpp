@@ -37,6 +37,7 @@ struct CompliantCounters {
   std::uint64_t slips = 0;   // times that the motor left rest
   std::uint64_t pieces = 0;  // ends of pieces
   std::uint64_t steps = 0;   // accepted integration steps
+  std::uint64_t tries = 0;   // of steps, accepted or not
 };
 
 class CompliantAxis {
