@@ -32,13 +32,15 @@ struct Settings {
   long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0);
   long count = from_environment("BREAKAWAY_SYSTEMS", 2000);
   long cpu_s = from_environment("BREAKAWAY_CPU_S", 0);
+  double reference_work = static_cast<double>(
+      from_environment("BREAKAWAY_WORK", whole() ? 20'000'000 : 700'000));  // multiplications for each machine
   std::string method = text_from_environment("BREAKAWAY_METHOD");
   std::string family = text_from_environment("BREAKAWAY_FAMILY");
   std::string failures = text_from_environment("BREAKAWAY_FAILURES");
   std::string results = text_from_environment("BREAKAWAY_RESULTS");
   // Asked for by name or number, any machine is run; else those of the families that are known to be clean.
   bool wants(Family of) const { return family.empty() ? whole() || is_clean(of) : family == to_string(of); }
-  bool whole() const { return std::getenv("BREAKAWAY_SYSTEMS") != nullptr; }
+  static bool whole() { return std::getenv("BREAKAWAY_SYSTEMS") != nullptr; }
 };
 
 // Steps of time stepping are many, so that only some machines are worth them.
@@ -60,7 +62,7 @@ void judge_machine(const Settings& settings, const RandomMachine& random, Campai
   ComparisonOptions options;
   // A long campaign ends a run by the seconds that it may take, and lets it make as many steps as it likes.
   if (settings.cpu_s > 0) options.most_steps = 1'000'000'000;
-  options.most_work = settings.whole() ? 2e7 : 7e5;
+  options.most_work = settings.reference_work;
   Comparison comparison{random, options};
   for (int m = 0; m < methods; ++m) {
     const auto method = static_cast<Method>(m);

@@ -99,6 +99,7 @@ class EventDriven {
   void start_segment(Walk& walk, const Set& held) const;
   void watch_limits(Walk& walk, const Set& held) const;
   void leave_segment(Walk& walk, const Set& held) const;
+  void rub(Walk& walk, const Set& held) const;
   // `doubtful` says that the same instant has been decided again and again.
   void handle_event(Walk& walk, bool doubtful) const;
   void stop_everything(Walk& walk) const;
@@ -257,11 +258,22 @@ void EventDriven<N, M>::watch_limits(Walk& walk, const Set& held) const {
 // Carries the state to the segment's end.
 template <int N, int M>
 void EventDriven<N, M>::leave_segment(Walk& walk, const Set& held) const {
+  if (walk.budget.judged()) rub(walk, held);
   walk.state.q += held.velocity.lazyProduct(walk.segment.integral());
   walk.state.v = held.velocity.lazyProduct(walk.segment.x());
   walk.time.pass(walk.segment.elapsed_s());
   walk.state.time_s = walk.time.sum_s;
   ++walk.outcome.steps;
+}
+
+// Tells the budget of a long run what friction takes from it.
+template <int N, int M>
+void EventDriven<N, M>::rub(Walk& walk, const Set& held) const {
+  const auto& machine = modes_.machine();
+  const Eigen::Matrix<double, N, 1> way = held.velocity.lazyProduct(walk.segment.integral());
+  for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
+    if (walk.state.signs[i] != 0) walk.budget.rub(machine.friction_N[i] * std::abs(machine.directions.col(i).dot(way)));
+  }
 }
 
 template <int N, int M>

@@ -118,6 +118,7 @@ class Segment {
     return row.segment(block.first, block.size).dot(vector.segment(block.first, block.size));
   }
   double slow_pace(const Watch<N>& watch) const;
+  double slow_phase_s(double left_s, int steps) const;
   double slow_step(const Watch<N>& watch, double c, double first, double second) const;
   double work_of_a_step() const {
     return (static_cast<double>(watches_.size()) * 6 + 20) * static_cast<double>(x_.size());
@@ -204,6 +205,19 @@ double Segment<N, M>::slow_pace(const Watch<N>& watch) const {
   return 0.1 * slope / curvature;
 }
 
+// How long steps like those of this segment so far may be needed: until the vibrations that they follow have died away,
+// if any of them dies, else to the end.
+template <int N, int M>
+double Segment<N, M>::slow_phase_s(double left_s, int steps) const {
+  double phase_s = 0;
+  for (const Block& block : set_->flow.blocks()) {  // the fastest first
+    if (block.speed * elapsed_s_ < 0.01 * steps) break;
+    const double life_s = block.rate < 0 ? 40 / -block.rate : never;
+    if (life_s > elapsed_s_) phase_s = std::max(phase_s, life_s - elapsed_s_);
+  }
+  return phase_s > 0 ? std::min(phase_s, left_s) : left_s;
+}
+
 // The longest step with c > 0 for any number of fastest blocks that are bounded by their amplitudes.
 template <int N, int M>
 double Segment<N, M>::slow_step(const Watch<N>& watch, double c, double first, double second) const {
@@ -228,8 +242,11 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
   const double window_s = set_->flow.window_s(), work = work_of_a_step();
   for (int step = 1;; ++step) {
     budget.spend(work);
-    if (budget.exhausted()) return Ending::exhausted;
     const double left_s = duration_s - elapsed_s_;
+    if (budget.judgement_due()) {
+      budget.judge(left_s, slow_phase_s(left_s, step));
+      if (budget.exhausted()) return Ending::exhausted;
+    }
     const Proof proof = look_ahead(window_s, step > steps_before_stiff);
     if (amplitude_.sum() < faded) {
       x_.setZero();
