@@ -30,23 +30,40 @@ long from_environment(const char* name, long fallback) {
   return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
 }
 
+bool shown() { return std::getenv("BREAKAWAY_SHOW") != nullptr; }
+
+// One run: what it is called, what it says of itself, and what is true.
+struct Judged {
+  std::string name;
+  const sil::Accuracy& told;
+  double asked_m, true_m;
+  double rounding_m;  // below it an estimate cannot be told from the rounding of the data
+};
+
 // What is counted, over all runs that were judged.
 struct Tally {
   long judged = 0, held = 0, bounded = 0, tight = 0, cheap = 0, compared = 0, refused = 0, unjudged = 0;
 
-  // `rounding_m`: below it an estimate cannot be told from the rounding of the data.
-  void judge(double true_m, double estimate_m, double asked_m, double rounding_m) {
+  void judge(const Judged& run) {
+    const double estimate_m = run.told.error_estimate_m;
     ++judged;
-    held += true_m <= asked_m ? 1 : 0;
-    bounded += true_m <= 2 * estimate_m ? 1 : 0;
-    tight += estimate_m <= std::max(4 * true_m, rounding_m) ? 1 : 0;
+    held += run.true_m <= run.asked_m ? 1 : 0;
+    bounded += run.true_m <= 2 * estimate_m ? 1 : 0;
+    tight += estimate_m <= std::max(4 * run.true_m, run.rounding_m) ? 1 : 0;
+    if (!shown()) return;
+    std::printf("%s: %s asked %.2g, estimate %.2g, true %.2g, rounding %.2g\n", run.name.c_str(),
+                to_string(run.told.method).c_str(), run.asked_m, estimate_m, run.true_m, run.rounding_m);
+  }
+  void refuse(const std::string& name, const InputError& error) {
+    ++refused;
+    if (shown()) std::printf("%s refused: %s\n", name.c_str(), error.what());
   }
   void judge_cost(const sil::Accuracy& choice, const std::vector<sil::MethodTrial>& trials) {
     ++compared;
     const bool dear = std::ranges::any_of(
         trials, [&](const sil::MethodTrial& trial) { return trial.holds && choice.cost_s > 2 * trial.cost_s; });
     cheap += dear ? 0 : 1;
-    if (dear && std::getenv("BREAKAWAY_SHOW") != nullptr) std::printf("a dear choice:\n");
+    if (dear && shown()) std::printf("a dear choice:\n");
   }
   void print(const char* what) const {
     std::printf(
@@ -87,6 +104,7 @@ void judge_machine(long number, Tally& tally) {
   s.duration_s = random.end_s;
   s.accuracy_m = accuracy_share(number) * truth.greatest_q;
   if (!(*s.accuracy_m > 0)) return;
+  const std::string name = std::to_string(number) + " " + std::string{to_string(random.family)};
   try {
     const sil::MachineResult result = sil::run_machine(s);
     double true_m = 0;
@@ -94,16 +112,10 @@ void judge_machine(long number, Tally& tally) {
       true_m = std::max(
           true_m, static_cast<double>(magnitude(Real(result.outcome.end.q[i]) - truth.q[static_cast<std::size_t>(i)])));
     }
-    const double estimate_m = result.accuracy->error_estimate_m;
-    tally.judge(true_m, estimate_m, *s.accuracy_m, 1e-12 * truth.greatest_q);
-    if (std::getenv("BREAKAWAY_SHOW") != nullptr)
-      std::printf("%ld %s: %s asked %.2g, estimate %.2g, true %.2g, size %.2g\n", number,
-                  std::string{to_string(random.family)}.c_str(), to_string(result.accuracy->method).c_str(),
-                  *s.accuracy_m, estimate_m, true_m, truth.greatest_q);
+    tally.judge({name, *result.accuracy, *s.accuracy_m, true_m, 1e-12 * truth.greatest_q});
     if (number % 8 == 0) tally.judge_cost(*result.accuracy, sil::try_methods(s));
   } catch (const InputError& error) {
-    ++tally.refused;
-    if (std::getenv("BREAKAWAY_SHOW") != nullptr) std::printf("%ld refused: %s\n", number, error.what());
+    tally.refuse(name, error);
   }
 }
 
@@ -162,17 +174,13 @@ double true_error_m(const scenario::Scenario& s, const sil::AxisResult& axis) {
 
 void judge_axis(long number, Tally& tally) {
   const scenario::Scenario s = random_axis(number);
+  const std::string name = "axis " + std::to_string(number);
   try {
     const sil::Result result = sil::run_scenario(s, {.trace = !s.ideal()});
-    const double true_m = true_error_m(s, result.axes.front()), estimate_m = result.accuracy->error_estimate_m;
-    tally.judge(true_m, estimate_m, *s.run->accuracy_m, 1e-11);
-    if (std::getenv("BREAKAWAY_SHOW") != nullptr)
-      std::printf("axis %ld: %s asked %.2g, estimate %.2g, true %.2g\n", number,
-                  to_string(result.accuracy->method).c_str(), *s.run->accuracy_m, estimate_m, true_m);
+    tally.judge({name, *result.accuracy, *s.run->accuracy_m, true_error_m(s, result.axes.front()), 1e-11});
     if (number % 8 < 2) tally.judge_cost(*result.accuracy, sil::try_methods(s));
   } catch (const InputError& error) {
-    ++tally.refused;
-    if (std::getenv("BREAKAWAY_SHOW") != nullptr) std::printf("axis %ld refused: %s\n", number, error.what());
+    tally.refuse(name, error);
   }
 }
 

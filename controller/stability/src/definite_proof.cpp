@@ -30,8 +30,8 @@ Enclosure symmetric_enclosure(const Matrix& a, const Matrix& error) {
   return {middle, (error + error.transpose()) / 2 + rounding};
 }
 
-// Scales by powers of two to diagonal entries that differ by less than 4, which must be positive. As this is measured
-// from the first entry, a factor of all entries changes no digit of what follows.
+// Scales by powers of two, rows with columns and then all of it, to diagonal entries about one, which must be positive.
+// The first of them is from 1 to 2, so that a factor of all entries changes no digit of what follows.
 Enclosure equilibrated(Enclosure a) {
   const int first = a.middle.rows() == 0 ? 0 : std::ilogb(a.middle(0, 0));
   for (Index i = 0; i < a.middle.rows(); ++i) {
@@ -40,6 +40,9 @@ Enclosure equilibrated(Enclosure a) {
       for (long double& entry : part->row(i)) entry = std::ldexp(entry, exponent);
       for (long double& entry : part->col(i)) entry = std::ldexp(entry, exponent);
     }
+  }
+  for (Matrix* const part : {&a.middle, &a.error}) {
+    for (long double& entry : part->reshaped()) entry = std::ldexp(entry, -first);
   }
   return a;
 }

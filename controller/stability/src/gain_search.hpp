@@ -51,8 +51,8 @@ Eigen::MatrixXd identical_velocity_gain(const ActuatedSystem& system, const Asse
 // The size of C in mass units; of a machine without damping a small part of the root of K.
 double damping_unit_per_s(const LinearMachine<>& in_mass_units);
 
-// Returns an argument that is accepted, close above one that is not: grown from `first` > 0 in decades, then bisected.
-// NaN when none up to 1e24 times `first` is.
+// Returns an argument that is accepted, within 1e-9 above one that is not (of itself, or of `first` if it is less):
+// grown from `first` > 0 in decades, then bisected. NaN when none up to 1e24 times `first` is.
 double least_accepted(double first, const std::function<bool(double)>& accepts, const SearchProgress& progress);
 
 }  // namespace breakaway::stability

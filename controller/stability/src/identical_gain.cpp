@@ -22,14 +22,14 @@ MatrixXd squared(const MatrixXd& actuators, const VectorXd& coordinate) {
 }  // namespace
 
 double least_accepted(double first, const std::function<bool(double)>& accepts, const SearchProgress& progress) {
-  constexpr int most_decades = 24, bisections = 34;  // the latter for 1e-9 of the least decade
+  constexpr int most_decades = 24, bisections = 34;  // the latter for 1e-9 of a decade
   double refused = 0, accepted = first;
   for (int decade = 0; !accepts(accepted); ++decade) {
     if (decade == most_decades) return std::numeric_limits<double>::quiet_NaN();
     refused = accepted;
     accepted *= 10;
   }
-  for (int step = 0; accepted - refused > 1e-9 * accepted; ++step) {
+  for (int step = 0; accepted - refused > 1e-9 * std::max(accepted, first); ++step) {
     progress.at(std::min(1.0, static_cast<double>(step) / bisections));
     const double middle = (refused + accepted) / 2;
     (accepts(middle) ? accepted : refused) = middle;

@@ -16,14 +16,17 @@ struct OtherUnits {
 
   LinearMachine<> machine(const LinearMachine<>& given) const {
     LinearMachine<> twin = in_units(given, length);
-    for (Eigen::MatrixXd* const matrix : {&twin.mass, &twin.stiffness})  // factors that are no powers of two round
-      *matrix = (*matrix + matrix->transpose()).eval() / 2;
+    if (given.mass == given.mass.transpose()) even_out(twin.mass);
+    if (given.stiffness == given.stiffness.transpose()) even_out(twin.stiffness);
     twin.mass *= force / time / time;
     twin.damping *= force / time;
     twin.stiffness *= force;
     twin.friction_N *= force;
     return twin;
   }
+  // Factors that are no powers of two round both halves of a symmetric matrix.
+  static void even_out(Eigen::MatrixXd& matrix) { matrix = (matrix + matrix.transpose()).eval() / 2; }
+
   ActuatedSystem system(const ActuatedSystem& given) const {
     return {machine(given.machine), length.asDiagonal() * given.actuators * actuator.asDiagonal()};
   }

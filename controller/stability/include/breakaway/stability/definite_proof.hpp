@@ -2,7 +2,7 @@
 // one. Here the answer is proved for the numbers as they are stored, or said to be unknown.
 //
 // What is examined is x^T A x, so A counts by its symmetric part. Rows and columns are first scaled by powers of two to
-// a diagonal of like entries. That is exact and changes neither answer, so no unit of length, mass or force decides. Then
+// a diagonal of about one. That is exact and changes neither answer, so no unit of length, mass or force decides. Then
 //   holds: Cholesky's method, run in extended precision on A less a bound of all its rounding, comes to its end
 //     (Rump, Verification of positive definiteness, BIT 46, 2006);
 //   fails: a vector x was found with x^T A x below its rounding.
