@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -47,8 +48,11 @@ void print_axis(const AxisResult& axis, double duration_s) {
   }
   fmt::print("  final error    {:.3g} m\n  kicks          {}\n", axis.final_error_m, axis.kicks.size());
   if (axis.ideal) {
-    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s (bound {:.7g} s)\n", axis.ideal->t1_s, axis.ideal->t2_s,
-               axis.ideal->t_inf_s, axis.ideal->bound_s);
+    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s", axis.ideal->t1_s, axis.ideal->t2_s,
+               axis.ideal->t_inf_s);
+    // There is a bound where the law is told the truth.
+    const double bound_s = axis.ideal->bound_s;
+    fmt::print("{}\n", std::isfinite(bound_s) ? fmt::format(" (bound {:.7g} s)", bound_s) : "");
   } else {
     fmt::print("  largest force  {:.4g} N\n", axis.max_force_N);
   }

@@ -101,7 +101,7 @@ std::string inputs(const Scenario& s, std::size_t place) {
     const double told = axis.drive->force_per_torque_N_per_Nm, quantum_N = axis.drive->force_quantum_N();
     add_told(table, "Force per per-mille of rated torque", std::fabs(quantum_N),
              std::fabs(quantum_N * config::truth_of(axis).force_per_torque_N_per_Nm / told), "N");
-    if (axis.truth) add_told(table, "Latency", axis.latency_periods, 1, "periods");
+    if (axis.latency_periods != 1) table.row("Latency", fmt::format("told {} periods, truly 1", axis.latency_periods));
   }
   if (s.bus) table.quantity("Bus", 1e-6 * s.bus->bit_rate, "Mbit/s");
   return table.text();
