@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/axis_accuracy.hpp"
 #include "breakaway/sil/run_ideal_scenario.hpp"
@@ -75,7 +76,12 @@ Result run_scenario(const scenario::Scenario& s, const RecordingOptions& recordi
     result.accuracy = accuracy;
     return result;
   }
-  return s.ideal() ? run_ideal_scenario(s, recording) : run_loop_scenario(s, recording);
+  try {
+    return s.ideal() ? run_ideal_scenario(s, recording) : run_loop_scenario(s, recording);
+  } catch (const hybrid::Refused& refusal) {
+    if (s.node.file.empty()) throw;
+    throw refusal.in_file(s.node.file);
+  }
 }
 
 }  // namespace breakaway::sil

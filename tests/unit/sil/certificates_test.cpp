@@ -43,6 +43,22 @@ double mode_size(const stability::EscapeLevel& mode, const State& state) {
   return std::hypot(mode.real.dot(x), mode.imaginary.dot(x));
 }
 
+// V falls without end where stiffness is negative, and is below every level there.
+TEST(Certificates, CaptureNothingWhereNothingIsProved) {
+  std::mt19937_64 random{4};
+  for (int trial = 0; trial < 60; ++trial) {
+    auto m = random_machine(random, 2 + trial % 2);
+    m.stiffness(0, 0) = -1;
+    const auto certificates = sil::certify(m);
+    ASSERT_FALSE(certificates.attractivity.certified);
+    const ProvenFate<Eigen::Dynamic> fate(m, certificates);
+    for (int i = 0; i < 20; ++i) {
+      State start{0, 10 * random_matrix(random, m.coordinates(), 1), random_matrix(random, m.coordinates(), 1)};
+      EXPECT_NE(fate(start), hybrid::Verdict::captured) << "trial " << trial;
+    }
+  }
+}
+
 TEST(Certificates, WhatIsCapturedComesToRest) {
   std::mt19937_64 random{3};
   for (int trial = 0; trial < 60; ++trial) {

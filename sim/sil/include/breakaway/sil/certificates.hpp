@@ -28,7 +28,8 @@ Certificates certify(const stability::LinearMachine<>& machine);
 Certificates certify(const scenario::MachineScenario& scenario);
 
 // An EarlyDecision: captured where V < level_J (Theorem 1 and beyond), lost beyond a level of escape. Levels are drawn
-// in by 1e-12, more than the rounding of V and z.
+// in by 1e-12, more than the rounding of V and z. A level of 0 certifies nothing, below 0 neither, where V falls without
+// end if stiffness is not positive definite.
 template <int N>
 class ProvenFate {
  public:
@@ -45,7 +46,7 @@ class ProvenFate {
   hybrid::Verdict operator()(const hybrid::MachineState<N>& state) const {
     const Vector q = state.q - centre_;
     const double energy_J = state.v.dot(mass_.lazyProduct(state.v)) + q.dot(stiffness_.lazyProduct(q));
-    if (energy_J < rho_J_) return hybrid::Verdict::captured;
+    if (rho_J_ > 0 && energy_J < rho_J_) return hybrid::Verdict::captured;
     for (const Mode& mode : modes_) {
       const double size = std::hypot(mode.real_q.dot(q) + mode.real_v.dot(state.v),
                                      mode.imaginary_q.dot(q) + mode.imaginary_v.dot(state.v));

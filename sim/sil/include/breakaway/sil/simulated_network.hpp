@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <vector>
 
@@ -38,11 +39,11 @@ class SimulatedNetwork {
         &frames);
   }
 
-  // Event by event, so that whatever is answered is answered at its time.
+  // Event by event, so that whatever is answered is answered at its time. Throws what a mechanism does.
   void advance_to(hal::Time time) {
     while (bus_.now() < time) {
       bus_.advance_to(std::max(bus_.now(), next_event(time)));
-      for (const auto& node : nodes_) node->drive.advance_to(bus_.now());
+      for (const auto& node : nodes_) node->advance_to(bus_.now());
     }
     for (const auto& node : nodes_) node->drive.advance_mechanism_to(time);
   }
@@ -55,10 +56,22 @@ class SimulatedNetwork {
     Node(Port& p, const drive_emulator::EmulatorConfig& config, drive_emulator::Mechanism& mechanism)
         : port{p}, drive{config, mechanism, [this](const hal::CanFrame& frame, hal::Time at) { transmit(frame, at); }} {
       port.set_listener(
-          [](void* self, const hal::ReceivedFrame& received) noexcept {
-            static_cast<Node*>(self)->drive.on_frame(received.frame, received.time);
-          },
+          [](void* self, const hal::ReceivedFrame& received) noexcept { static_cast<Node*>(self)->receive(received); },
           this);
+    }
+    // A frame may make the drive move its mechanism, which refuses what it cannot follow. The bus lets no exception
+    // through, so the refusal waits for advance_to().
+    void receive(const hal::ReceivedFrame& received) noexcept {
+      if (refusal) return;
+      try {
+        drive.on_frame(received.frame, received.time);
+      } catch (...) {
+        refusal = std::current_exception();
+      }
+    }
+    void advance_to(hal::Time now) {
+      if (refusal) std::rethrow_exception(refusal);
+      drive.advance_to(now);
     }
     // A full transmit queue loses the frame, as it would in the drive; the controller's supervision sees what follows.
     void transmit(const hal::CanFrame& frame, hal::Time at) {
@@ -66,6 +79,7 @@ class SimulatedNetwork {
     }
     Port& port;
     drive_emulator::DriveEmulator drive;
+    std::exception_ptr refusal;
   };
 
   hal::Time next_event(hal::Time latest) const {
