@@ -95,6 +95,24 @@ TEST(RestDecision, EveryMethodSeesRestOfACoordinateWithoutFriction) {
 
 // An overdamped mass creeps towards the border of what friction holds and never turns. Begun 1e14 to 1e18 times as far
 // away as friction holds, its place is rounded to more than that: what is left of a force then moves it on, to rest.
+// Friction holds the force on the first coordinate, and no force acts on the second, which mass couples to it.
+TEST(RestDecision, AForceThatFrictionHoldsMovesNoCoupledCoordinate) {
+  for (const double coupling_kg : {0.3, 0.1, -0.45, 1e-9}) {
+    LinearMachine<> machine;
+    machine.mass = (Eigen::Matrix2d{} << 0.5, coupling_kg, coupling_kg, 0.9).finished();
+    machine.damping = 0.1 * Eigen::Matrix2d::Identity();
+    machine.stiffness = Eigen::Matrix2d::Identity();
+    machine.directions = Eigen::Vector2d{1, 0};
+    machine.friction_N = Eigen::VectorXd::Constant(1, 1);
+    machine.force_N = Eigen::Vector2d{-0.7, 0};
+    const State start{0, Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+    for (const auto& outcome : {EventDriven<>(machine).run(start, 5), Adaptive(machine).run(start, 5)}) {
+      EXPECT_EQ(outcome.verdict, Verdict::at_rest) << coupling_kg;
+      EXPECT_EQ(outcome.settling_time_s, 0) << coupling_kg;
+    }
+  }
+}
+
 TEST(RestDecision, ACreepFromFarAwayEndsAtRestWhereFrictionHolds) {
   LinearMachine<> machine;
   machine.mass = Eigen::MatrixXd::Constant(1, 1, 1);
