@@ -37,7 +37,7 @@ HeldSet make_held_set(const LinearMachine<>& machine, DirectionSet sticking) {
   }
   const extended::Matrix left =
       stuck.sticking == 0 ? extended::Matrix::Identity(n, n) : extended::span(columns, rank_threshold).complement;
-  const extended::Matrix basis = inverse_factor.transpose() * left;
+  const extended::Matrix basis = in_coordinates(inverse_factor, left, 1e-17);
   HeldSet held{stuck.sticking, basis.cast<double>(), (basis.transpose() * mass).cast<double>(), {}, stuck.facets};
   held.sliding = (directions.transpose() * basis).cast<double>();
   for (Index i = 0; i < m; ++i) {

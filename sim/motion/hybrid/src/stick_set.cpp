@@ -112,20 +112,6 @@ ExtendedMatrix free_motions(const Extension& extension, Eigen::Index drivers, Di
   return free;
 }
 
-// The machine's own coordinates of orthonormal motions. An entry that cancelled to the rounding of 31 digits is 0: else
-// a force on a coordinate that is held would seem to move the free ones, by more than the rounding of nothing.
-ExtendedMatrix in_coordinates(const Extension& extension, const ExtendedMatrix& motions) {
-  constexpr double cancelled = 1e-28;
-  ExtendedMatrix basis = extension.inverse_factor.transpose() * motions;
-  for (Eigen::Index i = 0; i < basis.rows(); ++i) {
-    const Extended largest = extension.inverse_factor.col(i).norm();
-    for (Eigen::Index k = 0; k < basis.cols(); ++k) {
-      if (abs(basis(i, k)) <= cancelled * largest) basis(i, k) = 0;
-    }
-  }
-  return basis;
-}
-
 // The normals, in coordinates of the span of `reduced` (rank x stuck directions), of the zonotope's faces: each is
 // orthogonal to rank - 1 independent directions.
 std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
@@ -182,7 +168,8 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   StickSet<> set;
   set.sticking = directions;
   const Eigen::Index drivers = count_drivers(machine);
-  const ExtendedMatrix basis = in_coordinates(extension, free_motions(extension, drivers, set.sticking));
+  const ExtendedMatrix basis =
+      in_coordinates(extension.inverse_factor, free_motions(extension, drivers, set.sticking), 1e-28);
   const ExtendedMatrix damping = basis.transpose() * extension.damping * basis,
                        stiffness = basis.transpose() * extension.stiffness * basis;
   auto driven = drivers > 0 ? Flow::driven(damping, stiffness, drivers) : std::nullopt;

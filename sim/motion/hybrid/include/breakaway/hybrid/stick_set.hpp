@@ -71,6 +71,21 @@ struct StickSet {
   std::vector<Facet<N, M>> facets;
 };
 
+// Returns orthonormal motions (the mass is L L^T, and these are columns of L^T q') in the machine's coordinates. An
+// entry below `cancelled` of the largest that there can be is rounding, and is 0: else a force on a coordinate that is
+// held would move the free ones a little, and they would never be seen to rest.
+template <class Matrix>
+Matrix in_coordinates(const Matrix& inverse_factor, const Matrix& motions, double cancelled) {
+  Matrix basis = inverse_factor.transpose() * motions;
+  for (Eigen::Index i = 0; i < basis.rows(); ++i) {
+    const auto largest = inverse_factor.col(i).norm();
+    for (Eigen::Index k = 0; k < basis.cols(); ++k) {
+      if (abs(basis(i, k)) <= cancelled * largest) basis(i, k) = 0;
+    }
+  }
+  return basis;
+}
+
 StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet directions);
 
 // Returns the line with its sizes fixed.
