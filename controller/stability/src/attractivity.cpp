@@ -169,20 +169,20 @@ double Attractivity::certified_share_of_E() const {
   return std::sqrt(level_J / greatest_rest_J);
 }
 
-Attractivity certify_attractivity(const LinearMachine<>& given) {
+Attractivity certify_attractivity(const LinearMachine<>& machine) {
   Attractivity a;
-  if (const std::string error = ill_formed(given); !error.empty()) return refused(a, error);
-  a.conditions = {definite_condition("mass", given.mass), definite_condition("stiffness", given.stiffness),
-                  symmetric_damping(given.damping)};
+  if (const std::string error = ill_formed(machine); !error.empty()) return refused(a, error);
+  a.conditions = {definite_condition("mass", machine.mass), definite_condition("stiffness", machine.stiffness),
+                  symmetric_damping(machine.damping)};
   for (const Condition& condition : a.conditions) {
     if (!condition.holds) return refused(a, condition.reason);
   }
-  const double unit = force_unit(given.mass);
-  const LinearMachine<> machine = in_force_unit(given, unit), system = in_units(machine, mass_units(machine.mass));
+  const double unit = force_unit(machine.mass);
+  const LinearMachine<> divided = in_force_unit(machine, unit), system = in_units(divided, mass_units(divided.mass));
   if (!system.damping.allFinite() || !system.directions.allFinite())
     return refused(a, "the masses differ by more than numbers can hold; use other units of length or mass");
   a.definite = true;
-  const MatrixXd rest = rest_energy_form(machine);
+  const MatrixXd rest = rest_energy_form(divided);
   a.greatest_rest_J = greatest_rest_energy_J(rest);
   a.remark_3_J = rest.sum() / 2;
   const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
@@ -191,8 +191,8 @@ Attractivity certify_attractivity(const LinearMachine<>& given) {
     back_to_newtons(a, unit);
     return refused(a, "the linear program (9) has more than a million corners; merge frictions");
   }
-  const PowerProof proof{machine};
-  a.level_J = dissipated_level_J(machine, proof);
+  const PowerProof proof{divided};
+  a.level_J = dissipated_level_J(divided, proof);
   const double outside = apply_theorem(system, space, pushes, proof, a);
   back_to_newtons(a, unit);
   a.conditions.push_back(in_span(a, outside, proof.found()));

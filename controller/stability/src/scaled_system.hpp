@@ -9,8 +9,8 @@
 namespace breakaway::stability {
 
 struct ScaledSystem {
-  // With q = diag(coordinate) y, forces in the unit of force_unit(), and actuators whose columns have the length 1.
-  ScaledSystem(const ActuatedSystem& given, const Eigen::VectorXd& coordinate);
+  // With q = diag(unit) y, forces in the unit of force_unit(), and actuators whose columns have the length 1.
+  ScaledSystem(const ActuatedSystem& given, const Eigen::VectorXd& unit);
 
   // The gain F of the given system whose twin in these units is `scaled`.
   Eigen::MatrixXd gain(const Eigen::MatrixXd& scaled) const;
