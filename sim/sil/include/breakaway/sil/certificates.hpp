@@ -28,8 +28,8 @@ Certificates certify(const stability::LinearMachine<>& machine);
 Certificates certify(const scenario::MachineScenario& scenario);
 
 // An EarlyDecision: captured where V < level_J (Theorem 1 and beyond), lost beyond a level of escape. Levels are drawn
-// in by 1e-12, more than the rounding of V and z. A level of 0 certifies nothing, below 0 neither, where V falls without
-// end if stiffness is not positive definite.
+// in by 1e-12, more than the rounding of V and z. A level of 0 certifies nothing, below 0 neither, where V falls
+// without end if stiffness is not positive definite.
 template <int N>
 class ProvenFate {
  public:
