@@ -7,10 +7,6 @@
 namespace breakaway::sil {
 namespace {
 
-model::FrictionLaw friction_of(const scenario::AxisWorld& world) {
-  return world.drift ? model::drifting(world.friction, *world.drift) : world.friction;
-}
-
 EncoderPlace encoder_place(const scenario::AxisWorld& world) {
   if (!world.plant.load) return EncoderPlace::axis;
   return world.encoder_on_load ? EncoderPlace::load : EncoderPlace::motor;
@@ -52,6 +48,10 @@ std::shared_ptr<DrivenMachine> driven_machine(const scenario::Scenario& s) {
 }
 
 }  // namespace
+
+model::FrictionLaw friction_of(const scenario::AxisWorld& world) {
+  return world.drift ? model::drifting(world.friction, *world.drift) : world.friction;
+}
 
 AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world) {
   return with_encoder(plant_of(axis, world), world);

@@ -18,7 +18,7 @@ namespace breakaway::sil {
 
 // What the controller is told that differs from the truth; on a machine, all that it is told of mass and friction.
 inline std::string told_of(const config::Axis& axis, const scenario::AxisWorld& world) {
-  const std::string otherwise = config::told_otherwise(axis);
+  std::string otherwise = config::told_otherwise(axis);
   if (!world.place) return otherwise;
   return fmt::format("mass_kg {:g}, friction_lower_N {:g}, friction_upper_N {:g} (truly the [machine]){}{}",
                      axis.mass_kg, axis.friction.bounds.lower_N, axis.friction.bounds.upper_N,

@@ -10,8 +10,8 @@
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
-#include "breakaway/model/friction_drift.hpp"
 #include "breakaway/motion/slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 
 namespace breakaway::sil {
 namespace {
@@ -27,10 +27,6 @@ law::K3Table<double> kick_table(const law::AxisParameters<double>& p) {
   return design::build_k3_table<double>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                         p.stick_radius_upper_m())
       .table;
-}
-
-model::FrictionLaw friction_of(const scenario::AxisWorld& world) {
-  return world.drift ? model::drifting(world.friction, *world.drift) : world.friction;
 }
 
 // What is proved of the law holds where it is told the truth, and nothing but friction disturbs the axis.

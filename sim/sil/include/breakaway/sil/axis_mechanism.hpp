@@ -22,6 +22,9 @@ struct AxisMechanism {
   }
 };
 
+// The friction of an axis, with its drift.
+model::FrictionLaw friction_of(const scenario::AxisWorld& world);
+
 // An axis that moves alone, as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide.
 AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world);
 
