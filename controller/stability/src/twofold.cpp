@@ -49,6 +49,7 @@ Matrix inverse(const Matrix& a) {
 }
 
 std::optional<Matrix> inverse_if_regular(const Matrix& a) {
+  if (a.size() == 0) return a;
   const Equilibrated scaled(a);
   const Eigen::FullPivLU<Matrix> factors(scaled.matrix);
   if (!factors.isInvertible()) return std::nullopt;
