@@ -1,5 +1,6 @@
 #include "breakaway/cia402/drive_node.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "breakaway/canopen/bytes.hpp"
@@ -49,7 +50,7 @@ void DriveNode::update(hal::Time now) noexcept {
   if (!since_) since_ = now;
   heartbeat_.update(now);
   if (heartbeat_.take_boot_up()) {
-    if (phase_ != SetupPhase::waiting) ++reboots_;
+    if (known_) ++reboots_;
     begin_configuration(now);
   }
   switch (phase_) {
@@ -63,6 +64,8 @@ void DriveNode::update(hal::Time now) noexcept {
       return verify_mode(now);
     case SetupPhase::ready:
       return watch(now);
+    case SetupPhase::forcing_stop:
+      return update_forced_stop(now);
     case SetupPhase::refused:
       return;
   }
@@ -79,7 +82,9 @@ void DriveNode::refuse(SetupStatus status) noexcept {
   status_ = status;
 }
 
-// A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up.
+// A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up. What
+// a node said before it was told something is no sign that it is still there: it may have rebooted unheard, and a node
+// that boots without heartbeats says nothing more.
 void DriveNode::wait_for_node(hal::Time now) noexcept {
   if (heartbeat_.state() == NmtState::pre_operational) return begin_configuration(now);
   const bool heard = heartbeat_.state().has_value();
@@ -88,10 +93,12 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
   nmt_command_ = heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication;
   last_command_ = now;
+  heartbeat_.forget_state();
 }
 
 void DriveNode::begin_configuration(hal::Time now) noexcept {
   enter(SetupPhase::configuring, now);
+  known_ = true;
   status_ = SetupStatus::in_progress;
   sdo_.cancel();
   heartbeat_.stop();
@@ -186,6 +193,7 @@ void DriveNode::start_node(hal::Time now) noexcept {
     last_mode_poll_.reset();
     return;
   }
+  if (now - *since_ > std::max(boot_time, 2 * heartbeat_timeout_)) return set_up_anew(now);
   if (last_command_ && now - *last_command_ < heartbeat_timeout_) return;
   nmt_command_ = NmtCommand::start;
   last_command_ = now;
@@ -238,6 +246,32 @@ void DriveNode::watch(hal::Time now) noexcept {
     start_transfer(read_error_code);
     setup_object_ = {};  // this object is none of the set-up's
   }
+}
+
+void DriveNode::force_stop(hal::Time now) noexcept {
+  if (!ready()) return;
+  enter(SetupPhase::forcing_stop, now);
+  status_ = SetupStatus::stop_not_obeyed;
+  sdo_.cancel();
+  transfer_running_ = false;
+  forced_stop_.begin(now);
+}
+
+void DriveNode::update_forced_stop(hal::Time now) noexcept {
+  if (forced_stop_.update(sdo_, now)) return end_forced_stop(now);
+  if (const auto command = forced_stop_.take_command()) nmt_command_ = command;
+}
+
+void DriveNode::end_forced_stop(hal::Time now) noexcept {
+  if (forcing_stop()) set_up_anew(now);
+}
+
+void DriveNode::set_up_anew(hal::Time now) noexcept {
+  sdo_.cancel();
+  transfer_running_ = false;
+  nmt_command_.reset();
+  enter(SetupPhase::waiting, now);
+  status_ = SetupStatus::in_progress;
 }
 
 void DriveNode::forget_errors() noexcept {

@@ -126,6 +126,31 @@ TEST_F(DriveTest, NodeThatLeavesOperationalIsStartedAgainButNotEnabled) {
   EXPECT_EQ(drive.reboots(), 0U);
 }
 
+// Its boot-up was lost, and it produces no heartbeat before it is told to.
+TEST_F(DriveTest, OneThatRebootsUnheardWhileItStandsDisabledIsSetUpAnew) {
+  set_up();
+  node.silent = true;
+  node.boot();
+  node.silent = false;
+  run_until_state(DriveState::configuring);
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(drive.reboots(), 1U) << "the boot-up that it was made to say";
+  drive.request_enable();
+  run_until_state(DriveState::enabled);
+}
+
+TEST_F(DriveTest, OneThatRebootsUnheardWhileItIsStartedIsSetUpAnew) {
+  set_up();
+  node.nmt = NmtState::stopped;
+  run_until_state(DriveState::configuring);
+  node.silent = true;
+  node.boot();
+  node.silent = false;
+  run_until([&] { return feedback.state == DriveState::disabled; }, 6s);
+  drive.request_enable();
+  run_until_state(DriveState::enabled);
+}
+
 TEST_F(DriveTest, OtherNodesFramesChangeNothing) {
   enable();
   const auto before = drive.statusword();

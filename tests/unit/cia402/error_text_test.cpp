@@ -37,7 +37,8 @@ TEST(SetupStatus, NamesWhatIsWrongAndTheRemedy) {
        {S::no_max_torque, {"no torque", "6072h", "set up the motor's data"}},
        {S::object_refused, {"refuses an object", "its manual says why"}},
        {S::protocol_error, {"CiA 301 forbids", "look for a second node"}},
-       {S::force_step_too_coarse, {"steps of force larger than max_force_N", "raise max_force_N", "6076h"}}});
+       {S::force_step_too_coarse, {"steps of force larger than max_force_N", "raise max_force_N", "6076h"}},
+       {S::stop_not_obeyed, {"does not obey a stop", "switch its power off", "look for what else commands it"}}});
 }
 
 }  // namespace

@@ -32,7 +32,10 @@ class ScriptedDrive {
   bool silent = false;
   canopen::NmtState nmt = canopen::NmtState::boot_up;
   cia402::State state = cia402::State::switch_on_disabled;
-  bool follows_controlword = true;
+  bool follows_controlword = true;        // of the RPDO
+  unsigned sdo_requests_lost = 0;         // so many more are not heard
+  bool follows_sdo_controlword = true;    // written to 6040h
+  bool stops_in_pre_operational = false;  // by itself
   std::int32_t counts = 0;
   std::int16_t torque = 0;
   std::uint16_t controlword = 0;
@@ -75,16 +78,24 @@ class ScriptedDrive {
   void on_nmt(canopen::NmtCommand command) {
     commands.push_back(command);
     if (command == canopen::NmtCommand::start) nmt = canopen::NmtState::operational;
-    if (command == canopen::NmtCommand::enter_pre_operational) nmt = canopen::NmtState::pre_operational;
-    if (command == canopen::NmtCommand::reset_communication) boot();
+    if (command == canopen::NmtCommand::enter_pre_operational) {
+      nmt = canopen::NmtState::pre_operational;
+      if (stops_in_pre_operational) state = cia402::State::switch_on_disabled;
+    }
+    if (command == canopen::NmtCommand::reset_communication || command == canopen::NmtCommand::reset_node) boot();
   }
   void on_sdo(const hal::CanFrame& frame) {
+    if (sdo_requests_lost > 0) {
+      --sdo_requests_lost;
+      return;
+    }
     const auto index = canopen::load_little_endian<std::uint16_t>(frame.data, 1);
     const std::uint32_t object = key(index, frame.data[3]);
     const bool read = frame.data[0] == 0x40;
     hal::CanFrame answer{.id = canopen::sdo_response_cob_id(node_), .size = 8, .data = frame.data};
     std::optional<canopen::SdoAbort> error;
     if (refused.contains(object)) error = refused[object];
+    objects[key(0x6041, 0)] = cia402::status_bits(state);
     if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
     if (error) {
       answer.data[0] = 0x80;
@@ -95,16 +106,24 @@ class ScriptedDrive {
     } else {
       objects[object] = canopen::load_little_endian<std::uint32_t>(frame.data, 4);
       written.push_back(object);
+      if (object == key(0x6040, 0) && follows_sdo_controlword) follow(static_cast<std::uint16_t>(objects[object]));
       answer.data = {0x60, frame.data[1], frame.data[2], frame.data[3]};
     }
     send(answer);
   }
   void on_rpdo(const hal::CanFrame& frame) {
     ++rpdos;
-    const bool reset_edge = (frame.data[0] & 0x80) != 0 && (controlword & 0x80) == 0;
-    controlword = canopen::load_little_endian<std::uint16_t>(frame.data, 0);
     target = canopen::load_little_endian<std::int16_t>(frame.data, 2);
-    if (follows_controlword) state = next_state(reset_edge);
+    const auto received = canopen::load_little_endian<std::uint16_t>(frame.data, 0);
+    if (follows_controlword)
+      follow(received);
+    else
+      controlword = received;
+  }
+  void follow(std::uint16_t received) {
+    const bool reset_edge = (received & 0x80U) != 0 && (controlword & 0x80U) == 0;
+    controlword = received;
+    state = next_state(reset_edge);
   }
   cia402::State next_state(bool reset_edge) const {
     using cia402::State;

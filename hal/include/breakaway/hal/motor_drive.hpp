@@ -92,7 +92,9 @@ struct DriveFeedback {
   Time sample_time{};   // when the position was taken, as exactly as is known
   bool fresh = false;   // a new position came since the last call
   bool ever_valid = false;       // a position came since power-up
+  bool stop_not_obeyed = false;  // was to stop, and was not seen without force within the time that a stop takes
   std::uint16_t fault_code = 0;  // while state is fault: the error code of 603Fh or EMCY
+  Scalar force_step_N{};         // between two forces that the drive can report; 0: finer than matters
 };
 
 // The formatter would tear the requirements and their comments apart.
@@ -121,13 +123,14 @@ concept MotorDrive = requires(D& drive, const D& constant, Scalar force_N, std::
   // Never blocks; for the loop's thread.
   { drive.set_datum_counts(counts) } noexcept -> std::same_as<void>;
 
-  // Asks for force. A drive that is in fault or unusable ignores it; a wish that was granted ends when the drive stops
+  // Asks for force. A drive that is in fault, unusable or disobeys a stop ignores it; a wish that was granted ends when the drive stops
   // by itself, so that nothing is energised again without a new request.
   // Returns at once and never blocks; for the loop's thread.
   { drive.request_enable() } noexcept -> std::same_as<void>;
 
   // Asks for a stop, and for the force to be taken off after it. It cannot fail, counts in any state and takes back an
-  // earlier request_enable(); from this call on the force that is sent is zero.
+  // earlier request_enable(); from this call on the force that is sent is zero. A drive on a bus goes on until the stop
+  // is seen to be obeyed, and says meanwhile that it is not (stop_not_obeyed).
   // Returns at once and never blocks; for the loop's thread.
   { drive.request_stop() } noexcept -> std::same_as<void>;
 

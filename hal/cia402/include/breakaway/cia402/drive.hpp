@@ -20,12 +20,15 @@
 // next carries zero torque.
 //
 // A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
-// used is `unusable`, sends no command, and setup_status() says why.
+// used is `unusable`, sends no command, and setup_status() says why. One that is told to stop and stays energised is
+// told by other means than PDOs until it is seen without force (forced_stop.hpp), and is `stopping` all that time.
 //
 // It owns no port, holds no pointers and may be copied. It never blocks or allocates, and is for one thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -53,6 +56,11 @@ template <class Scalar>
 class Drive {
  public:
   using Config = DriveConfig<Scalar>;
+
+  // A drive in Operation enabled leaves it within this of a stop, or does not obey. Drives read a controlword once in
+  // some milliseconds.
+  static constexpr hal::Duration stop_time = std::chrono::milliseconds{20};
+  static constexpr int stop_periods = 10;  // where the period is longer than 2 ms
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   Drive(const Config& config, const canopen::NetworkConfig& network, const hal::AxisScale<Scalar>& scale) noexcept
@@ -83,10 +91,13 @@ class Drive {
     node_.update(now);
     if (node_.reboots() != reboots) ever_valid_ = false;
     if (was_ready && !node_.ready()) machine_.restart();
+    if (node_.forcing_stop() && machine_.without_force()) node_.end_forced_stop(now);
+    if (node_.ready() && node_.heartbeat_lost() && machine_.without_force()) set_up_anew(now);
     if (!was_ready && node_.ready()) adopt_rating();
     if (!node_.ready()) return;
     machine_.update(now);
     follow_fault();
+    watch_stop(now);
   }
 
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent now, at most one a call. The frame
@@ -119,11 +130,15 @@ class Drive {
             .sample_time = sample_time_,
             .fresh = std::exchange(fresh_, false),
             .ever_valid = ever_valid_,
-            .fault_code = fault_code()};
+            .stop_not_obeyed = node_.forcing_stop(),
+            .fault_code = fault_code(),
+            .force_step_N = torque_scale_.quantum_N()};
   }
   void command(Scalar force_N) noexcept { force_N_ = force_N; }
   void set_datum_counts(std::int32_t counts) noexcept { datum_counts_ = static_cast<std::uint32_t>(counts); }
-  void request_enable() noexcept { machine_.request_enable(); }
+  void request_enable() noexcept {
+    if (!node_.forcing_stop()) machine_.request_enable();
+  }
   void request_stop() noexcept { machine_.request_stop(); }
   void reset_fault() noexcept { machine_.reset_fault(); }
   // The axis' limit until the drive's own is known; then the lower of the two, in whole quanta.
@@ -185,6 +200,12 @@ class Drive {
     if (torque_scale_.limit_per_mille() == 0) own_status_ = SetupStatus::force_step_too_coarse;
   }
 
+  // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
+  void set_up_anew(hal::Time now) noexcept {
+    machine_.restart();
+    node_.set_up_anew(now);
+  }
+
   void follow_fault() noexcept {
     const bool faulty = machine_.state() == State::fault;
     if (faulty && !was_faulty_ && !node_.emcy().active()) node_.request_error_code();
@@ -192,10 +213,28 @@ class Drive {
     was_faulty_ = faulty;
   }
 
+  // A drive that is energised against our wish for longer than a stop takes is forced to it. It is given the time of a
+  // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last.
+  void watch_stop(hal::Time now) noexcept {
+    if (!machine_.energised_unwished()) {
+      unwished_since_.reset();
+      return;
+    }
+    if (!unwished_since_) unwished_since_ = now;
+    const bool stops_by_itself = machine_.state() != State::operation_enabled;
+    const hal::Duration obeys_within = std::max(stop_time, stop_periods * period_);
+    if (now - *unwished_since_ <= obeys_within + (stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{}))
+      return;
+    unwished_since_.reset();
+    machine_.restart();
+    node_.force_stop(now);
+  }
+
   bool usable() const noexcept { return own_status_ == SetupStatus::ready && node_.phase() != SetupPhase::refused; }
 
   hal::DriveState state() const noexcept {
     if (!usable()) return hal::DriveState::unusable;
+    if (node_.forcing_stop()) return hal::DriveState::stopping;
     if (!node_.ready() || !machine_.state()) return hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
@@ -245,6 +284,7 @@ class Drive {
   bool ever_valid_ = false;
   bool was_faulty_ = false;
   std::optional<hal::Time> sync_time_;
+  std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
   hal::Time sample_time_{};
 };
 

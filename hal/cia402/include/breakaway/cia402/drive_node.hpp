@@ -1,6 +1,6 @@
 // DriveNode: the CANopen side of one drive, from power-up to cyclic operation and back.
 //
-//   waiting -> configuring -> starting -> verifying_mode -> ready
+//   waiting -> configuring -> starting -> verifying_mode -> ready -> forcing_stop -> waiting
 //                   |                          |
 //                   +--------> refused <-------+
 //
@@ -8,8 +8,9 @@
 // its communication, one that runs already is taken back. Then it sets the node up by SDO beside the cyclic traffic
 // (setup_plan.hpp), starts it, and asks until 6061h shows cyclic synchronous torque. From then on it watches heartbeat,
 // NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; one that leaves NMT operational by
-// itself is started again; one that stops answering is waited for. A node that cannot be used is refused until it
-// reboots, and status() says why.
+// itself is started again; one that stops answering is waited for, and told to say its boot-up. A node that cannot be
+// used is refused until it reboots, and status() says why. One that does not obey a stop is forced to it
+// (forced_stop.hpp), and then set up anew, because somebody may have changed its set-up.
 //
 //   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
 //
@@ -26,6 +27,7 @@
 #include "breakaway/canopen/object_address.hpp"
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/drive_config.hpp"
+#include "breakaway/cia402/forced_stop.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
 #include "breakaway/cia402/setup_status.hpp"
 #include "breakaway/hal/can_frame.hpp"
@@ -38,7 +40,8 @@ enum class SetupPhase : std::uint8_t {
   configuring,     // until the transfers of the set-up plan are done
   starting,        // until the node says that it is NMT operational
   verifying_mode,  // until 6061h shows cyclic synchronous torque
-  ready,           // until the node reboots or leaves NMT operational
+  ready,           // until the node reboots or leaves NMT operational, or is forced to a stop
+  forcing_stop,    // until the node is seen without force
   refused,         // until the node reboots; status() says why
 };
 
@@ -81,14 +84,24 @@ class DriveNode {
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent, which must then be sent: at most
   // one a call. The master's heartbeat is not among them, because it is one for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
+  // The node was told to stop and is still energised: it is told by ever stronger means. For a node that is ready.
+  void force_stop(hal::Time now) noexcept;
+  // The node was seen without force.
+  void end_forced_stop(hal::Time now) noexcept;
+  // The node is waited for and set up as if it were new. No force is taken off that it may give meanwhile.
+  void set_up_anew(hal::Time now) noexcept;
   // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
   void forget_errors() noexcept;
 
   SetupPhase phase() const noexcept { return phase_; }
   bool ready() const noexcept { return phase_ == SetupPhase::ready; }
+  bool forcing_stop() const noexcept { return phase_ == SetupPhase::forcing_stop; }
   // The node is NMT operational with our mapping: PDOs pass.
-  bool operational() const noexcept { return phase_ == SetupPhase::verifying_mode || ready(); }
+  bool operational() const noexcept {
+    return phase_ == SetupPhase::verifying_mode || ready() ||
+           (forcing_stop() && forced_stop_.means() == ForcedStop::Means::controlword);
+  }
 
   SetupStatus status() const noexcept { return status_; }
   // The object at which the set-up stands, was not answered, or was refused; index 0 when none is concerned.
@@ -104,7 +117,7 @@ class DriveNode {
   std::optional<canopen::NmtState> nmt_state() const noexcept { return heartbeat_.state(); }
   bool heartbeat_lost() const noexcept { return heartbeat_.lost(); }
   const canopen::EmcyConsumer& emcy() const noexcept { return emcy_; }
-  // Counts the boot-ups that nobody here asked for.
+  // Counts the boot-ups since the node was first heard: each takes its set-up and its reference.
   std::uint32_t reboots() const noexcept { return reboots_; }
 
  private:
@@ -121,6 +134,7 @@ class DriveNode {
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
+  void update_forced_stop(hal::Time now) noexcept;
   void enter(SetupPhase phase, hal::Time now) noexcept;
   void refuse(SetupStatus status) noexcept;
 
@@ -131,6 +145,7 @@ class DriveNode {
   canopen::SdoClient sdo_;
   canopen::HeartbeatConsumer heartbeat_;
   canopen::EmcyConsumer emcy_;
+  ForcedStop forced_stop_;
 
   SetupPhase phase_ = SetupPhase::waiting;
   SetupStatus status_ = SetupStatus::in_progress;
@@ -147,6 +162,7 @@ class DriveNode {
   DriveRating rating_;
   bool error_code_wanted_ = false;
   std::uint16_t error_code_ = 0;
+  bool known_ = false;  // its set-up was begun at least once
   std::uint32_t reboots_ = 0;
 };
 

@@ -19,6 +19,7 @@ enum class SetupStatus : std::uint8_t {
   object_refused,         // the drive aborted a transfer that it must not abort
   protocol_error,         // the drive answered a transfer with what CiA 301 forbids
   force_step_too_coarse,  // one per mille of the rated torque is more than the axis' force limit
+  stop_not_obeyed,        // the drive was told to stop and is not seen without force; it is told by other means
 };
 
 constexpr std::string_view to_string(SetupStatus status) noexcept {
@@ -50,6 +51,9 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
     case SetupStatus::force_step_too_coarse:
       return "the drive moves in steps of force larger than max_force_N; raise max_force_N, or take a drive of a lower "
              "rated torque (6076h)";
+    case SetupStatus::stop_not_obeyed:
+      return "the drive does not obey a stop, and is told again by SDO and NMT; switch its power off where force must "
+             "not stay on, and look for what else commands it";
   }
   return "unknown set-up status";
 }

@@ -69,6 +69,18 @@ constexpr std::optional<State> state_of(std::uint16_t statusword) noexcept {
   }
 }
 
+// Returns true in the states in which a drive moves its motor: by its target, or by its own way to a stop.
+constexpr bool is_energised(State state) noexcept {
+  return state == State::operation_enabled || state == State::quick_stop_active ||
+         state == State::fault_reaction_active;
+}
+
+// Returns true in the states that prove a drive function switched off. One that is not ready is still starting up, or
+// has nothing to say.
+constexpr bool is_without_force(State state) noexcept {
+  return !is_energised(state) && state != State::not_ready_to_switch_on;
+}
+
 // Returns the bits by which a statusword shows the state, for a device that reports it.
 constexpr std::uint16_t status_bits(State state) noexcept {
   switch (state) {

@@ -1,0 +1,55 @@
+// ForcedStop: takes the force off a drive that was told to stop and is still seen energised, or not seen at all.
+//
+// The usual way to stop is the controlword of the RPDO, which acts at SYNC and has no answer: a drive whose RPDO
+// another tool switched off, or that does not hear SYNC, keeps its last torque. So ever stronger means follow, each
+// with its time, over and over until one works:
+//
+//   controlword      0 is written to 6040h by SDO, which acts without PDO and SYNC
+//   pre_operational  NMT Enter Pre-operational ends the PDOs, and 6040h is written again
+//   reset            NMT Reset node; what boots anew has no force
+//
+// All the while 6041h is read after each write. A statusword that shows a state without force is the proof that the
+// stop is obeyed; so is a boot-up, which the owner sees.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "breakaway/canopen/nmt.hpp"
+#include "breakaway/canopen/sdo_client.hpp"
+#include "breakaway/hal/time.hpp"
+
+namespace breakaway::cia402 {
+
+class ForcedStop {
+ public:
+  enum class Means : std::uint8_t { controlword, pre_operational, reset };
+
+  static constexpr hal::Duration controlword_time = std::chrono::milliseconds{100};
+  static constexpr hal::Duration pre_operational_time = std::chrono::milliseconds{200};
+  static constexpr hal::Duration reset_time = std::chrono::seconds{2};  // to boot in
+  static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
+
+  // Begins with the first means. The transfers are made by the node's SDO client, which must be free.
+  void begin(hal::Time now) noexcept;
+  // Once a period. Returns true when a statusword without force was read.
+  bool update(canopen::SdoClient& sdo, hal::Time now) noexcept;
+  // The NMT command that is to be sent now, if one is; given once.
+  std::optional<canopen::NmtCommand> take_command() noexcept;
+
+  Means means() const noexcept { return means_; }
+
+ private:
+  enum class Transfer : std::uint8_t { none, write_controlword, read_statusword };
+
+  void escalate(canopen::SdoClient& sdo, hal::Time now) noexcept;
+  void start(canopen::SdoClient& sdo, Transfer transfer) noexcept;
+
+  Means means_ = Means::controlword;
+  hal::Time since_{};
+  Transfer transfer_ = Transfer::none;
+  std::optional<canopen::NmtCommand> command_;
+};
+
+}  // namespace breakaway::cia402

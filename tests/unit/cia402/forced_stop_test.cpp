@@ -1,0 +1,197 @@
+// What is done to a drive that was told to stop and keeps its force.
+#include <algorithm>
+
+#include "drive_fixture.hpp"
+
+namespace breakaway::test {
+namespace {
+
+using breakaway::cia402::ForcedStop;
+using breakaway::cia402::StateMachine;
+
+class ForcedStopTest : public DriveTest {
+ protected:
+  explicit ForcedStopTest(const DriveConfig<float>& drive_config = config) : DriveTest{drive_config} {}
+
+  // A drive that gives force and no longer hears its RPDO.
+  void enable_and_go_deaf() {
+    enable();
+    step(10.0F);
+    node.follows_controlword = false;
+  }
+  bool without_force() const { return cia402::is_without_force(node.state); }
+  Duration time_until_without_force(Duration limit = 10s) {
+    const Time begin = now;
+    run_until([&] { return without_force(); }, limit);
+    return now - begin;
+  }
+  bool was_told(NmtCommand command) const {
+    return std::find(node.commands.begin(), node.commands.end(), command) != node.commands.end();
+  }
+  // Set up anew, seen disabled, and it can be enabled again when it hears its RPDO again.
+  void expect_recovery() {
+    node.follows_controlword = true;
+    run_until_state(DriveState::disabled);
+    EXPECT_FALSE(feedback.stop_not_obeyed);
+    EXPECT_EQ(drive.setup_status(), SetupStatus::ready);
+    run_for(100ms);
+    EXPECT_EQ(feedback.state, DriveState::disabled) << "not enabled without a new request";
+    drive.request_enable();
+    run_until_state(DriveState::enabled);
+  }
+};
+
+TEST_F(ForcedStopTest, ADriveThatObeysIsToldByPdoOnly) {
+  enable();
+  node.written.clear();
+  drive.request_stop();
+  run_for(500ms);
+  EXPECT_TRUE(node.written.empty());
+  EXPECT_FALSE(feedback.stop_not_obeyed);
+}
+
+TEST_F(ForcedStopTest, WritesTheControlwordByObjectToADriveWithoutRpdo) {
+  enable_and_go_deaf();
+  node.commands.clear();
+  drive.request_stop();
+  run_for(19ms);
+  EXPECT_FALSE(feedback.stop_not_obeyed) << "a stop takes this long";
+  EXPECT_LE(time_until_without_force(), 5ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  EXPECT_FALSE(was_told(NmtCommand::enter_pre_operational)) << "it was not necessary";
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, SendsADriveThatIgnoresItsControlwordToPreOperational) {
+  enable_and_go_deaf();
+  node.follows_sdo_controlword = false;
+  node.stops_in_pre_operational = true;
+  node.commands.clear();
+  drive.request_stop();
+  EXPECT_LE(time_until_without_force(), 20ms + ForcedStop::controlword_time + 5ms);
+  EXPECT_FALSE(was_told(NmtCommand::reset_node));
+  node.follows_sdo_controlword = true;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, ResetsADriveThatIgnoresEverythingElse) {
+  enable_and_go_deaf();
+  node.follows_sdo_controlword = false;
+  drive.request_stop();
+  EXPECT_LE(time_until_without_force(), 20ms + ForcedStop::controlword_time + ForcedStop::pre_operational_time + 5ms);
+  EXPECT_TRUE(was_told(NmtCommand::reset_node));
+  run_for(5ms);
+  EXPECT_FALSE(feedback.ever_valid) << "what booted lost its reference";
+  node.follows_sdo_controlword = true;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, GoesOnWhileADriveSaysNothing) {
+  enable();
+  step(10.0F);
+  node.silent = true;
+  drive.request_stop();
+  for (int round = 0; round < 3; ++round) {
+    run_for(ForcedStop::round_time);
+    EXPECT_TRUE(feedback.stop_not_obeyed) << "silence is no proof";
+    EXPECT_EQ(feedback.state, DriveState::stopping);
+  }
+  node.silent = false;
+  EXPECT_LE(time_until_without_force(), ForcedStop::round_time);
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, ADriveThatRebootedUnheardIsSetUpAnew) {
+  enable();
+  step(10.0F);
+  node.silent = true;
+  drive.request_stop();
+  run_for(500ms);
+  node.boot();
+  node.silent = false;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, IsNotEnabledWhileItGoesOn) {
+  enable_and_go_deaf();
+  node.follows_sdo_controlword = false;
+  drive.request_stop();
+  run_for(50ms);
+  ASSERT_TRUE(feedback.stop_not_obeyed);
+  node.follows_controlword = true;
+  for (int i = 0; i < 3000; ++i) {
+    drive.request_enable();
+    step(10.0F);
+    ASSERT_EQ(node.target, 0);
+    ASSERT_NE(node.controlword & 0x0F, 0x0F) << "at " << i << " ms";
+    if (!feedback.stop_not_obeyed) break;
+  }
+  EXPECT_FALSE(feedback.stop_not_obeyed);
+  node.follows_sdo_controlword = true;
+  run_until_state(DriveState::disabled);
+  run_for(100ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled) << "what was asked for meanwhile is forgotten";
+}
+
+TEST_F(ForcedStopTest, GivesAQuickStopTheTimeThatItMayTake) {
+  enable();
+  drive.request_stop();
+  run_until_state(DriveState::stopping);
+  ASSERT_EQ(node.state, State::quick_stop_active);
+  node.follows_controlword = false;  // stays in it, as the options 5 to 8 of 605Ah want
+  node.written.clear();
+  run_for(StateMachine::quick_stop_time);
+  EXPECT_TRUE(node.written.empty()) << "it was forced";
+  EXPECT_LE(time_until_without_force(), 30ms);
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, ADriveThatSomebodyElseEnablesIsSwitchedOffAgain) {
+  set_up();
+  node.state = State::operation_enabled;
+  node.follows_controlword = false;
+  EXPECT_LE(time_until_without_force(), 30ms);
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, AStatuswordInAPdoIsAProofToo) {
+  enable_and_go_deaf();
+  node.refused[ScriptedDrive::key(0x6041, 0)] = breakaway::canopen::SdoAbort::write_only;
+  node.commands.clear();
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_until([&] { return !feedback.stop_not_obeyed; }, 20ms);
+  EXPECT_TRUE(without_force());
+  EXPECT_FALSE(was_told(NmtCommand::reset_node));
+}
+
+TEST_F(ForcedStopTest, AStatuswordOfZerosIsNoProof) {
+  enable_and_go_deaf();
+  node.follows_sdo_controlword = false;
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  node.state = State::not_ready_to_switch_on;
+  run_for(50ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+}
+
+class PatientForcedStopTest : public ForcedStopTest {
+ protected:
+  PatientForcedStopTest()
+      : ForcedStopTest{[] {
+          DriveConfig<float> patient = config;
+          patient.sdo_timeout = 1s;
+          return patient;
+        }()} {}
+};
+
+TEST_F(PatientForcedStopTest, WritesTheControlwordAgainWithEachMeans) {
+  enable_and_go_deaf();
+  node.sdo_requests_lost = 1;
+  drive.request_stop();
+  EXPECT_LE(time_until_without_force(), 20ms + ForcedStop::controlword_time + 5ms);
+}
+
+}  // namespace
+}  // namespace breakaway::test
