@@ -35,7 +35,7 @@ double granted_N(const Axis& axis, double force_N) {
 
 // A kick must not run into a limit that the axis stops for.
 void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  const double kick_m_s = report.largest_impulse_Ns / axis.mass_kg;
+  const double kick_m_s = report.braked ? report.braked->peak_speed_m_s : report.largest_impulse_Ns / axis.mass_kg;
   if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
   throw InputError{place(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:.4g} m/s that the largest "
                                                    "kick gives the axis; raise it",
@@ -59,7 +59,9 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .period_s = p.period_s,
           .encoder_resolution_m = p.encoder_resolution_m,
           .latency_ticks = p.latency_periods,
-          .position_tolerance_m = accuracy_m(node, axis)};
+          .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
+          .position_tolerance_m = accuracy_m(node, axis),
+          .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt};
 }
 
 std::vector<design::DesignReport> examine(const Node& node) try {

@@ -28,7 +28,25 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.period_s = static_cast<Real>(node.period_s());
   p.latency_periods = axis.latency_periods;
   p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;
+  p.coast = gains.coast;
   return p;
+}
+
+design::BrakedClass braked_class(const Node& node, const Axis& axis) {
+  const Uncertainty& u = axis.uncertainty;
+  const auto either_way = [](double value, double share) {
+    return design::Interval{value * (1 - share), value * (1 + share)};
+  };
+  return {.mass_kg = either_way(axis.mass_kg, u.mass),
+          .force_gain = either_way(1, u.force_gain),
+          .lag_s = either_way(axis.drive->current_loop_time_constant_s, u.current_loop_time_constant),
+          .friction = axis.friction.bounds,
+          .load_N = u.force_N,
+          .max_force_N = max_force_N(axis),
+          .force_step_N = axis.drive->force_quantum_N(),
+          .period_s = node.period_s(),
+          .encoder_resolution_m = axis.drive->encoder_resolution_m,
+          .latency_periods = axis.latency_periods};
 }
 
 template <class Real>

@@ -60,6 +60,7 @@ std::vector<Key> gain_keys(ImpulsiveGains& gains) {
       required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
       optional("kick",
                choice(gains.kick, {{"ideal", Kick::ideal}, {"two_phase", Kick::two_phase}, {"naive", Kick::naive}})),
+      optional("coast", choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}})),
   };
 }
 
@@ -94,11 +95,12 @@ Controller read_controller(const Section& section, bool sampled, std::vector<Key
 }
 
 // These rules hold between the keys of the law of [I]. zeta = k2 / (2 sqrt(k1 m)).
-void check_gains(const Section& section, const ImpulsiveGains& gains, double mass_kg, bool sampled) {
+void check_gains(const Section& section, const ImpulsiveGains& gains, double mass_kg, bool told, bool sampled) {
   const double critical = 2 * std::sqrt(gains.stiffness_N_per_m * mass_kg);
   const auto refuse = [&](std::string_view key, double value, std::string_view rule) {
-    section.fail(key, fmt::format("is {}, so zeta = {:.6g}; {} 2 sqrt(k1 m) = {:.6g} N s/m", value, value / critical,
-                                  rule, critical));
+    section.fail(key,
+                 fmt::format("is {}, so zeta = {:.6g}{}; {} 2 sqrt(k1 m) = {:.6g} N s/m", value, value / critical,
+                             told ? fmt::format(" with the [told] mass of {:g} kg", mass_kg) : "", rule, critical));
   };
   const double k21 = gains.approach_damping_Ns_per_m, k22 = gains.kick_damping_Ns_per_m;
   if (!(k21 < critical)) refuse("k21_Ns_per_m", k21, "the approach needs zeta < 1: lower it below");
@@ -106,6 +108,24 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, double mas
   if (sampled && gains.kick == Kick::ideal) {
     section.fail("kick", "must be \"two_phase\" or \"naive\" with a [loop]: a sampled kick takes time");
   }
+  if (!sampled && gains.coast == law::Coast::brake)
+    section.fail("coast", "is \"brake\", which takes whole periods of a [loop]; give one, or \"pd\"");
+}
+
+Uncertainty read_uncertainty(const Section& section, const Friction& friction) {
+  constexpr Range relative{0, 0.9};
+  Uncertainty u;
+  section.read({
+      optional("mass", number(u.mass, "", relative)),
+      optional("force_gain", number(u.force_gain, "", relative)),
+      optional("force_N", number(u.force_N, "N", not_negative)),
+      optional("current_loop_time_constant", number(u.current_loop_time_constant, "", relative)),
+  });
+  if (u.force_N >= friction.bounds.lower_N)
+    section.fail("force_N", fmt::format("is {:g}, not below the least friction of {:g} N, so that nothing holds the "
+                                        "axis at rest; feed a known force forward, or narrow its bounds",
+                                        u.force_N, friction.bounds.lower_N));
+  return u;
 }
 
 Value thousandths(std::uint32_t& to, std::string_view unit) {
@@ -230,9 +250,13 @@ void check_in_node(const Section& section, const Drive& drive, const Node& node)
 
 std::vector<Key> AxisTables::rows() {
   const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
-  return {optional("plant", keep(plant_)),           optional("friction", keep(friction_)),
-          optional("controller", keep(controller_)), optional("drive", keep(drive_)),
-          optional("limits", keep(limits_)),         optional("told", keep(told_))};
+  return {optional("plant", keep(plant_)),
+          optional("friction", keep(friction_)),
+          optional("controller", keep(controller_)),
+          optional("drive", keep(drive_)),
+          optional("limits", keep(limits_)),
+          optional("told", keep(told_)),
+          optional("uncertainty", keep(uncertainty_))};
 }
 
 // The next axis of the node. A table that is missing is missed only after those before it were read, so that a
@@ -253,9 +277,14 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
   if (drive_) check_in_node(*drive_, *axis.drive, node);
   if (told_) read_told(*told_, axis);
+  if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction);
   if (limits_) axis.limits = read_limits(*limits_);
   check_force(*controller_, axis);
-  if (axis.controller.impulsive) check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, sampled);
+  if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)
+    controller_->fail("coast", "is \"brake\", which counts in the steps of a drive's force; give the axis a [drive]");
+  if (axis.controller.impulsive)
+    check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, truth_of(axis).mass_kg != axis.mass_kg,
+                sampled);
   if (limits_) check_limits(*limits_, axis, node);
   check_targets(*controller_, axis);
   return axis;

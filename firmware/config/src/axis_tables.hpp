@@ -26,7 +26,7 @@ class AxisTables {
   Axis read(const Section& parent, std::string name, const Node& node, const FileRows& others) const;
 
  private:
-  std::optional<Section> plant_, friction_, controller_, drive_, limits_, told_;
+  std::optional<Section> plant_, friction_, controller_, drive_, limits_, told_, uncertainty_;
 };
 
 }  // namespace breakaway::config

@@ -7,6 +7,7 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -74,6 +75,15 @@ firmware::FlashedAxis<Real> flashed_axis(const Node& node, const Axis& axis) {
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
   firmware::FlashedAxis<Real> flashed{
       .drive = drive_config<Real>(axis), .limits = axis_limits<Real>(axis), .law = p, .k3_table = built.table};
+  if (p.coast == law::Coast::brake) {
+    const auto design = design::design_braked_kicks<Real>(braked_class(node, axis));
+    if (!law::are_usable(design.kicks))
+      throw InputError{
+          fmt::format("axis {}: no kick under the coast \"brake\" is sure to move it; `breakaway design` "
+                      "says why",
+                      axis.name)};
+    flashed.braked = design.kicks;
+  }
   std::ranges::copy(axis.name, flashed.name.characters.begin());
   return flashed;
 }

@@ -43,6 +43,13 @@ class HeaderWriter {
     line("}},");
   }
 
+  template <class Items>
+  void row(const char* name, const Items& items) {
+    std::string numbers;
+    for (const auto& item : items) numbers += (numbers.empty() ? "" : ", ") + exact(item);
+    line(fmt::format(".{} = {{{{{}}}}},", name, numbers));
+  }
+
   const std::string& text() const { return text_; }
 
  private:
@@ -53,6 +60,10 @@ class HeaderWriter {
   static std::string exact(hal::Duration duration) { return fmt::format("hal::Duration{{{}}}", duration.count()); }
   static std::string exact(bool value) { return value ? "true" : "false"; }
   static std::string exact(std::uint8_t value) { return fmt::format("{}", value); }
+  static std::string exact(std::uint16_t value) { return fmt::format("{}", value); }
+  static std::string exact(law::Coast coast) {
+    return coast == law::Coast::brake ? "law::Coast::brake" : "law::Coast::pd";
+  }
   static std::string exact(std::uint32_t value) { return fmt::format("{}", value); }
   static std::string exact(const firmware::AxisName& name) { return fmt::format("{{\"{}\"}}", name.view()); }
   static std::string exact(law::KickShape shape) {
@@ -85,6 +96,7 @@ std::string statement(const Node& node, const std::vector<design::DesignReport>&
   for (std::size_t i = 0; i < reports.size(); ++i) {
     text += "//\n// Axis " + node.axes[i].name +
             " is certified: it reaches its target within position_tolerance_m, provided that\n";
+    if (reports[i].braked) text += "// (coast \"brake\": " + reports[i].braked->promise + ")\n";
     for (const std::string& condition : reports[i].conditions) text += "// - " + in_one_line(condition) + "\n";
     text += "// Checked, with margins:\n";
     for (const design::Check& check : reports[i].checks) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "axis_tables.hpp"
 #include "breakaway/canopen/bus_budget.hpp"
@@ -95,6 +96,10 @@ void read_bus(const std::optional<Section>& section, Node& node, std::vector<Key
   node.bit_rate = bit_rate;
 }
 
+std::vector<Key> of_machines_alone() {
+  return elsewhere({"sweep", "feedback", "impulse"}, "it is for a [machine] without axes; leave it out");
+}
+
 // The least period that is at least this long and that drives can be told.
 hal::Duration rounded_up(hal::Duration period) {
   hal::Duration step = std::chrono::microseconds{1};
@@ -104,8 +109,18 @@ hal::Duration rounded_up(hal::Duration period) {
 
 }  // namespace
 
+bool has_axes(const toml::table& document) {
+  constexpr std::array keys{"axis", "plant", "controller", "drive", "loop"};
+  return std::ranges::any_of(keys, [&](const char* key) { return document.contains(key); });
+}
+
 Node read_node(const toml::table& document, const std::string& name, const FileRows& others) {
   const Section root{document, name, ""};
+  if (root.has("machine") && !has_axes(document))
+    throw InputError{
+        "describes a [machine] alone, and an axis is asked for: take `simulate`, `attract` or `basin`, or give a file "
+        "with [plant], [friction] and [controller]"}
+        .in_file(name);
   Node node;
   node.file = name;
   std::optional<Section> loop, bus, run;
@@ -116,11 +131,13 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told"})
     if (root.has("axis") && root.has(part))
       root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
-  root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root);
+  root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root + of_machines_alone());
   if (loop) node.loop = read_loop(*loop, others.loop);
   if (run)
     run->read(std::vector<Key>{optional("settle_tolerance_m", number(node.settle_tolerance_m, "m", positive))} +
-              others.run);
+              others.run +
+              elsewhere({"integrator", "step_s", "theta", "tolerance"},
+                        "it is for a [machine] without axes; leave it out, or ask an axis for accuracy_m"));
   read_axes(root, node, alone, others);
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);

@@ -40,12 +40,32 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+std::string shown(const toml::node& node);
+
+std::string entries_of(const toml::array& array) {
+  std::string entries;
+  for (const toml::node& entry : array) {
+    constexpr std::size_t most_characters = 60;
+    if (entries.size() > most_characters) return "[" + entries + ", ...]";
+    const toml::array* nested = entry.as_array();
+    entries += (entries.empty() ? "" : ", ") + (nested != nullptr ? entries_of(*nested) : shown(entry));
+  }
+  return "[" + entries + "]";
+}
+
 std::string shown(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return "an array";
+  if (node.is_floating_point()) return fmt::format("{}", node.value<double>().value());
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   return out.str();
+}
+
+// Where an array is right, but not this one, its entries tell why.
+std::string shown_beside(const std::string& expects, const toml::node& node) {
+  const bool takes_arrays = expects.find("array, each") != expects.npos || expects.find("as [") != expects.npos;
+  return node.is_array() && takes_arrays ? entries_of(*node.as_array()) : shown(node);
 }
 
 }  // namespace
@@ -126,6 +146,14 @@ Value tables(std::function<void(const Section&)> read_entry) {
           }};
 }
 
+std::vector<Key> elsewhere(std::initializer_list<std::string_view> names, const std::string& why) {
+  const Value refused{
+      "", [why](const Entry& entry) -> bool { entry.parent.fail(entry.key, "is not a key here: " + why); }, false};
+  std::vector<Key> rows;
+  for (const std::string_view name : names) rows.push_back(optional(name, refused));
+  return rows;
+}
+
 Section Section::nested(const toml::table& inner, std::string_view key) const {
   return {inner, file_, path_.empty() ? std::string{key} : fmt::format("{}.{}", path_, key)};
 }
@@ -145,6 +173,7 @@ void Section::refuse_unknown_keys(const std::vector<Key>& keys) const {
   for (const auto& [key, node] : *table_) {
     if (std::ranges::find(keys, key.str(), &Key::name) != keys.end()) continue;
     for (const Key& row : keys) {
+      if (!row.value.belongs_here) continue;
       const std::size_t distance = edit_distance(row.name, key.str());
       if (distance >= least) continue;
       unknown = key.str(), nearest = row.name, least = distance;
@@ -158,7 +187,7 @@ void Section::read(const Key& row) const {
   const toml::node* node = table_->get(row.name);
   if (node == nullptr && row.required) fail(row.name, fmt::format("is missing; give it {}", row.value.expects));
   if (node != nullptr && !row.value.take({*node, *this, row.name})) {
-    fail(row.name, fmt::format("is {}, must be {}", shown(*node), row.value.expects));
+    fail(row.name, fmt::format("is {}, must be {}", shown_beside(row.value.expects, *node), row.value.expects));
   }
 }
 

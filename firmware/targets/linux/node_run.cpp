@@ -73,7 +73,8 @@ ExitCode NodeRun::run() {
   stop_and_confirm();
   release_drives();
   const bool good = std::ranges::all_of(axes_, [&](const Axis& axis) {
-    return axis.confirmed && axis.last_fault == AxisFault::none && (axis.reached || telemetry_.stop);
+    return axis.confirmed && axis.last_fault == AxisFault::none && !loop_.status(axis.id).stop_not_obeyed &&
+           (axis.reached || telemetry_.stop);
   });
   return good ? done : failed;
 }
@@ -108,6 +109,7 @@ void NodeRun::note(std::size_t place) {
                             .fault = s.fault,
                             .fault_code = loop_.supervisor(axis.id).fault_code(),
                             .axis = static_cast<std::uint8_t>(place),
+                            .stop_not_obeyed = s.stop_not_obeyed,
                             .link_lost = socket_port_.link_lost()});
 }
 
@@ -265,8 +267,9 @@ bool NodeRun::stops_are_confirmed() {
     const auto& feedback = loop_.status(axis.id).feedback;
     const bool holds_force = feedback.state == hal::DriveState::enabled ||
                              feedback.state == hal::DriveState::enabling || feedback.state == hal::DriveState::stopping;
-    const bool told =
-        feedback.state == hal::DriveState::configuring || now_ - feedback.sample_time < 3 * c_.node.loop.network.period;
+    // One that fell silent is waited for as `configuring`, too.
+    const bool told = (feedback.state == hal::DriveState::configuring && !loop_.drive(axis.id).heartbeat_lost()) ||
+                      now_ - feedback.sample_time < 3 * c_.node.loop.network.period;
     axis.confirmed = !holds_force && told && port_.bus_state() != hal::BusState::bus_off;
   }
   return std::ranges::all_of(axes_, &Axis::confirmed);
@@ -274,7 +277,8 @@ bool NodeRun::stops_are_confirmed() {
 
 // Quick stop, then disabled.
 void NodeRun::stop_and_confirm() {
-  constexpr hal::Duration patience = 1500ms;  // a drive may take a second for its quick stop
+  // A drive may take a second for its quick stop; one that does not obey is forced to it by every means there is.
+  constexpr hal::Duration patience = 1500ms + cia402::ForcedStop::round_time;
   for (const Axis& axis : axes_) loop_.request_stop(axis.id);
   for (const hal::Time begin = now_; now_ - begin < patience;) {
     step();
@@ -282,10 +286,11 @@ void NodeRun::stop_and_confirm() {
   }
 }
 
-// The drives shall not take the end of our heartbeats for a failure.
+// The drives shall not take the end of our heartbeats for a failure. One that was not seen without force shall: it is
+// the last that can stop it.
 void NodeRun::release_drives() {
   for (std::size_t place = 0; place < axes_.size(); ++place)
-    if (axes_[place].heard) release(flashed(place).drive.node_id);
+    if (axes_[place].heard && axes_[place].confirmed) release(flashed(place).drive.node_id);
 }
 
 void NodeRun::release(std::uint8_t node_id) {
@@ -304,6 +309,15 @@ void NodeRun::release(std::uint8_t node_id) {
   }
 }
 
+std::string NodeRun::fault_text(const Axis& axis) const {
+  std::string text;
+  if (axis.last_fault != AxisFault::none) text += fmt::format(", fault: {}", to_string(axis.last_fault));
+  const auto& s = loop_.status(axis.id);
+  if (s.stop_not_obeyed && axis.last_fault != AxisFault::stop_not_obeyed)
+    text += fmt::format(", {}", to_string(AxisFault::stop_not_obeyed));
+  return text;
+}
+
 std::string NodeRun::report() const {
   const Latency& l = ticker_.latency();
   const socketcan::Counters n = socket_port_.counters();
@@ -312,9 +326,10 @@ std::string NodeRun::report() const {
     const Axis& axis = axes_[place];
     text += fmt::format(
         "{:<11} {}{}, {:+.3g} m from its target\n", plan(place).name,
-        axis.confirmed ? "stopped" : "NOT CONFIRMED as stopped: the drive takes its torque off at its own deadline",
-        axis.last_fault == AxisFault::none ? std::string{} : fmt::format(", fault: {}", to_string(axis.last_fault)),
-        static_cast<double>(status(place).feedback.position_offset_m));
+        axis.confirmed ? "stopped"
+                       : "NOT CONFIRMED as stopped: the drive was told to by PDO, SDO and NMT and was not seen without "
+                         "force; switch its power off",
+        fault_text(axis), static_cast<double>(status(place).feedback.position_offset_m));
   }
   return text + fmt::format(
                     "timing      {} ticks, {} missed, wake-up latency {:.1f} / {:.1f} / {:.1f} us (min / mean / max)\n"

@@ -127,8 +127,8 @@ void Reporter::write(const StepRecord& step) {
   }
   newest_[step.axis] = step;
   const auto& shown = shown_[step.axis];
-  const bool changed =
-      !shown || step.drive != shown->drive || step.fault != shown->fault || step.link_lost != shown->link_lost;
+  const bool changed = !shown || step.drive != shown->drive || step.fault != shown->fault ||
+                       step.stop_not_obeyed != shown->stop_not_obeyed || step.link_lost != shown->link_lost;
   if (changed) show_change(step);
   constexpr auto interval = std::chrono::milliseconds{100};
   if (!changed && terminal_ && step.time - shown_at_ >= interval) show_live(step.time);
@@ -143,6 +143,8 @@ void Reporter::show_change(const StepRecord& step) {
   fmt::format_to(out, "{:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N", to_string(step.drive),
                  mode_of(step), metres(step, step.target_counts), metres(step, step.position_counts), step.reported_N);
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
+  if (step.stop_not_obeyed && step.fault != firmware::AxisFault::stop_not_obeyed)
+    fmt::format_to(out, ", {}", firmware::to_string(firmware::AxisFault::stop_not_obeyed));
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
   if (step.fault_code != 0) fmt::format_to(out, " (error code {:04X}h)", step.fault_code);
   print_line(false);

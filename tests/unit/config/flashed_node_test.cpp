@@ -42,6 +42,10 @@ class ByteMarker {
   void list(const char*, const Items& items, const Body& body) {
     for (const auto& item : items) body(item);
   }
+  template <class Items>
+  void row(const char*, const Items& items) {
+    for (const auto& item : items) mark(item);
+  }
   const std::array<bool, sizeof(Pair)>& marked() const { return marked_; }
 
  private:
@@ -100,18 +104,33 @@ std::size_t padding_in(const LoopConfig& loop) {
   return padding_of(loop, network, fault_scope) + padding_of(network, period, bit_rate, node_id, heartbeat_period);
 }
 std::size_t padding_in(const law::AxisParameters<float>& law) {
-  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape] = law;
+  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast] = law;
   const auto& [lower, upper] = friction;
-  return padding_of(law, mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape) +
+  return padding_of(law, mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape,
+                    coast) +
          padding_of(friction, lower, upper);
 }
+// Of a kick table the entries that are not there count as padding.
+std::size_t padding_in(const law::BrakedKicks<float>& braked) {
+  const auto& [brake, step, preload, resting, holding, fast, slow, coast, least, most, still, either_way, patient,
+               settling, approach, table] = braked;
+  const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction] = approach;
+  const auto& [entries, periods, cuts, first, count, list] = table;
+  const auto& [a0, a1, a2, a3] = entries[0];
+  const std::size_t absent = entries.size() - count;
+  return padding_of(braked, brake, step, preload, resting, holding, fast, slow, coast, least, most, still, either_way,
+                    patient, settling, approach, table) +
+         padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction) +
+         padding_of(table, entries, periods, cuts, first, count, list) + padding_of(entries[0], a0, a1, a2, a3) +
+         absent * (sizeof entries[0] + sizeof periods[0] + sizeof cuts[0]);
+}
 std::size_t padding_in(const FlashedAxis<float>& axis) {
-  const auto& [name, drive, limits, law, table, certified] = axis;
+  const auto& [name, drive, limits, law, table, braked, certified] = axis;
   const auto& [node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive;
   const auto& [low, high, speed, limit_N, following, feedback_timeout] = limits;
   const auto& [root_max, nodes_per_root, nodes] = table;
   const auto& [value, slope] = nodes[0];
-  return padding_of(axis, name, drive, limits, law, table, certified) +
+  return padding_of(axis, name, drive, limits, law, table, braked, certified) + padding_in(braked) +
          padding_of(drive, node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted) +
          padding_of(limits, low, high, speed, limit_N, following, feedback_timeout) + padding_in(law) +
          padding_of(table, root_max, nodes_per_root, nodes) + nodes.size() * padding_of(nodes[0], value, slope);

@@ -46,6 +46,9 @@ struct BitsOf {
   void list(const char*, const auto& items, const auto& body) {
     for (const auto& item : items) body(item);
   }
+  void row(const char* name, const auto& items) {
+    for (const auto& item : items) value(name, item, "");
+  }
 };
 
 TEST(NodeHeader, CompilesToTheVeryNodeThatWasCertified) {

@@ -69,7 +69,12 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
       {"force_breaks_away", [](AxisDesign& a) { a.max_force_N = 4.5; }, "stronger drive"},
       {"tolerance_above_floor", [](AxisDesign& a) { a.period_s = 2e-3; }, "shorten the period"},
       {"tolerance_above_encoder_resolution", [](AxisDesign& a) { a.encoder_resolution_m = 4e-6; }, "finer encoder"},
-      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 200; }, "shorten the period or the latency"},
+      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 70; }, "shorten the period or the latency"},
+      // So coarse a count has the velocity smoothed over 24 periods.
+      {"velocity_is_seen", [](AxisDesign& a) { a.encoder_resolution_m = a.position_tolerance_m = 1e-3; },
+       "use a finer encoder"},
+      {"friction_bounds_are_apart", [](AxisDesign& a) { a.friction.lower_N = 4.45; }, "state wider bounds"},
+      {"current_loop_is_fast", [](AxisDesign& a) { a.current_loop_lag_s = 0.3 * a.period_s; }, "coast = \"brake\""},
   };
   for (const Case& c : cases) {
     AxisDesign axis = example();
@@ -152,6 +157,67 @@ TEST(DesignReport, RefusesImpossibleAxesByName) {
     c.spoil(axis);
     const std::string message = refusal([&] { design_axis(axis); });
     EXPECT_NE(message.find(c.named), std::string::npos) << c.named << " in: " << message;
+  }
+}
+
+// The same axis with what the coast "brake" needs to know.
+AxisDesign braked_example() {
+  AxisDesign axis{.mass_kg = 1,
+                  .stiffness_N_per_m = 400,
+                  .approach_damping_Ns_per_m = 32,
+                  .kick_damping_Ns_per_m = 60,
+                  .friction = {2.5, 4.5},
+                  .max_force_N = 50,
+                  .period_s = 1e-3,
+                  .encoder_resolution_m = 1e-6,
+                  .latency_ticks = 1,
+                  .position_tolerance_m = 1.8e-6};
+  axis.braked = BrakedClass{.friction = axis.friction,
+                            .max_force_N = 50,
+                            .force_step_N = 0.025,
+                            .period_s = 1e-3,
+                            .encoder_resolution_m = 1e-6};
+  return axis;
+}
+
+TEST(DesignReport, CertifiesTheBrakeByItsOwnConditions) {
+  AxisDesign axis = braked_example();
+  axis.kick_damping_Ns_per_m = 600;  // of no concern to the brake
+  const DesignReport report = design_axis(axis);
+  ASSERT_TRUE(report.certified) << report.reasons.front();
+  ASSERT_TRUE(report.braked.has_value());
+  EXPECT_DOUBLE_EQ(report.braked->error_m, 2.3e-6);
+  EXPECT_DOUBLE_EQ(report.braked->beyond_m, 0.5e-6);
+  EXPECT_GT(report.braked->most_kicks, 0);
+  EXPECT_NE(report.conditions.front().find("as it likes"), std::string::npos);
+  EXPECT_FALSE(design_axis(example()).braked.has_value());
+}
+
+TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
+  const struct {
+    const char* check;
+    void (*spoil)(AxisDesign&);
+  } spoiled[] = {
+      {"tolerance_above_floor", [](AxisDesign& a) { a.position_tolerance_m = 1.5e-6; }},
+      {"tolerance_above_floor",
+       [](AxisDesign& a) {
+         a.braked->mass_kg = {0.5, 1.5};
+       }},
+      {"pulse_breaks_away", [](AxisDesign& a) { a.braked->max_force_N = 4.5; }},
+      {"brake_lets_the_axis_rest", [](AxisDesign& a) { a.braked->load_N = 2.5; }},
+      {"kicks_contract",
+       [](AxisDesign& a) {
+         a.braked->mass_kg = {0.01, 1};
+       }},
+  };
+  for (const auto& s : spoiled) {
+    AxisDesign axis = braked_example();
+    s.spoil(axis);
+    const DesignReport report = design_axis(axis);
+    EXPECT_FALSE(report.certified) << s.check;
+    const bool named =
+        std::ranges::any_of(report.reasons, [&](const std::string& r) { return r.starts_with(s.check); });
+    EXPECT_TRUE(named) << s.check << " is not among the reasons";
   }
 }
 

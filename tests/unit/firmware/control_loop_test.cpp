@@ -103,6 +103,53 @@ TEST_F(ControlLoopTest, StopsTheDriveInTheStepThatSeesTheFault) {
   EXPECT_TRUE(loop.status(axis).running);
 }
 
+TEST_F(ControlLoopTest, NamesAStopThatIsNotObeyedAndRefusesAResetUntilItIs) {
+  enable();
+  loop.request_stop(axis);
+  probe.feedback.state = hal::DriveState::stopping;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  probe.feedback.stop_not_obeyed = true;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::stop_not_obeyed);
+  EXPECT_TRUE(loop.status(axis).stop_not_obeyed);
+  EXPECT_FALSE(loop.reset_fault(axis));
+  EXPECT_EQ(probe.resets, 0);
+  probe.feedback.stop_not_obeyed = false;
+  probe.feedback.state = hal::DriveState::disabled;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::stop_not_obeyed) << "latched";
+  EXPECT_TRUE(loop.reset_fault(axis));
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  EXPECT_FALSE(loop.status(axis).stop_not_obeyed);
+}
+
+TEST_F(ControlLoopTest, TellsOfAStopThatIsNotObeyedBesideTheFaultThatBroughtIt) {
+  enable();
+  probe.heartbeat_lost = true;
+  step();
+  probe.feedback.stop_not_obeyed = true;
+  probe.feedback.state = hal::DriveState::stopping;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::heartbeat_lost) << "what came first";
+  EXPECT_TRUE(loop.status(axis).stop_not_obeyed);
+}
+
+TEST_F(ControlLoopTest, StopsADriveWhoseForceNobodyCommanded) {
+  enable();
+  probe.feedback.force_N = 20;  // the law asks for none
+  int steps = 0;
+  while (loop.status(axis).fault == AxisFault::none && steps < 100) {
+    probe.feedback.fresh = true;
+    step();
+    ++steps;
+  }
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::force_not_commanded);
+  EXPECT_LE(steps, CommandedForce<float>::patience + 1);
+  EXPECT_EQ(probe.stops, 1);
+}
+
 TEST_F(ControlLoopTest, PassesEmergenciesOnOnce) {
   enable();
   probe.emcy.code = 0x2310;

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace breakaway::firmware {
@@ -90,8 +92,27 @@ INSTANTIATE_TEST_SUITE_P(
                   [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::jammed; }},
         Violation{"diverging", AxisFault::position_diverging,
                   [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::diverging; }},
+        Violation{"hunting", AxisFault::axis_hunting,
+                  [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::hunting; }},
+        Violation{"drifting", AxisFault::axis_drifting,
+                  [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::drifting; }},
+        Violation{"contradicted", AxisFault::axis_not_as_told,
+                  [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::contradicted; }},
         Violation{"bus", AxisFault::bus_off, [](Feedback&, AxisHealth& h) { h.bus_off = true; }}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
+  std::ifstream file{BREAKAWAY_SOURCE_DIR "/firmware/FAULTS.md"};
+  std::ostringstream text;
+  text << file.rdbuf();
+  const std::string page = text.str();
+  int faults = 0;
+  for (int i = 1; !to_string(static_cast<AxisFault>(i)).starts_with("unknown"); ++i, ++faults) {
+    const std::string row = "| " + std::string{to_string(static_cast<AxisFault>(i))} + " |";
+    EXPECT_NE(page.find(row), page.npos) << row;
+  }
+  EXPECT_EQ(faults, static_cast<int>(AxisFault::no_motion_under_force));
+}
 
 TEST(Supervisor, ToleratesOneLostSample) {
   Supervisor<float> supervisor{limits()};

@@ -91,7 +91,8 @@ struct AxisStatus {
   hal::DriveFeedback<Scalar> feedback{};
   law::ControlOutput<Scalar> output{};
   AxisFault fault = AxisFault::none;
-  bool running = false;  // enabled and under control
+  bool stop_not_obeyed = false;  // since the last reset; `fault` is what came first
+  bool running = false;          // enabled and under control
 };
 
 // The loop is for one thread. Axes are named by the AxisId that add_axis() gives: a call with one of
@@ -162,16 +163,19 @@ class ControlLoop {
     }
   }
 
-  // Acknowledges a latched fault; the drive is enabled again if it is still wanted.
-  void reset_fault(AxisId id) noexcept {
+  // Acknowledges a latched fault; the drive is enabled again if it is still wanted. Returns false, and does nothing,
+  // while the drive does not obey the stop that the fault brought: it is to be seen without force first.
+  bool reset_fault(AxisId id) noexcept {
     Axis* const a = find(id);
-    if (a == nullptr) return;
+    if (a == nullptr || a->status.feedback.stop_not_obeyed) return false;
     a->supervisor.reset();
     a->controller.reset();
     a->drive.reset_fault();
     a->standing_fault = AxisFault::none;
+    a->status.stop_not_obeyed = false;
     waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
+    return true;
   }
 
   // Sets the target as an encoder count, which is exact at any distance from zero, in any scalar type. May be called at
@@ -210,7 +214,7 @@ class ControlLoop {
  private:
   struct Axis {
     Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits) noexcept
-        : drive{d}, controller{c}, supervisor{limits} {}
+        : drive{d}, controller{c}, supervisor{limits, model_of(c)} {}
     Drive drive;
     Controller controller;
     Supervisor<Scalar> supervisor;
@@ -222,6 +226,17 @@ class ControlLoop {
     bool wanted = false;
     AxisStatus<Scalar> status{};
   };
+
+  // A law that is designed for a mass and its friction says what motion a force must bring.
+  static AxisModel<Scalar> model_of(const Controller& c) noexcept {
+    AxisModel<Scalar> model{.max_force_N = c.max_force_N()};
+    if constexpr (requires { c.parameters().friction.upper_N; }) {
+      model.mass_kg = c.parameters().mass_kg;
+      model.friction_upper_N = c.parameters().friction.upper_N;
+      model.encoder_resolution_m = c.parameters().encoder_resolution_m;
+    }
+    return model;
+  }
 
   static constexpr hal::Duration reset_time = std::chrono::seconds{1};
 
@@ -274,6 +289,7 @@ class ControlLoop {
     if (!was_running) begin(a);
     a.status.output = a.controller.update({feedback.position_offset_m, Scalar{0}, feedback.fresh});
     a.drive.command(a.status.output.force_N);
+    a.supervisor.command(a.status.output.force_N);
   }
 
   // Returns true when the axis is enabled and may be given force in this period.
@@ -282,6 +298,10 @@ class ControlLoop {
     if (feedback.state == hal::DriveState::unusable) {
       a.status.fault = AxisFault::drive_unusable;
       return false;
+    }
+    if (feedback.stop_not_obeyed) {
+      a.supervisor.latch(AxisFault::stop_not_obeyed, 0, now);
+      a.status.stop_not_obeyed = true;
     }
     if (!was_running) watch_idle(a, feedback, now);
     if (was_running) {
@@ -350,6 +370,7 @@ class ControlLoop {
     a.controller.reset();
     a.controller.limit_force(a.drive.max_force_N());
     a.supervisor.begin_motion(a.last_error_m);
+    a.supervisor.begin_commands();
   }
 
   // Frames still queued when the next step starts are stale by then: the port drops them.

@@ -19,7 +19,7 @@ template <class Loop, class Scalar, std::size_t Axes>
 void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
   for (std::size_t i = 0; i < node.count; ++i) {
     const FlashedAxis<Scalar>& axis = node.axes[i];
-    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table}, axis.limits));
+    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table, axis.braked}, axis.limits));
   }
 }
 

@@ -5,6 +5,7 @@
 // asserts verify(), which is constexpr. What was damaged or edited afterwards stops the start.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/k3_table.hpp"
 
 namespace breakaway::firmware {
@@ -41,8 +43,9 @@ struct FlashedAxis {
   cia402::DriveConfig<Scalar> drive{};
   AxisLimits<Scalar> limits{};
   law::AxisParameters<Scalar> law{};
-  law::K3Table<Scalar> k3_table{};  // built for `law`
-  bool certified = false;           // by breakaway design, with these very numbers
+  law::K3Table<Scalar> k3_table{};    // built for `law`
+  law::BrakedKicks<Scalar> braked{};  // of the coast "brake" only
+  bool certified = false;             // by breakaway design, with these very numbers
 
   constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
 };
@@ -103,6 +106,7 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("period_s", p.period_s, "s");
   visit.value("latency_periods", p.latency_periods, "");
   visit.value("kick_shape", p.kick_shape, "");
+  visit.value("coast", p.coast, "");
 }
 
 template <class Table, class Visitor>
@@ -115,11 +119,64 @@ constexpr void visit_table(Table& table, Visitor& visit) {
   });
 }
 
+template <class Approach, class Visitor>
+constexpr void visit_approach(Approach& approach, Visitor& visit) {
+  visit.value("mass_kg", approach.mass_kg, "kg");
+  visit.value("friction_N", approach.friction_N, "N");
+  visit.value("hard_m_s2", approach.hard_m_s2, "m/s^2");
+  visit.value("gentle_m_s2", approach.gentle_m_s2, "m/s^2");
+  visit.value("switch_speed_m_s", approach.switch_speed_m_s, "m/s");
+  visit.value("switch_distance_m", approach.switch_distance_m, "m");
+  visit.value("short_of_target_m", approach.short_of_target_m, "m");
+  visit.value("response_s", approach.response_s, "s");
+  visit.value("lag_s", approach.lag_s, "s");
+  visit.value("correction", approach.correction, "");
+}
+
+// Of a table only the entries that are there.
+template <class Table, class Visitor>
+constexpr void visit_kick_table(Table& table, Visitor& visit) {
+  const auto present = [&](auto& items) {
+    return std::span{items}.first(std::min<std::size_t>(table.count, items.size()));
+  };
+  visit.list("entries", present(table.entries), [&](auto& entry) {
+    visit.value("a0", entry.a0, "");
+    visit.value("a1", entry.a1, "");
+    visit.value("a2", entry.a2, "");
+    visit.value("a3", entry.a3, "");
+  });
+  visit.row("periods", present(table.periods));
+  visit.row("cut_periods", present(table.cut_periods));
+  visit.value("first", table.first, "");
+  visit.value("count", table.count, "");
+  visit.value("list", table.list, "");
+}
+
+template <class Kicks, class Visitor>
+constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
+  visit.value("brake_N", kicks.brake_N, "N");
+  visit.value("force_step_N", kicks.force_step_N, "N");
+  visit.value("preload_N", kicks.preload_N, "N");
+  visit.value("resting_force_N", kicks.resting_force_N, "N");
+  visit.value("holding_force_N", kicks.holding_force_N, "N");
+  visit.value("fast_lag", kicks.fast_lag, "");
+  visit.value("slow_lag", kicks.slow_lag, "");
+  visit.value("coast_per_N", kicks.coast_per_N, "1/N");
+  visit.value("least_seen_N", kicks.least_seen_N, "N");
+  visit.value("most_seen_N", kicks.most_seen_N, "N");
+  visit.value("still_periods", kicks.still_periods, "");
+  visit.value("either_way_periods", kicks.either_way_periods, "");
+  visit.value("patient_periods", kicks.patient_periods, "");
+  visit.value("settling_periods", kicks.settling_periods, "");
+  visit.group("approach", [&] { visit_approach(kicks.approach, visit); });
+  visit.group("table", [&] { visit_kick_table(kicks.table, visit); });
+}
+
 }  // namespace internal
 
 // Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
-// in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct and list(name, items,
-// body) for an array. Node: a FlashedNode, or a const one.
+// in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct, list(name, items,
+// body) for an array of structs and row(name, items) for one of numbers. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
 constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.group("loop", [&] {
@@ -139,6 +196,7 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
     visit.group("limits", [&] { internal::visit_limits(axis.limits, visit); });
     visit.group("law", [&] { internal::visit_law(axis.law, visit); });
     visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
+    visit.group("braked", [&] { internal::visit_braked(axis.braked, visit); });
     visit.value("certified", axis.certified, "");
   });
 }
@@ -165,6 +223,10 @@ struct ChecksumVisitor {
   template <class Items, class Body>
   constexpr void list(const char*, const Items& items, const Body& body) noexcept {
     for (const auto& item : items) body(item);
+  }
+  template <class Items>
+  constexpr void row(const char*, const Items& items) noexcept {
+    for (const auto& item : items) crc.add_bits_of(item);
   }
 };
 
@@ -240,6 +302,7 @@ template <class Scalar>
 constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig& loop) noexcept {
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
+  if (p.coast == law::Coast::brake && !law::are_usable(axis.braked)) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
   // The two periods may differ by the rounding of the scalar type.
   const Scalar difference_s = p.period_s - period_s<Scalar>(loop);

@@ -9,6 +9,8 @@
 #include <limits>
 #include <string_view>
 
+#include "breakaway/firmware/commanded_force.hpp"
+#include "breakaway/firmware/motion_under_force.hpp"
 #include "breakaway/hal/motor_drive.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/law/control_types.hpp"
@@ -32,6 +34,12 @@ enum class AxisFault : std::uint8_t {
   bus_off,               // the CAN controller left the bus
   drive_unusable,        // set-up failed
   stopped_with_another,  // another axis of the node has a fault, and the node stops them together
+  axis_hunting,
+  axis_drifting,          // it does not stop without force
+  axis_not_as_told,       // its kicks show friction outside what the law was told
+  stop_not_obeyed,        // the drive was told to stop and was not seen without force within the time that it takes
+  force_not_commanded,    // the drive reports a force that it was not told to give
+  no_motion_under_force,  // the encoder shows nothing under a force that must move the axis
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -68,6 +76,18 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "drive unusable";
     case AxisFault::stopped_with_another:
       return "stopped with another axis";
+    case AxisFault::axis_hunting:
+      return "axis hunting";
+    case AxisFault::axis_drifting:
+      return "axis drifting";
+    case AxisFault::axis_not_as_told:
+      return "axis not as told";
+    case AxisFault::stop_not_obeyed:
+      return "stop not obeyed";
+    case AxisFault::force_not_commanded:
+      return "force not commanded";
+    case AxisFault::no_motion_under_force:
+      return "no motion under force";
   }
   return "unknown axis fault";
 }
@@ -84,6 +104,15 @@ struct AxisLimits {
   hal::Duration feedback_timeout{};  // age of the newest sample; one lost frame makes two periods
 };
 
+// What is known of the axis' force and motion; what is not known is not watched.
+template <class Scalar>
+struct AxisModel {
+  Scalar max_force_N = AxisLimits<Scalar>::unlimited;  // that its law commands
+  Scalar mass_kg = 1;
+  Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
+  Scalar encoder_resolution_m = 1;
+};
+
 // The supervisor looks at these, beside the feedback.
 struct AxisHealth {
   bool heartbeat_lost = false;
@@ -95,7 +124,10 @@ struct AxisHealth {
 template <class Scalar>
 class Supervisor {
  public:
-  constexpr explicit Supervisor(const AxisLimits<Scalar>& limits) noexcept : limits_{limits} {
+  constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
+      : limits_{limits},
+        commanded_{model.max_force_N},
+        motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m} {
     // A drive reports whole steps of force, which are the limit but for rounding.
     limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();
   }
@@ -105,8 +137,20 @@ class Supervisor {
     allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
   }
 
+  // The axis was just enabled: nothing was commanded yet.
+  void begin_commands() noexcept {
+    commanded_.restart();
+    motion_.restart();
+  }
+  // The drive is told this force in this period.
+  void command(Scalar force_N) noexcept { commanded_.command(force_N); }
+
   // To be called once a period while the axis is meant to be enabled. Returns the latched fault.
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
+    if (feedback.fresh) {
+      commanded_.report(feedback.force_N, feedback.force_step_N);
+      motion_.sample(feedback.position_m, feedback.force_N, since_previous_s(feedback));
+    }
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
       latch(first_violation(feedback, health, now), code, now);
@@ -127,6 +171,7 @@ class Supervisor {
     fault_ = AxisFault::none;
     fault_code_ = 0;
     has_previous_ = false;
+    begin_commands();
     allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   }
 
@@ -151,22 +196,46 @@ class Supervisor {
 
   AxisFault measured_violation(const Feedback& f, const AxisHealth& health) const noexcept {
     const bool finite = std::isfinite(f.position_offset_m) && std::isfinite(f.position_m) && std::isfinite(f.force_N);
-    if (!finite || health.control_fault == law::ControlFault::not_a_number) return AxisFault::not_a_number;
-    if (health.control_fault == law::ControlFault::jammed) return AxisFault::axis_jammed;
-    if (health.control_fault == law::ControlFault::diverging) return AxisFault::position_diverging;
+    if (!finite) return AxisFault::not_a_number;
+    if (health.control_fault != law::ControlFault::none) return named(health.control_fault);
     if (f.position_m < limits_.position_min_m || f.position_m > limits_.position_max_m)
       return AxisFault::position_limit;
     if (too_fast(f)) return AxisFault::speed_limit;
     if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
+    if (commanded_.exceeded()) return AxisFault::force_not_commanded;
+    if (motion_.missing()) return AxisFault::no_motion_under_force;
     if (std::abs(f.position_offset_m) > allowed_error_m_) return AxisFault::following_error;
     return AxisFault::none;
   }
 
+  static constexpr AxisFault named(law::ControlFault fault) noexcept {
+    switch (fault) {
+      case law::ControlFault::none:
+        return AxisFault::none;
+      case law::ControlFault::not_a_number:
+        return AxisFault::not_a_number;
+      case law::ControlFault::jammed:
+        return AxisFault::axis_jammed;
+      case law::ControlFault::diverging:
+        return AxisFault::position_diverging;
+      case law::ControlFault::hunting:
+        return AxisFault::axis_hunting;
+      case law::ControlFault::drifting:
+        return AxisFault::axis_drifting;
+      case law::ControlFault::contradicted:
+        return AxisFault::axis_not_as_told;
+    }
+    return AxisFault::not_a_number;
+  }
+
   bool too_fast(const Feedback& f) const noexcept {
     if (!has_previous_) return false;
+    return std::abs(f.position_m - previous_position_m_) > limits_.speed_m_s * since_previous_s(f);
+  }
+
+  Scalar since_previous_s(const Feedback& f) const noexcept {
     constexpr Scalar seconds_per_tick = Scalar(1e-9);
-    const Scalar elapsed_s = static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick;
-    return std::abs(f.position_m - previous_position_m_) > limits_.speed_m_s * elapsed_s;
+    return has_previous_ ? static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick : Scalar{0};
   }
 
   void remember(const Feedback& f) noexcept {
@@ -176,6 +245,8 @@ class Supervisor {
   }
 
   AxisLimits<Scalar> limits_;
+  CommandedForce<Scalar> commanded_;
+  MotionUnderForce<Scalar> motion_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   Scalar previous_position_m_{};
   hal::Time previous_time_{};

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "breakaway/design/assumptions.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 
 namespace breakaway::design {
 
@@ -22,7 +24,26 @@ struct AxisDesign {
   double period_s{};                        // control period; 0: ideal impulses, nothing sampled
   double encoder_resolution_m{};            // one count; 0: exact
   int latency_ticks{};                      // from a sample to the force that answers it, in periods
+  double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
+  std::optional<BrakedClass> braked{};      // the axes it stands for, where the coast is "brake"
+};
+
+// What a certificate of the coast "brake" says in figures.
+struct BrakedPromise {
+  double floor_m;            // from this error on each kick takes at least least_share of it away
+  double least_tolerance_m;  // that can be certified
+  double error_m;            // true error at rest, at most
+  double beyond_m;           // true distance beyond the target that a kick may reach, at most
+  double reach_m;            // the distance up to which one kick aims at the target
+  double hand_over_m;        // the distance from the target at which the approach gives way to brake and kicks
+  int most_kicks;            // from reach_m to within the tolerance
+  double brake_N;
+  double peak_speed_m_s;  // which no kick exceeds
+  double rest_s;          // without a count of motion, that proves rest after a kick
+  double aim_lost;        // share of the distance by which the table aims short
+  std::size_t table_bytes;
+  std::string promise;  // the above in a sentence
 };
 
 struct Check {
@@ -51,6 +72,7 @@ struct DesignReport {
   double table_proved_error;      // relative
   double table_measured_error;    // relative
   std::vector<Check> checks;
+  std::optional<BrakedPromise> braked;  // of the coast "brake"
   bool certified;                       // every required check holds
   std::vector<std::string> reasons;     // why not, one line each; empty when certified
   std::vector<std::string> conditions;  // what must be true of the machine for the certificate to mean anything

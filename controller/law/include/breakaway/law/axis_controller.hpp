@@ -5,6 +5,9 @@
 // certified from counts; with period 0 and resolution 0 the same class is the ideal law: an impulse at each instant of
 // exact rest.
 //
+// With Coast::brake the kicks come from another table and end under a brake, as KickCycle says, and ApproachPlan brings
+// the axis near its target; modes, holding and faults are the same.
+//
 // Two departures from (5), for axes whose friction or force gain is not what was stated: an axis certified at rest is
 // kicked wherever it stands, not only inside the maximal stick set; and a coast that outlasts its longest lawful time
 // ends in a kick.
@@ -15,9 +18,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "breakaway/law/approach_plan.hpp"
 #include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
 #include "breakaway/law/k3_table.hpp"
+#include "breakaway/law/kick_cycle.hpp"
 #include "breakaway/law/kick_shaper.hpp"
 #include "breakaway/law/rest_detector.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
@@ -27,6 +33,11 @@ namespace breakaway::law {
 template <class Scalar>
 class AxisController {
  public:
+  // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
+  static constexpr std::uint8_t most_kicks = 128;
+  // Kicks that show friction outside its stated bounds.
+  static constexpr std::uint8_t most_contradictions = 4;
+
   using Parameters = AxisParameters<Scalar>;
 
   // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
@@ -40,12 +51,23 @@ class AxisController {
     }
   }
 
+  // Coast::brake: kicks must be those of these parameters and must outlive the controller as well. For Coast::pd they
+  // are not looked at.
+  AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const BrakedKicks<Scalar>& kicks) noexcept
+      : AxisController{parameters, table} {
+    if (p_.coast != Coast::brake) return;
+    braked_ = &kicks;
+    cycle_ = {kicks, p_.encoder_resolution_m, p_.max_force_N, p_.latency_periods};
+    plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
+  }
+
   // To be called once a period. Its work is bounded, and it keeps no state outside this object.
   ControlOutput<Scalar> update(const Measurement<Scalar>& z) noexcept {
     if (!z.fresh) return without_sample();
     if (!(std::abs(z.position_error_m) <= largest)) return fail(ControlFault::not_a_number);
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     const Scalar x = z.position_error_m;
+    if (braked_ != nullptr) return flow_braked(x);
     const Scalar v = exact() ? z.velocity_m_s : velocity_.update(x);
     if (!(std::abs(v) <= largest)) return fail(ControlFault::not_a_number);
     return mode_ == Mode::kick ? continue_kick(x, v) : flow(x, v);
@@ -63,11 +85,14 @@ class AxisController {
     if (!(force_N < p_.max_force_N)) return;
     p_.max_force_N = force_N;
     shaper_.limit_force(force_N);
+    if (braked_ != nullptr) cycle_.limit_force(force_N);
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
   void reset() noexcept {
     velocity_.reset();
+    cycle_.forget_force();
+    last_force_N_ = 0;
     fault_ = ControlFault::none;
     restart();
   }
@@ -79,8 +104,11 @@ class AxisController {
 
   Mode mode() const noexcept { return mode_; }
   ControlFault fault() const noexcept { return fault_; }
-  Scalar velocity_m_s() const noexcept { return velocity_.velocity_m_s(); }
+  Scalar velocity_m_s() const noexcept { return braked_ != nullptr ? plan_.velocity_m_s() : velocity_.velocity_m_s(); }
   std::uint32_t kicks() const noexcept { return kicks_; }
+  // About the friction that the last kick showed which went further or less far than what was told lets it, or the
+  // brake, where that drove the axis back; 0: there was none.
+  Scalar seen_friction_N() const noexcept { return seen_friction_N_; }
   const Parameters& parameters() const noexcept { return p_; }
   Scalar period_s() const noexcept { return p_.period_s; }
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
@@ -104,8 +132,9 @@ class AxisController {
   // A period whose sample was lost: a pulse goes on and ends on time, everything else holds its force and concludes
   // nothing.
   ControlOutput<Scalar> without_sample() noexcept {
-    velocity_.skip();
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    if (braked_ != nullptr) return braked_without_sample();
+    velocity_.skip();
     return mode_ == Mode::kick ? pulse(last_force_N_ - kick_force_N_) : output(last_force_N_);
   }
 
@@ -122,6 +151,80 @@ class AxisController {
     }
     const Scalar impulse_Ns = impulse_against_creeping_Ns(x, v);
     return impulse_Ns > 0 ? start_kick(x, v, impulse_Ns) : output(feedback(x, v));
+  }
+
+  // One period of the coast "brake".
+  ControlOutput<Scalar> flow_braked(Scalar x) noexcept {
+    cycle_.see(x);
+    if (mode_ == Mode::approach) return approach_to_brake(x);
+    if (mode_ == Mode::hold) {
+      if (!beyond_tolerance(x)) return keep_holding();
+      if (++kicks_counted_ > most_kicks) return fail(ControlFault::hunting);
+      if (std::abs(x) > 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m)) {
+        start_approach();
+        return approach_to_brake(x);
+      }
+      mode_ = Mode::coast;
+      cycle_.release(0);
+    }
+    if (cycle_.at_rest()) return conclude(x);
+    return cycle_.overdue() ? fail(ControlFault::drifting) : give(0);
+  }
+
+  // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
+  ControlOutput<Scalar> keep_holding() noexcept {
+    if (held_ <= 8 * braked_->patient_periods) ++held_;
+    if (held_ == 8 * braked_->patient_periods) forget_kicks();
+    return give(0);
+  }
+
+  ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
+    if (plan_.see(x, cycle_.interval().middle_N(), last_force_N_)) {
+      mode_ = Mode::coast;
+      cycle_.brake(plan_.direction(), plan_.braking_periods());
+      return give(0);
+    }
+    if (cycle_.patient() || plan_.turned_often()) {  // it seems to stick, or the plan does not lead there
+      // Only without a force can rest be proved.
+      mode_ = Mode::coast;
+      cycle_.forget_patience();
+      cycle_.release(plan_.braking_periods());
+      return give(0);
+    }
+    return give(cycle_.whole_steps(plan_.force_N() + braked_->force_step_N / 2));
+  }
+
+  // The axis rests: holds it there, or kicks it.
+  ControlOutput<Scalar> conclude(Scalar x) noexcept {
+    if (awaiting_result_) compare_with_told((x - kicked_from_m_) * cycle_.direction(), std::abs(x));
+    judge_last_kick(x);
+    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    if (std::abs(x) <= p_.position_tolerance_m) {
+      mode_ = Mode::hold;
+      held_ = 0;
+      cycle_.release(0);
+      return give(0);
+    }
+    ++kicks_;
+    kicked_from_m_ = x;
+    awaiting_result_ = true;
+    mode_ = Mode::coast;
+    cycle_.kick(x > 0 ? Scalar{-1} : Scalar{1}, braked_->table.pulse(std::abs(x)));
+    return give(0);
+  }
+
+  ControlOutput<Scalar> braked_without_sample() noexcept {
+    if (mode_ == Mode::approach) plan_.skip(cycle_.interval().middle_N(), last_force_N_);
+    return give(cycle_.whole_steps(last_force_N_ + braked_->force_step_N / 2));
+  }
+
+  // free_steps: of the force where no kick is under way.
+  ControlOutput<Scalar> give(std::int32_t free_steps) noexcept {
+    const std::int32_t steps = cycle_.next_steps(free_steps);
+    if (mode_ != Mode::hold && mode_ != Mode::approach) mode_ = cycle_.pulsed() ? Mode::kick : Mode::coast;
+    ControlOutput<Scalar> out = output(static_cast<Scalar>(steps) * braked_->force_step_N);
+    out.kicked = cycle_.pulse_starts();
+    return out;
   }
 
   // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
@@ -221,17 +324,69 @@ class AxisController {
     const bool grew = std::abs(x) > std::abs(kicked_from_m_) + p_.position_tolerance_m + p_.encoder_resolution_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
-    if (futile_ >= futile_limit) fault_ = ControlFault::jammed;
+    note_least_error(std::abs(x), moved);
+    if (braked_ == nullptr && futile_ >= futile_limit) fault_ = ControlFault::jammed;
     if (growing_ >= growing_limit) fault_ = ControlFault::diverging;
     if (fault_ != ControlFault::none) mode_ = Mode::fault;
   }
 
+  // Every lawful kick leads nearer. Near the target, where a kick may do less than a count, many may be needed to show.
+  void note_least_error(Scalar error_m, bool moved) noexcept {
+    if (error_m < least_error_m_ - p_.encoder_resolution_m / 2) {
+      least_error_m_ = error_m;
+      moved_since_least_ = false;
+      if (braked_ == nullptr) {
+        kicks_counted_ = 0;
+        return;
+      }
+      // Under the brake all kicks from within the table's reach count, because a certified axis needs no more of them
+      // than the limit; from beyond it, each takes its share of the reach.
+      if (std::abs(kicked_from_m_) > braked_->table.reach_m()) return;
+      moved = true;
+    } else if (moved) {
+      moved_since_least_ = true;
+    }
+    if (++kicks_counted_ >= most_kicks && error_m > p_.position_tolerance_m)
+      fault_ = moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed;
+  }
+
+  // A lawful kick goes as far as some friction within its bounds lets it. Two readings are off by a count together, and
+  // may be by another for noise. One kick may be disturbed, but not a few.
+  void compare_with_told(Scalar travel_m, Scalar error_m) noexcept {
+    if (cycle_.driven_back()) return contradict(braked_->brake_N, error_m);
+    if (!(travel_m > p_.encoder_resolution_m / 2) || cycle_.pulse_limited()) return;
+    const Scalar pulse_s = static_cast<Scalar>(cycle_.pulse_periods()) * p_.period_s;
+    const auto seen_N = [&](Scalar d) {
+      return friction_seen_N(braked_->approach.mass_kg, cycle_.pulse_N(), braked_->brake_N, pulse_s, d);
+    };
+    const Scalar unsure_m = 2 * p_.encoder_resolution_m;
+    const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < braked_->least_seen_N;
+    if (less || seen_N(travel_m + unsure_m) > braked_->most_seen_N) contradict(seen_N(travel_m), error_m);
+  }
+  void contradict(Scalar seen_N, Scalar error_m) noexcept {
+    seen_friction_N_ = seen_N;
+    if (++contradictions_ >= most_contradictions && error_m > p_.position_tolerance_m && fault_ == ControlFault::none)
+      fault_ = ControlFault::contradicted;
+  }
+
   void restart() noexcept {
+    forget_kicks();
+    start_approach();
+  }
+  void forget_kicks() noexcept {
+    least_error_m_ = largest;
+    kicks_counted_ = 0;
+    contradictions_ = 0;
+    moved_since_least_ = false;
+    futile_ = growing_ = 0;
+  }
+  void start_approach() noexcept {
+    cycle_.restart();
+    plan_.restart();
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     rest_.restart(p_.latency_periods);
     periods_left_ = 0;
     sighted_ = 0;
-    futile_ = growing_ = 0;
     awaiting_result_ = false;
   }
 
@@ -246,18 +401,27 @@ class AxisController {
   VelocityEstimator<Scalar> velocity_{};
   RestDetector<Scalar> rest_{};
   KickShaper<Scalar> shaper_{};
+  const BrakedKicks<Scalar>* braked_ = nullptr;  // of Coast::brake only
+  KickCycle<Scalar> cycle_{};
+  ApproachPlan<Scalar> plan_{};
+  Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
   Scalar last_force_N_{};
   Scalar force_before_N_{};
   Scalar kick_force_N_{};
   Scalar kicked_from_m_{};
+  Scalar seen_friction_N_{};
   Scalar creep_radius_m_{};
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::uint32_t kicks_ = 0;
+  std::int32_t held_ = 0;  // periods
   Mode mode_ = Mode::approach;
   ControlFault fault_ = ControlFault::none;
   std::uint8_t periods_left_ = 0;
   std::uint8_t futile_ = 0;
   std::uint8_t growing_ = 0;
+  std::uint8_t kicks_counted_ = 0;
+  std::uint8_t contradictions_ = 0;
+  bool moved_since_least_ = false;
   bool awaiting_result_ = false;
 };
 

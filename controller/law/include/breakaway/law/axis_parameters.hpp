@@ -17,6 +17,12 @@ enum class KickShape : std::uint8_t {
   naive,      // k3 spread evenly over whole periods: overshoots, kept to compare with
 };
 
+// What follows a kick until the axis rests.
+enum class Coast : std::uint8_t {
+  pd,     // the feedback (16) of [I] with the damping k22
+  brake,  // a constant force against the motion, weaker than the least friction
+};
+
 template <class Scalar>
 struct AxisParameters {
   Scalar mass_kg{};
@@ -31,6 +37,7 @@ struct AxisParameters {
   Scalar period_s{};                 // control period; 0: the ideal law, a kick is an impulse
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   KickShape kick_shape = KickShape::two_phase;
+  Coast coast = Coast::pd;
 
   constexpr Scalar stick_radius_upper_m() const noexcept {
     return friction.upper_N / stiffness_N_per_m;
@@ -57,6 +64,7 @@ enum class ParameterError : std::uint8_t {
   tolerance_negative,
   encoder_resolution_negative,
   period_negative,
+  brake_without_period,
 };
 
 constexpr std::string_view to_string(ParameterError error) noexcept {
@@ -85,6 +93,8 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
       return "encoder resolution must not be negative";
     case ParameterError::period_negative:
       return "control period must not be negative";
+    case ParameterError::brake_without_period:
+      return "coast \"brake\" needs a control period and an encoder resolution above 0";
   }
   return "unknown parameter error";
 }
@@ -112,6 +122,8 @@ constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;
   if (!not_negative(p.period_s)) return ParameterError::period_negative;
+  if (p.coast == Coast::brake && !(p.period_s > 0 && p.encoder_resolution_m > 0))
+    return ParameterError::brake_without_period;
   return ParameterError::none;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "breakaway/config/node.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/pid_controller.hpp"
 
@@ -16,6 +17,10 @@ double max_force_N(const Axis& axis);
 // Requires axis.controller.impulsive. Real: float or double.
 template <class Real>
 law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis);
+
+// The axes that kicks under the coast "brake" are made for: what the file says, as far off as it admits. Requires
+// axis.controller.impulsive and axis.drive.
+design::BrakedClass braked_class(const Node& node, const Axis& axis);
 
 // Requires axis.controller.pid and axis.drive.
 template <class Real>

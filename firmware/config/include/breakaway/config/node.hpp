@@ -15,6 +15,7 @@
 
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/hal/time.hpp"
+#include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/friction_bounds.hpp"
 
 namespace breakaway::config {
@@ -30,12 +31,21 @@ struct Friction {
 
 enum class Kick : std::uint8_t { ideal, two_phase, naive };
 
+// How far what the file says may be from the truth. Kicks under the coast "brake" are made for all of it.
+struct Uncertainty {
+  double mass = 0;                        // relative, either way
+  double force_gain = 0;                  // relative, either way: of the force that acts to the one that is commanded
+  double force_N = 0;                     // either way: of a force beside the drive's
+  double current_loop_time_constant = 0;  // relative, either way
+};
+
 // Gains of the switching impulsive law (16).
 struct ImpulsiveGains {
   double stiffness_N_per_m = 0;          // k1
   double approach_damping_Ns_per_m = 0;  // k21
   double kick_damping_Ns_per_m = 0;      // k22
   Kick kick = Kick::ideal;
+  law::Coast coast = law::Coast::pd;
 };
 
 struct PidGains {
@@ -105,6 +115,7 @@ struct Axis {
   std::string name;  // unique in the node
   double mass_kg = 0;
   Friction friction;
+  Uncertainty uncertainty;
   Controller controller;
   std::optional<Drive> drive;
   Limits limits;

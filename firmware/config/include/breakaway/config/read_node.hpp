@@ -37,6 +37,9 @@ FileRows passed_over();
 Node read_node(const std::filesystem::path& file);
 Node parse_node(std::string_view text, const std::string& name);
 
+// Says whether the file describes axes, and not a [machine] alone.
+bool has_axes(const toml::table& document);
+
 // Reads a document that parse_toml() has parsed. `others` is read in the order of the file's tables.
 Node read_node(const toml::table& document, const std::string& name, const FileRows& others);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -40,6 +41,7 @@ struct Entry {
 struct Value {
   std::string expects;
   std::function<bool(const Entry&)> take;
+  bool belongs_here = true;  // false: see elsewhere()
 };
 
 struct Key {
@@ -77,6 +79,10 @@ Value choice(T& to, std::vector<std::pair<std::string_view, T>> choices) {
             return false;
           }};
 }
+
+// Rows for keys that another kind of file has: whoever writes one here is told so, "is not a key here: why". They are
+// not offered to whoever misspells another key.
+std::vector<Key> elsewhere(std::initializer_list<std::string_view> names, const std::string& why);
 
 // Joins two lists of rows.
 inline std::vector<Key> operator+(std::vector<Key> rows, std::vector<Key> others) {

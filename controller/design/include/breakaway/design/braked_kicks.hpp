@@ -1,0 +1,74 @@
+// What the coast "brake" needs on the controller, and what it promises: worked out for a class of axes.
+//
+// A kick of force F and n periods moves an axis of the class by at least D_min(F) and at most D_max(F); see
+// pulse_travel.hpp. With A' and B' the friction bounds, a force of w beside the drive's taken off the one and put on
+// the other, D_max is the travel under friction A', the largest force gain, the least mass and the fastest current
+// loop, D_min that under B', the least gain, the largest mass and the slowest loop. The table holds F with D_max(F) = y
+// at each distance y, rounded to one side: no kick goes beyond the target.
+//
+// The friction and the force beside the drive's may vary as they like within their bounds. That D grows with the
+// force gain and falls with the lag, for the kicks that the table holds, is not proved but tested over random kicks.
+#pragma once
+
+#include <cstddef>
+
+#include "breakaway/law/braked_kicks.hpp"
+#include "breakaway/law/friction_bounds.hpp"
+
+namespace breakaway::design {
+
+struct Interval {
+  double least = 0;
+  double most = 0;
+};
+
+// The axes that the kicks are made for. All but lags, load_N, encoder_resolution_m and latency_periods must be above 0.
+struct BrakedClass {
+  Interval mass_kg{1, 1};
+  Interval force_gain{1, 1};  // force that acts, per force that is commanded
+  Interval lag_s{0, 0};       // time constant of the current loop
+  law::FrictionBounds<double> friction{};
+  double load_N = 0;        // of a force beside the drive's, either way
+  double max_force_N = 0;   // as commanded
+  double force_step_N = 0;  // in which force can be commanded
+  double period_s = 0;
+  double encoder_resolution_m = 0;
+  int latency_periods = 1;
+};
+
+constexpr int longest_pulse_periods = 255;
+
+// Of the error before it, a kick takes at least this share away, under any friction of the class.
+constexpr double least_share = 0.03;
+
+template <class Real>
+struct BrakedDesign {
+  law::BrakedKicks<Real> kicks{};
+  bool brake_holds = false;   // b is below A' with the largest gain, and A' is above 0
+  bool breaks_away = false;   // some pulse within max_force_N is sure to exceed B'
+  bool rest_is_seen = false;  // the time that proves rest can be counted
+  double pulse_needed_N = 0;  // the least command that is sure to exceed B' within some number of periods
+  double floor_m = 0;         // from here on each kick takes at least least_share away; infinite where none does
+  double reach_m = 0;         // up to here: beyond it kicks are those of the table's end
+  double aim_lost = 0;        // largest share of the distance by which a kick aims short, rounding to steps apart
+  double peak_speed_m_s = 0;  // which no kick exceeds, from rest anywhere
+  std::size_t table_bytes = 0;
+
+  // The tolerance must be at least this: the floor, and a little more than half a count.
+  double least_tolerance_m = 0;
+
+  bool possible() const { return brake_holds && breaks_away && rest_is_seen && floor_m < reach_m; }
+};
+
+template <class Real>
+BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes);
+
+// The most that a pulse moves an axis of the class, and the least; force_N is as commanded.
+double most_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods);
+double least_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods);
+
+// The most kicks that a design can need from the distance to within the tolerance; 0 where it promises no end.
+template <class Real>
+int most_kicks(const BrakedClass& axes, const BrakedDesign<Real>& design, double distance_m, double tolerance_m);
+
+}  // namespace breakaway::design

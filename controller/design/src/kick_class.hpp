@@ -1,0 +1,41 @@
+// The numbers that follow from a BrakedClass: brake, preload, and what a pulse does at the corners of the class.
+#pragma once
+
+#include "breakaway/design/braked_kicks.hpp"
+
+namespace breakaway::design::detail {
+
+class KickClass {
+ public:
+  explicit KickClass(const BrakedClass& axes);
+
+  double brake_N() const { return brake_N_; }
+  double preload_N() const { return preload_N_; }
+  double least_friction_N() const { return least_friction_N_; }                // A'
+  double most_friction_N() const { return most_friction_N_; }                  // B'
+  double held_N() const { return least_friction_N_ / axes_.force_gain.most; }  // A' as a command
+  double limit_N() const { return limit_N_; }                                  // whole steps within max_force_N
+  double rounded_down_N(double force_N) const;
+  // There are so few forces that each pulse is known with its very cut.
+  bool listed() const { return limit_N_ / axes_.force_step_N <= most_listed_steps; }
+
+  // The least cut that lets the fastest loop come down to the brake's force within these periods.
+  double cut_N(double force_N, int periods, int cut_periods) const;
+  // The least number of periods in which a cut within the limit does.
+  int cut_periods(double force_N, int periods) const;
+
+  double most_travel_m(double force_N, int periods, int cut_periods) const;
+  double least_travel_m(double force_N, int periods, int cut_periods) const;
+  // The force with most_travel_m = distance_m.
+  double force_N(double distance_m, int periods, int cut_periods) const;
+  // The least force that is sure to exceed B' within the periods, by 0.2 %, in whole steps.
+  double needed_N(int periods) const;
+
+ private:
+  static constexpr double most_listed_steps = 64;
+
+  BrakedClass axes_;
+  double least_friction_N_, most_friction_N_, brake_N_, preload_N_, limit_N_;
+};
+
+}  // namespace breakaway::design::detail

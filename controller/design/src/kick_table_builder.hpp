@@ -1,0 +1,304 @@
+// Builds the table of the coast "brake", and examines it as the controller reads it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "breakaway/law/braked_kicks.hpp"
+#include "kick_class.hpp"
+
+namespace breakaway::design::detail {
+
+// A pulse that the drive can give: the force is a whole number of steps.
+struct RealPulse {
+  double force_N = 0;
+  int periods = 0, cut_periods = 0;
+  double most_m = 0, least_m = 0;  // its travel
+};
+
+template <class Real>
+class KickTableBuilder {
+ public:
+  using Table = law::KickTable<Real>;
+
+  KickTableBuilder(const BrakedClass& axes, const KickClass& kicks) : axes_{axes}, kicks_{kicks} {}
+
+  // from_m: the least distance that a kick is wanted for.
+  void build(double from_m) {
+    if (kicks_.listed())
+      list(from_m);
+    else
+      curve(from_m);
+  }
+
+  const Table& table() const { return table_; }
+  double aim_lost() const { return aim_lost_; }
+
+  // The least distance from which on to the end each kick takes its share, and that end.
+  Interval range_m() const { return table_.list ? range_of_list() : range_of_curve(); }
+
+  // No kick makes the axis faster. The force is at most F and rises towards it from below A', so that a lag adds to the
+  // net force after the pulse no more than it has kept back during the pulse: the impulse above A' is (F - A') n T at
+  // most.
+  double peak_speed_m_s() const {
+    double most = 0;
+    for (std::size_t i = 0; i < table_.count; ++i) {
+      const typename Table::Entry& e = table_.entries[i];
+      const double force_N = table_.list ? double{e.a1} : std::max(double{e.a0}, double{e.a0} + e.a1 + e.a2 + e.a3);
+      const double net_N = axes_.force_gain.most * std::min(force_N, kicks_.limit_N()) - kicks_.least_friction_N();
+      most = std::max(most, net_N * table_.periods[i] * axes_.period_s / axes_.mass_kg.least);
+    }
+    return most;
+  }
+
+  // What the controller takes for friction when it sees a lawful kick, at least and at most, and a hundredth more.
+  Interval seen_N() const {
+    Interval seen{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    const auto note = [&](const RealPulse& p) {
+      const double mass_kg = (axes_.mass_kg.least + axes_.mass_kg.most) / 2, pulse_s = p.periods * axes_.period_s;
+      const auto friction_N = [&](double travel_m) {
+        return law::friction_seen_N(mass_kg, p.force_N, kicks_.brake_N(), pulse_s, std::max(travel_m, 0.0));
+      };
+      seen = {std::min(seen.least, friction_N(p.most_m)), std::max(seen.most, friction_N(p.least_m))};
+    };
+    for (std::size_t i = 0; i < table_.count; ++i) {
+      if (table_.list) note(pulse(static_cast<double>(table_.entries[i].a0)));
+      for (int j = 0; j <= samples && !table_.list; ++j) {
+        const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
+        const double right = root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
+        const double s = left + (right - left) * j / samples;
+        note(pulse(s * s));
+      }
+    }
+    const double more = 0.01 * (seen.most - seen.least + kicks_.most_friction_N());
+    return {seen.least - more, seen.most + more};
+  }
+
+  // What the controller does at this distance.
+  RealPulse pulse(double distance_m) const {
+    const law::Pulse<Real> p = table_.pulse(static_cast<Real>(distance_m));
+    return real(std::min(static_cast<double>(p.force_N), kicks_.limit_N()), p.periods, p.cut_periods);
+  }
+
+ private:
+  static constexpr int samples = 32;  // of an interval
+
+  RealPulse real(double force_N, int periods, int cut_periods) const {
+    const double force = kicks_.rounded_down_N(force_N);
+    return {force, periods, cut_periods, kicks_.most_travel_m(force, periods, cut_periods),
+            kicks_.least_travel_m(force, periods, cut_periods)};
+  }
+
+  static double root_at(std::uint32_t high) { return std::bit_cast<float>(high << Table::shift); }
+
+  // A curve
+
+  void curve(double from_m) {
+    const auto root = static_cast<float>(std::sqrt(from_m));
+    const std::uint32_t first = std::bit_cast<std::uint32_t>(root) >> Table::shift;
+    table_.first = static_cast<std::uint16_t>(first);
+    const double end_m = kicks_.most_travel_m(kicks_.limit_N(), longest_pulse_periods,
+                                              kicks_.cut_periods(kicks_.limit_N(), longest_pulse_periods));
+    int periods = 1;
+    for (std::size_t i = 0; i < Table::most_entries; ++i) {
+      const double left = root_at(first + static_cast<std::uint32_t>(i));
+      const double right = root_at(first + static_cast<std::uint32_t>(i) + 1);
+      if (left * left > end_m) break;
+      periods =
+          best_periods(i == 0 ? 1 : periods, i == 0 ? longest_pulse_periods : periods + 4 + periods / 8, left, right);
+      fit(i, left, right, periods);
+      table_.count = static_cast<std::uint8_t>(i + 1);
+    }
+  }
+
+  // The pulse length whose kicks take the most away at worst.
+  int best_periods(int from, int to, double left, double right) const {
+    int best = from;
+    double best_score = -1;
+    for (int n = from; n <= std::min(to, longest_pulse_periods); ++n) {
+      double score = 0, worst = std::numeric_limits<double>::infinity();
+      for (const double s : {left, (left + right) / 2, right}) {
+        const double share = share_taken(n, s * s);
+        score += std::min(share, least_share);
+        worst = std::min(worst, share);
+      }
+      if (score + 0.01 * worst <= best_score) continue;
+      best = n;
+      best_score = score + 0.01 * worst;
+    }
+    return best;
+  }
+  double share_taken(int periods, double distance_m) const {
+    const int at_limit = kicks_.cut_periods(kicks_.limit_N(), periods);
+    const double wanted_N = kicks_.force_N(distance_m, periods, at_limit);
+    return real(std::min(wanted_N, kicks_.limit_N()), periods, at_limit).least_m / distance_m;
+  }
+
+  int cuts_for(double force_N, int periods) const {
+    return kicks_.cut_periods(std::min(force_N, kicks_.limit_N()), periods);
+  }
+
+  void fit(std::size_t i, double left, double right, int periods) {
+    // With fewer periods of cut the force reached is less at the right end, and the cut with it.
+    int cuts = cuts_for(kicks_.limit_N(), periods);
+    for (int fewer = cuts - 1; fewer >= 1; --fewer) {
+      if (cuts_for(kicks_.force_N(right * right, periods, fewer), periods) > fewer) break;
+      cuts = fewer;
+    }
+    table_.periods[i] = static_cast<std::uint8_t>(periods);
+    table_.cut_periods[i] = static_cast<std::uint8_t>(cuts);
+    table_.entries[i] = interpolated(left, right, periods, cuts);
+    lower(i, left, right, periods, cuts);
+  }
+
+  // The cubic through four points of the curve at Chebyshev's places.
+  typename Table::Entry interpolated(double left, double right, int periods, int cuts) const {
+    std::array<double, 4> t{}, d{};
+    for (std::size_t j = 0; j < 4; ++j) {
+      t[j] = 0.5 - 0.5 * std::cos((2.0 * static_cast<double>(j) + 1) * 0.39269908169872414);
+      const double s = left + t[j] * (right - left);
+      d[j] = kicks_.force_N(s * s, periods, cuts);
+    }
+    for (std::size_t order = 1; order < 4; ++order) {
+      for (std::size_t j = 3; j >= order; --j) d[j] = (d[j] - d[j - 1]) / (t[j] - t[j - order]);
+    }
+    // From Newton's form to powers of t, from the innermost bracket outwards.
+    const double b0 = d[2] - t[2] * d[3];
+    const double c0 = d[1] - t[1] * b0, c1 = b0 - t[1] * d[3];
+    const double a0 = d[0] - t[0] * c0, a1 = c0 - t[0] * c1, a2 = c1 - t[0] * d[3], a3 = d[3];
+    return {static_cast<Real>(a0), static_cast<Real>(a1), static_cast<Real>(a2), static_cast<Real>(a3)};
+  }
+
+  // Takes off the most by which the cubic, as the controller computes it, lies above the curve.
+  void lower(std::size_t i, double left, double right, int periods, int cuts) {
+    table_.count = static_cast<std::uint8_t>(i + 1);
+    double above_N = 0, most_N = 0;
+    for (int j = 0; j <= samples; ++j) {
+      const double s = left + (right - left) * (j + 1e-3) / (samples + 2e-3);
+      const auto y = static_cast<Real>(s * s);
+      const auto force_N = static_cast<double>(table_.pulse(y).force_N);
+      const double too_far_m = kicks_.most_travel_m(force_N, periods, cuts) - static_cast<double>(y);
+      above_N = std::max(above_N, too_far_m * slope_N_per_m(i, s, right - left));
+      most_N = std::max(most_N, force_N);
+    }
+    // Roundings between the samples: of the root, of t, and of four sums.
+    constexpr double unseen = 2e-7;
+    const double less_N = 1.05 * above_N + unseen * most_N;
+    table_.entries[i].a0 -= static_cast<Real>(less_N);
+    note_lost_aim(left, right, periods, cuts);
+  }
+
+  // dF/dy of the cubic.
+  double slope_N_per_m(std::size_t i, double root, double width) const {
+    const typename Table::Entry& e = table_.entries[i];
+    const double t = root / width - std::floor(root / width);
+    return (e.a1 + t * (2.0 * e.a2 + t * 3.0 * e.a3)) / width / (2 * root);
+  }
+
+  void note_lost_aim(double left, double right, int periods, int cuts) {
+    for (int j = 1; j < samples; j += 2) {
+      const double s = left + (right - left) * j / samples, y = s * s;
+      const double force_N = table_.pulse(static_cast<Real>(y)).force_N;
+      if (force_N < kicks_.limit_N())
+        aim_lost_ = std::max(aim_lost_, 1 - kicks_.most_travel_m(force_N, periods, cuts) / y);
+    }
+  }
+
+  // Between two samples the distance is at most that of the upper one, and the travel at least that of the lower one.
+  Interval range_of_curve() const {
+    const double end = root_at(table_.first + static_cast<std::uint32_t>(table_.count));
+    double from = end;
+    for (int i = table_.count; i-- > 0;) {
+      const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
+      const double right = root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
+      for (int j = samples; j-- > 0;) {
+        const double s = left + (right - left) * j / samples, next = left + (right - left) * (j + 1) / samples;
+        if (!(pulse(s * s).least_m >= least_share * next * next)) return {from * from, end * end};
+        from = s;
+      }
+    }
+    return {from * from, end * end};
+  }
+
+  // A list
+
+  void list(double from_m) {
+    table_.list = true;
+    std::vector<RealPulse> all = listed_pulses();
+    std::ranges::sort(all, {}, &RealPulse::most_m);
+    // Of pulses that go about as far the one that is sure to go furthest; all that there is room for.
+    const auto last_below = std::ranges::partition_point(all, [&](const RealPulse& p) { return p.most_m <= from_m; });
+    if (last_below != all.begin()) all.erase(all.begin(), last_below - 1);
+    double spacing = 1.0;
+    std::vector<RealPulse> kept;
+    do {
+      kept = spaced(all, spacing);
+      spacing *= 1.02;
+    } while (kept.size() > Table::most_entries);
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      table_.entries[i] = {rounded_up(kept[i].most_m), static_cast<Real>(kept[i].force_N + axes_.force_step_N / 2), 0,
+                           0};
+      table_.periods[i] = static_cast<std::uint8_t>(kept[i].periods);
+      table_.cut_periods[i] = static_cast<std::uint8_t>(kept[i].cut_periods);
+    }
+    table_.count = static_cast<std::uint8_t>(kept.size());
+  }
+  static Real rounded_up(double value) {
+    return std::nextafter(static_cast<Real>(value), std::numeric_limits<Real>::infinity());
+  }
+  std::vector<RealPulse> listed_pulses() const {
+    std::vector<RealPulse> all;
+    const int steps = static_cast<int>(std::lround(kicks_.limit_N() / axes_.force_step_N));
+    for (int n = 1; n <= longest_pulse_periods; ++n) {
+      for (int k = 1; k <= steps; ++k) {
+        const double force_N = k * axes_.force_step_N;
+        // A longer cut is rounded to steps otherwise, and may go further for certain.
+        const int least_cut = kicks_.cut_periods(force_N, n), most_cut = least_cut > 0 ? least_cut + 3 : 0;
+        for (int cut = least_cut; cut <= most_cut; ++cut) {
+          const RealPulse p = real(force_N, n, cut);
+          if (p.least_m > 0) all.push_back(p);
+        }
+      }
+    }
+    return all;
+  }
+  // Takes from each group of pulses within `spacing` the one that is best for its distance, and leaves out a pulse that
+  // is sure of less than one before it.
+  static std::vector<RealPulse> spaced(const std::vector<RealPulse>& all, double spacing) {
+    std::vector<RealPulse> kept;
+    double group_from = 0;
+    for (const RealPulse& p : all) {
+      if (!kept.empty() && p.least_m <= kept.back().least_m) continue;
+      if (!kept.empty() && p.most_m < group_from * spacing && kept.size() > 1) {
+        if (p.least_m / p.most_m > kept.back().least_m / kept.back().most_m) kept.back() = p;
+        continue;
+      }
+      group_from = p.most_m;
+      kept.push_back(p);
+    }
+    return kept;
+  }
+  Interval range_of_list() const {
+    if (table_.count == 0) return {std::numeric_limits<double>::infinity(), 0};
+    const double end_m = static_cast<double>(table_.entries[table_.count - 1].a0);
+    double from_m = end_m;
+    for (std::size_t i = table_.count; i-- > 0;) {
+      const auto here_m = static_cast<double>(table_.entries[i].a0);
+      const double next_m = i + 1u < table_.count ? static_cast<double>(table_.entries[i + 1].a0) : here_m;
+      if (!(pulse(here_m).least_m >= least_share * next_m)) break;
+      from_m = here_m;
+    }
+    return {from_m, end_m};
+  }
+
+  const BrakedClass& axes_;
+  const KickClass& kicks_;
+  Table table_{};
+  double aim_lost_ = 0;
+};
+
+}  // namespace breakaway::design::detail

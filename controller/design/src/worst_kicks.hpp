@@ -1,0 +1,67 @@
+// The worst sequence of kicks that a certificate must count with.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "breakaway/law/kick_table.hpp"
+#include "kick_class.hpp"
+
+namespace breakaway::design::detail {
+
+// What a kick leaves at worst of each error from the tolerance up. A kick that takes more than its least may lead to
+// where the next takes less, so that what counts is the worst of all errors up to one.
+class WorstKicks {
+ public:
+  template <class Real>
+  WorstKicks(const BrakedClass& axes, const law::KickTable<Real>& table, double tolerance_m, double reach_m)
+      : half_count_m_{axes.encoder_resolution_m / 2}, readings_m_{places(table, tolerance_m, reach_m)} {
+    const KickClass kicks{axes};
+    double left_m = 0;
+    for (std::size_t i = 0; i + 1 < readings_m_.size(); ++i) {
+      const law::Pulse<Real> p = table.pulse(static_cast<Real>(readings_m_[i] * (1 + 1e-9)));
+      const double force_N = kicks.rounded_down_N(std::min(static_cast<double>(p.force_N), kicks.limit_N()));
+      const double taken_m = kicks.least_travel_m(force_N, p.periods, p.cut_periods);
+      if (i == 0) least_m_ = taken_m;
+      left_m = std::max(left_m, readings_m_[i + 1] + half_count_m_ - taken_m);
+      left_m_.push_back(left_m);
+      beyond_m_ = taken_m;
+    }
+  }
+
+  // The error after a kick from this error, which may be read half a count too near.
+  double after(double error_m) const {
+    const double reading_m = error_m - half_count_m_;
+    if (reading_m > readings_m_.back()) return error_m - beyond_m_;
+    if (reading_m <= readings_m_.front()) return std::min(left_m_.front(), error_m - least_m_);
+    const auto place = std::ranges::upper_bound(readings_m_, reading_m) - readings_m_.begin() - 1;
+    return left_m_[std::min(static_cast<std::size_t>(place), left_m_.size() - 1)];
+  }
+
+ private:
+  // Fine enough that an error within two of them is hardly worse than the nearer one; the table's own places among
+  // them.
+  template <class Real>
+  static std::vector<double> places(const law::KickTable<Real>& table, double from_m, double to_m) {
+    constexpr double spacing = 1.004;
+    std::vector<double> all;
+    for (double r = from_m; r < to_m * spacing; r *= spacing) all.push_back(r);
+    for (std::size_t i = 0; i < table.count; ++i) {
+      const double root = std::bit_cast<float>((table.first + static_cast<std::uint32_t>(i)) << table.shift);
+      const double r = table.list ? static_cast<double>(table.entries[i].a0) : root * root;
+      if (r > from_m && r < to_m) all.push_back(r);
+    }
+    std::ranges::sort(all);
+    if (all.size() < 2) all.push_back(from_m * spacing);
+    return all;
+  }
+
+  double half_count_m_;
+  double least_m_ = 0;   // that is taken near the tolerance
+  double beyond_m_ = 0;  // that is taken at the end of the table and beyond
+  std::vector<double> readings_m_, left_m_;
+};
+
+}  // namespace breakaway::design::detail

@@ -1,0 +1,169 @@
+// ApproachPlan: the force that brings an axis near its target, where the coast "brake" and its kicks take over.
+//
+// Let E be the distance to a point a little before the target and w the speed towards it. The axis is to come down the
+// greater of two curves,
+//   far    w^2 = 2 a_h (E - E1) + w1^2     with a_h the deceleration of which the drive is capable for certain
+//   near   w^2 = 2 a_g E                   with a_g that of brake and least friction, and w1^2 = 2 a_g E1
+// and each period takes the acceleration that leads onto the curve within the response time R:
+//   a = (-(2 w + a_d R) + sqrt(a_d^2 R^2 + 8 a_d E - 4 a_d w R)) / (2 R).
+// E and w are those of the instant at which the new force begins: the speed is estimated from readings and from what
+// was commanded meanwhile, and carried over the latency. What a lagging current loop still owes counts as if
+// it had acted: a transient D e^(-t/tau) of the force adds D tau / m to the speed, tau later.
+//
+// The plan is for speed, not for safety: kicks mend whatever it leaves. It ends where the brake takes over, and an axis
+// that turns back a third time is left alone: on an axis whose friction can turn its motion within a period, or that
+// is not what was stated, the plan would drive it to and fro for ever.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "breakaway/law/braked_kicks.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class ApproachPlan {
+ public:
+  static constexpr std::size_t most_latency_periods = 8;
+
+  ApproachPlan() noexcept = default;
+  ApproachPlan(const BrakedApproach<Scalar>& a, Scalar period_s, Scalar max_speed_m_s, std::uint8_t latency) noexcept
+      : a_{&a},
+        period_s_{period_s},
+        per_period_{1 / period_s},
+        per_mass_{1 / a.mass_kg},
+        max_speed_m_s_{max_speed_m_s},
+        latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
+
+  void restart() noexcept { primed_ = false; }
+  void shift_origin(Scalar shift_m) noexcept { previous_m_ -= shift_m; }
+  // A period without a reading; otherwise as see().
+  void skip(Scalar force_N, Scalar command_N) noexcept {
+    if (!primed_) return;
+    remember(force_N, command_N);
+    velocity_ += acceleration(latency_) * period_s_;
+    if (missed_ >= 0 && missed_ < 1000) ++missed_;
+  }
+
+  // Takes the newest position error and returns true when the brake is to take over. force_N: where the force is as
+  // this period begins; command_N: what was commanded in the last one.
+  bool see(Scalar x, Scalar force_N, Scalar command_N) noexcept {
+    if (!primed_) begin(x, force_N);
+    remember(force_N, command_N);
+    estimate(x);
+    predict(x);
+    const Scalar owed_N = (force_N - command_N) * direction_;
+    speed_ += owed_N * a_->lag_s * per_mass_;
+    distance_ += owed_N * a_->lag_s * a_->lag_s * per_mass_;
+    return distance_ <= a_->switch_distance_m && speed_ <= a_->switch_speed_m_s * Scalar(1.25);
+  }
+
+  // The force of the next period, unlimited.
+  Scalar force_N() const noexcept {
+    const Scalar hard = a_->hard_m_s2, w1 = a_->switch_speed_m_s;
+    const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
+    const Scalar near = onto_curve(a_->gentle_m_s2, distance_);
+    const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
+    const Scalar acceleration = std::min(std::max({far, near, -2 * hard}), allowed);
+    return direction_ * (a_->mass_kg * acceleration + a_->friction_N);
+  }
+
+  bool turned_often() const noexcept { return turns_ >= most_turns; }
+  Scalar direction() const noexcept { return direction_; }
+  Scalar velocity_m_s() const noexcept { return velocity_; }
+  // Periods in which the brake alone is sure to stop the axis at its present speed.
+  Scalar braking_periods() const noexcept {
+    return (std::abs(speed_) + 2 * a_->switch_speed_m_s) / (a_->gentle_m_s2 * period_s_);
+  }
+
+ private:
+  void begin(Scalar x, Scalar force_N) noexcept {
+    last_force_N_ = force_N;
+    direction_ = x > 0 ? Scalar{-1} : Scalar{1};
+    previous_m_ = x;
+    velocity_ = 0;
+    turns_ = 0;
+    forward_ = false;
+    missed_ = -1;  // the first reading tells no speed
+    primed_ = true;
+    accelerations_.fill(Scalar{0});
+  }
+
+  // Keeps the acceleration of the period that has just passed, friction at its least.
+  void remember(Scalar force_N, Scalar command_N) noexcept {
+    const Scalar mean_N = command_N + (last_force_N_ - force_N) * a_->lag_s * per_period_;
+    last_force_N_ = force_N;
+    Scalar net_N = 0;
+    if (velocity_ > 0 || mean_N > a_->friction_N) net_N = mean_N - a_->friction_N;
+    if (velocity_ < 0 || mean_N < -a_->friction_N) net_N = mean_N + a_->friction_N;
+    newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
+    accelerations_[newest_] = net_N * per_mass_;
+  }
+  Scalar acceleration(std::size_t periods_ago) const noexcept {
+    const std::size_t place = newest_ + periods_ago;
+    return accelerations_[place < accelerations_.size() ? place : place - accelerations_.size()];
+  }
+
+  void estimate(Scalar x) noexcept {
+    const Scalar gain_m_s = acceleration(latency_) * period_s_;
+    if (missed_ < 0) {
+      missed_ = 0;
+      return;
+    }
+    velocity_ += gain_m_s;
+    const auto periods = static_cast<Scalar>(missed_ + 1);
+    const Scalar mean_m_s = missed_ > 0 ? (x - previous_m_) * per_period_ / periods : (x - previous_m_) * per_period_;
+    velocity_ += a_->correction * (mean_m_s - (velocity_ - gain_m_s * periods / 2));
+    previous_m_ = x;
+    missed_ = 0;
+    const bool forward = velocity_ * direction_ > 0;
+    if (forward_ && !forward && turns_ < most_turns) ++turns_;
+    forward_ = forward;
+  }
+
+  // Carries the estimate from the reading to now.
+  void predict(Scalar x) noexcept {
+    Scalar v = velocity_;
+    for (std::size_t ago = latency_; ago-- > 0;) {
+      const Scalar gain_m_s = acceleration(ago) * period_s_;
+      x += (v + gain_m_s / 2) * period_s_;
+      v += gain_m_s;
+    }
+    speed_ = v * direction_;
+    distance_ = -x * direction_ - a_->short_of_target_m;
+  }
+
+  Scalar onto_curve(Scalar deceleration, Scalar distance_m) const noexcept {
+    const Scalar R = a_->response_s, step = deceleration * R;
+    const Scalar under_root = step * step + 4 * deceleration * (2 * distance_m - speed_ * R);
+    if (!(under_root >= 0)) return -std::numeric_limits<Scalar>::max();
+    return (std::sqrt(under_root) - (2 * speed_ + step)) / (2 * R);
+  }
+
+  const BrakedApproach<Scalar>* a_ = nullptr;
+  Scalar period_s_{};
+  Scalar per_period_{};
+  Scalar per_mass_{};
+  Scalar max_speed_m_s_{};
+  Scalar previous_m_{};
+  Scalar velocity_{};  // of the axis at the newest reading
+  Scalar speed_{};     // towards the target now
+  Scalar distance_{};  // to the point aimed at now
+  Scalar last_force_N_{};
+  Scalar direction_ = 1;
+  std::array<Scalar, most_latency_periods + 1> accelerations_{};
+  std::size_t newest_ = 0;
+  std::int16_t missed_ = -1;
+  std::uint8_t latency_ = 0;
+  static constexpr std::uint8_t most_turns = 3;
+  std::uint8_t turns_ = 0;  // from towards the target to away from it
+  bool forward_ = false;
+  bool primed_ = false;
+};
+
+}  // namespace breakaway::law

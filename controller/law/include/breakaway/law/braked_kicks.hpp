@@ -1,0 +1,73 @@
+// BrakedKicks: what the law needs for the coast "brake", worked out and certified on a PC.
+//
+// Forces here are as they are commanded. What the drive makes of them, and how far mass, friction and lag may be off,
+// is in the numbers already; the control loop takes them as they are.
+#pragma once
+
+#include <cstdint>
+
+#include "breakaway/law/kick_table.hpp"
+
+namespace breakaway::law {
+
+// How the axis is brought near the target before the first kick: down the speed w at the distance E from the point
+// aimed at with w^2 = 2 a E, hard while E is large and with the brake alone at the end.
+template <class Scalar>
+struct BrakedApproach {
+  Scalar mass_kg{};            // as told
+  Scalar friction_N{};         // helps to stop: the least there is
+  Scalar hard_m_s2{};          // deceleration far away, of which the drive is capable for certain
+  Scalar gentle_m_s2{};        // deceleration by brake and least friction
+  Scalar switch_speed_m_s{};   // below it the brake alone stops the axis
+  Scalar switch_distance_m{};  // within which it does
+  Scalar short_of_target_m{};  // the point aimed at is so far before the target
+  Scalar response_s{};         // in which the loop is to mend a speed that is off: a period, and more with lag
+  Scalar lag_s{};              // of the current loop
+  Scalar correction{};         // share of a reading's surprise that the estimated speed takes over, in (0, 1]
+};
+
+template <class Scalar>
+struct BrakedKicks {
+  Scalar brake_N{};          // b: with the largest force gain it is below the least friction
+  Scalar force_step_N{};     // of the drive; every force is a whole number of steps
+  Scalar preload_N{};        // a pulse starts when the force is sure to be at least this, and at most the brake
+  Scalar resting_force_N{};  // theta: after a kick, an axis seen still is at rest only under a force of at most this
+  Scalar holding_force_N{};  // an axis at rest stays there under this force, either way, for certain
+  Scalar fast_lag{};         // e^(-T/tau): share of a change of force that is left after a period, at least ...
+  Scalar slow_lag{};         // ... and at most
+  Scalar coast_per_N{};      // longest lawful coast, as a multiple of the pulse, per newton of its force
+  Scalar least_seen_N{};     // that friction_seen_N() gives for the kicks of a lawful axis,
+  Scalar most_seen_N{};      // and the most
+  std::uint16_t still_periods = 0;       // without a change of count that prove rest under theta
+  std::uint16_t either_way_periods = 0;  // the same under holding_force_N, where the axis may move either way
+  std::uint16_t patient_periods = 0;   // the same under any force: a proof of nothing, but there is no more to wait for
+  std::uint16_t settling_periods = 0;  // in which the slowest current loop follows a change
+  BrakedApproach<Scalar> approach{};
+  KickTable<Scalar> table{};
+};
+
+// The constant friction under which an axis of this mass, without lag, would move by travel_m >= 0 in a kick: in a
+// pulse of pulse_s it gains the speed that it loses again under friction and brake. It falls as the travel grows.
+template <class Scalar>
+constexpr Scalar friction_seen_N(Scalar mass_kg, Scalar force_N, Scalar brake_N, Scalar pulse_s,
+                                 Scalar travel_m) noexcept {
+  const Scalar both_N = force_N + brake_N, gain = both_N * pulse_s * pulse_s;
+  return both_N * gain / (2 * mass_kg * travel_m + gain) - brake_N;
+}
+
+// Says whether the numbers can be those of an axis; written so that a NaN is refused.
+template <class Scalar>
+constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
+  const BrakedApproach<Scalar>& a = k.approach;
+  const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.slow_lag && k.slow_lag < 1;
+  const bool forces = k.brake_N >= 0 && k.force_step_N > 0 && k.preload_N <= k.brake_N &&
+                      k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N &&
+                      k.least_seen_N < k.most_seen_N;
+  const bool waits = k.still_periods > 0 && k.either_way_periods > 0 && k.patient_periods > 0;
+  const bool approach = a.mass_kg > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 && a.response_s > 0 && a.correction > 0 &&
+                        a.correction <= 1 && a.short_of_target_m >= 0;
+  return lags && forces && waits && approach && k.coast_per_N > 0 && k.table.count > 0 &&
+         k.table.count <= KickTable<Scalar>::most_entries;
+}
+
+}  // namespace breakaway::law

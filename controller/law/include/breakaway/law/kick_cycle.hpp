@@ -1,0 +1,302 @@
+// KickCycle: one kick of the coast "brake", from rest to rest.
+//
+// Let the kick be towards +x, A the least and B the greatest friction, b < A the brake, F the force of the pulse.
+//   preload   u -> b       so that the pulse starts from a known force; the axis stays at rest, because b < A
+//   pulse     u -> F       for n whole periods
+//   cut       u -> -c      for so many periods that the fastest current loop has come down to -b at their end
+//   brake     u -> -b      until rest is certified
+// It never goes further than under constant friction A: while v > 0, m dv/dt = u - f <= u - A for every friction
+// f(t, x, v) >= A, so the travel is at most the one that the table was made for. After the stop |u| <= b < A, so that
+// the axis stays. Nothing in this looks at a measurement, so latency plays no part in it.
+//
+// Rest is certified as in RestDetector: an axis that still moved forward under u <= theta < A would lose speed at
+// (A - theta)/m at least, and so would have travelled a count within W = sqrt(2 q m / (A - theta)). Readings count once
+// they show the time after the force came down to theta.
+//
+// Three guards act where the axis is not what was stated. Where the brake itself drives the axis back, or a coast
+// outlasts the longest lawful one, the brake is taken off; from then on the axis may move either way, and rest takes
+// the longer proof for that. An axis seen still for `patient_periods` under whatever force counts as resting, because
+// nothing more can be learnt by waiting.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "breakaway/law/braked_kicks.hpp"
+#include "breakaway/law/force_interval.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class KickCycle {
+ public:
+  enum class Phase : std::uint8_t {
+    free,      // the force comes from elsewhere
+    preload,   // at rest, until the force is known to be near the brake's
+    pulse,     // periods of constant force
+    cut,       // the force is brought down as fast as the drive can
+    brake,     // constant force against the motion, not yet certified at rest
+    released,  // no force, not yet certified at rest
+  };
+
+  KickCycle() noexcept = default;
+  KickCycle(const BrakedKicks<Scalar>& kicks, Scalar resolution_m, Scalar max_force_N, std::uint8_t latency) noexcept
+      : kicks_{&kicks},
+        half_count_m_{resolution_m / 2},
+        reverse_limit_m_{resolution_m * Scalar(2.5)},
+        latency_{latency} {
+    limit_force(max_force_N);
+    reduced_ = false;
+  }
+
+  void limit_force(Scalar force_N) noexcept {
+    reduced_ = true;
+    // A limit that is a whole number of steps must not lose one to the rounding of the quotient.
+    const Scalar steps = force_N / kicks_->force_step_N * (1 + Scalar(1e-6));
+    most_steps_ = steps < Scalar(32767) ? static_cast<std::int32_t>(steps) : 32767;
+  }
+
+  // Forgets what was seen; the force may be anything that was commanded before.
+  void restart() noexcept {
+    phase_ = Phase::free;
+    still_ = calm_ = 0;
+    anchored_ = false;
+  }
+
+  // The drive makes no force.
+  void forget_force() noexcept { interval_ = {}; }
+
+  // Takes the newest position. To be called once a period before force_N(), where there is a reading.
+  void see(Scalar position_m) noexcept {
+    const Scalar moved_m = position_m - anchor_m_;
+    if (!anchored_ || moved_m > half_count_m_ || moved_m < -half_count_m_) {
+      anchor_m_ = position_m;
+      anchored_ = true;
+      still_ = 0;
+    } else if (still_ < longest) {
+      ++still_;
+    }
+    watch_direction(position_m);
+  }
+
+  // Starts a kick along `direction`, +1 or -1.
+  void kick(Scalar direction, const Pulse<Scalar>& pulse) noexcept {
+    direction_ = direction;
+    const std::int32_t wanted_steps = whole_steps(pulse.force_N);
+    pulse_steps_ = std::clamp(wanted_steps, std::int32_t{0}, most_steps_);
+    pulse_limited_ = reduced_ && wanted_steps > most_steps_;
+    pulse_periods_ = std::max(pulse.periods, std::uint8_t{1});
+    cut_periods_ = kicks_->fast_lag > 0 ? pulse.cut_periods : std::uint8_t{0};
+    either_way_ = driven_back_ = false;
+    expect_rest_within(pulse_periods_ + cut_periods_ + longest_coast());
+    enter(kicks_->slow_lag > 0 ? Phase::preload : Phase::pulse, pulse_periods_);
+  }
+
+  // Brakes an axis that moves along `direction`; longest_periods: the longest lawful coast.
+  void brake(Scalar direction, Scalar longest_periods) noexcept {
+    direction_ = direction;
+    either_way_ = true;
+    furthest_m_ = anchor_m_ * direction;
+    calm_ = 0;
+    expect_rest_within(within_range(longest_periods));
+    enter(Phase::brake, within_range(longest_periods));
+  }
+
+  // Takes every force off an axis that has stopped after these periods at the latest.
+  void release(Scalar longest_periods) noexcept {
+    expect_rest_within(within_range(longest_periods));
+    take_brake_off();
+  }
+
+  // Returns the force of the next period in whole steps; `free_steps` in the phase free.
+  std::int32_t next_steps(std::int32_t free_steps) noexcept {
+    if (phase_ == Phase::preload && force().lower_N >= kicks_->preload_N) enter(Phase::pulse, pulse_periods_);
+    pulsed_ = phase_ == Phase::pulse;
+    pulse_starts_ = pulsed_ && left_ == pulse_periods_;
+    const std::int32_t steps = steps_of_phase(free_steps);
+    // Without a lag the force of the whole period is what is commanded, else its start is the worst of it.
+    if (kicks_->slow_lag > 0) note_calm();
+    follow(steps);
+    if (!(kicks_->slow_lag > 0)) note_calm();
+    count_down();
+    return steps;
+  }
+
+  // A force that was commanded without it.
+  void follow(std::int32_t steps) noexcept {
+    interval_.follow(static_cast<Scalar>(steps) * kicks_->force_step_N, kicks_->fast_lag, kicks_->slow_lag);
+  }
+
+  // Of the last kick.
+  Scalar pulse_N() const noexcept { return static_cast<Scalar>(pulse_steps_) * kicks_->force_step_N; }
+  std::uint8_t pulse_periods() const noexcept { return pulse_periods_; }
+  // It was weaker than what the table was made for.
+  bool pulse_limited() const noexcept { return pulse_limited_; }
+  Scalar direction() const noexcept { return direction_; }
+  // The brake moved the axis, so that friction is weaker.
+  bool driven_back() const noexcept { return driven_back_; }
+
+  // The axis ought to rest since long.
+  bool overdue() const noexcept { return overdue_in_ == 0; }
+
+  // Rest is certified, or there is no more to wait for.
+  bool at_rest() const noexcept {
+    if (phase_ != Phase::brake && phase_ != Phase::released) return false;
+    if (patient()) return true;
+    const std::int32_t shown = std::min(still_, calm_ - latency_);
+    return shown >= (either_way_ ? kicks_->either_way_periods : kicks_->still_periods);
+  }
+  bool patient() const noexcept { return still_ >= kicks_->patient_periods; }
+  void forget_patience() noexcept { still_ = 0; }
+
+  Phase phase() const noexcept { return phase_; }
+  // Of the last call of next_steps(): whether a pulse began with it, and whether it was one of a pulse.
+  bool pulse_starts() const noexcept { return pulse_starts_; }
+  bool pulsed() const noexcept { return pulsed_; }
+  const ForceInterval<Scalar>& interval() const noexcept { return interval_; }
+
+  // Rounds down.
+  std::int32_t whole_steps(Scalar force_N) const noexcept {
+    const Scalar steps = force_N / kicks_->force_step_N;
+    if (!(steps > Scalar(-32767))) return -32767;
+    if (!(steps < Scalar(32767))) return 32767;
+    const auto truncated = static_cast<std::int32_t>(steps);
+    return static_cast<Scalar>(truncated) > steps ? truncated - 1 : truncated;
+  }
+  std::int32_t within_limit(std::int32_t steps) const noexcept { return std::clamp(steps, -most_steps_, most_steps_); }
+
+ private:
+  static constexpr std::int32_t longest = 65535;  // count of periods
+
+  static std::int32_t within_range(Scalar periods) noexcept {
+    return periods < Scalar(longest) ? static_cast<std::int32_t>(periods) : longest;
+  }
+
+  ForceInterval<Scalar> force() const noexcept { return interval_.along(direction_); }
+
+  void enter(Phase phase, std::int32_t periods) noexcept {
+    phase_ = phase;
+    left_ = periods;
+    if (phase == Phase::pulse) {
+      furthest_m_ = anchor_m_ * direction_;
+      still_ = calm_ = 0;
+    }
+  }
+
+  // The brake must not drive the axis back.
+  void watch_direction(Scalar position_m) noexcept {
+    const Scalar along_m = position_m * direction_;
+    if (along_m > furthest_m_) furthest_m_ = along_m;
+    if (phase_ == Phase::brake && along_m < furthest_m_ - reverse_limit_m_) {
+      driven_back_ = true;
+      take_brake_off();
+    }
+  }
+
+  std::int32_t steps_of_phase(std::int32_t free_steps) const noexcept {
+    const std::int32_t along = direction_ < 0 ? -1 : 1;
+    switch (phase_) {
+      case Phase::free:
+        return within_limit(free_steps);
+      case Phase::preload:
+        return along * within_limit(preload_steps());
+      case Phase::pulse:
+        return along * pulse_steps_;
+      case Phase::cut:
+        return -along * within_limit(cut_steps());
+      case Phase::brake:
+        return -along * within_limit(whole_steps(kicks_->brake_N + kicks_->force_step_N / 2));
+      case Phase::released:
+        return 0;
+    }
+    return 0;
+  }
+
+  // So much that the fastest loop reaches the brake's force at the end of the period.
+  std::int32_t preload_steps() const noexcept {
+    const Scalar left = kicks_->fast_lag;
+    return whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left));
+  }
+
+  // So much that the fastest loop has come down to the brake's force at the end of the cut, from the least force that
+  // it may have at the end of the pulse.
+  std::int32_t cut_steps() const noexcept {
+    const Scalar after_pulse = power(kicks_->fast_lag, pulse_periods_);
+    const Scalar after_cut = power(kicks_->fast_lag, cut_periods_);
+    const Scalar force_N = static_cast<Scalar>(pulse_steps_) * kicks_->force_step_N;
+    const Scalar end_N = force_N + (kicks_->preload_N - force_N) * after_pulse;
+    return whole_steps((kicks_->brake_N + end_N * after_cut) / (1 - after_cut));
+  }
+
+  static Scalar power(Scalar base, unsigned exponent) noexcept {
+    Scalar result = 1;
+    for (; exponent > 0; exponent /= 2) {
+      if (exponent % 2 == 1) result *= base;
+      base *= base;
+    }
+    return result;
+  }
+
+  // Counts the periods whose force proves rest.
+  void note_calm() noexcept {
+    const ForceInterval<Scalar> u = force();
+    const Scalar most_N = either_way_ ? kicks_->holding_force_N : kicks_->resting_force_N;
+    const bool braked = phase_ == Phase::brake || phase_ == Phase::released;
+    const bool calm = braked && u.upper_N <= most_N && u.lower_N >= -kicks_->holding_force_N;
+    calm_ = calm ? std::min(calm_ + 1, longest) : 0;
+  }
+
+  void count_down() noexcept {
+    if (phase_ == Phase::pulse && --left_ == 0)
+      enter(cut_periods_ > 0 ? Phase::cut : Phase::brake, cut_periods_ > 0 ? cut_periods_ : longest_coast());
+    else if (phase_ == Phase::cut && --left_ == 0)
+      enter(Phase::brake, longest_coast());
+    else if (phase_ == Phase::brake && (left_ == 0 || --left_ == 0))
+      take_brake_off();
+    if (overdue_in_ > 0) --overdue_in_;
+  }
+
+  void take_brake_off() noexcept {
+    either_way_ = true;
+    calm_ = 0;
+    enter(Phase::released, 0);
+  }
+
+  // With the proof of rest, and four times as long because mass and friction may be off by as much as that.
+  void expect_rest_within(std::int32_t periods) noexcept {
+    overdue_in_ = 4 * (periods + kicks_->patient_periods + kicks_->settling_periods);
+  }
+
+  std::int32_t longest_coast() const noexcept {
+    const Scalar force_N = static_cast<Scalar>(pulse_steps_) * kicks_->force_step_N;
+    const Scalar coast = force_N * kicks_->coast_per_N * static_cast<Scalar>(pulse_periods_);
+    return within_range(coast + static_cast<Scalar>(kicks_->still_periods + kicks_->settling_periods + latency_ + 3));
+  }
+
+  const BrakedKicks<Scalar>* kicks_ = nullptr;
+  ForceInterval<Scalar> interval_{};
+  Scalar half_count_m_{};
+  Scalar reverse_limit_m_{};
+  Scalar anchor_m_{};
+  Scalar furthest_m_{};
+  Scalar direction_ = 1;
+  std::int32_t most_steps_ = 0;
+  std::int32_t pulse_steps_ = 0;
+  std::int32_t calm_ = 0;
+  std::int32_t still_ = 0;
+  std::int32_t left_ = 0;
+  std::int32_t overdue_in_ = 0;
+  std::uint8_t pulse_periods_ = 1;
+  std::uint8_t cut_periods_ = 0;
+  std::uint8_t latency_ = 0;
+  Phase phase_ = Phase::free;
+  bool reduced_ = false;  // the force limit is below the one that the table was made for
+  bool pulse_limited_ = false;
+  bool anchored_ = false;
+  bool either_way_ = false;
+  bool driven_back_ = false;
+  bool pulsed_ = false;
+  bool pulse_starts_ = false;
+};
+
+}  // namespace breakaway::law

@@ -1,0 +1,170 @@
+// An axis under AxisController with the coast "brake", without drive and bus: mass, dry friction and the lag of a
+// current loop. Within a slice of a period the friction is constant, so that each slice has a closed form; any friction
+// of that kind is inside the class that a design promises for.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/law/axis_controller.hpp"
+
+namespace breakaway::testing {
+
+// What is true of the axis.
+struct TrueAxis {
+  double mass_kg = 1;
+  double force_gain = 1;
+  double lag_s = 0;
+  double load_N = 0;
+  int latency_periods = 1;
+};
+
+// What a friction law may look at.
+struct Moment {
+  double t_s, position_m, velocity_m_s, force_N;
+  bool slips_now;  // it is asked whether the axis breaks away
+};
+using Friction = std::function<double(const Moment&)>;
+
+class Slider {
+ public:
+  Slider(const TrueAxis& axis, Friction friction, double position_m, double velocity_m_s)
+      : axis_{axis}, friction_{std::move(friction)}, x_{position_m}, v_{velocity_m_s} {}
+
+  double position_m() const { return x_; }
+  double velocity_m_s() const { return v_; }
+
+  // The drive is given a command for a period.
+  void run(double command_N, double period_s, int slices) {
+    const double U = axis_.force_gain * command_N;
+    for (int i = 0; i < slices; ++i) slice(U, period_s / slices);
+  }
+
+ private:
+  // Force on the axis beside friction at the time s of the slice.
+  double push(double U, double s) const {
+    return axis_.load_N + (axis_.lag_s > 0 ? U + (u_ - U) * std::exp(-s / axis_.lag_s) : U);
+  }
+  double speed(double U, double f, double s) const {
+    const double owed = axis_.lag_s > 0 ? (u_ - U) * -axis_.lag_s * std::expm1(-s / axis_.lag_s) : 0;
+    return v_ + ((U + axis_.load_N - f) * s + owed) / axis_.mass_kg;
+  }
+  void go(double U, double f, double s) {
+    const double tau = axis_.lag_s;
+    // Ten digits are enough here: x moves by the mean of the speed, by Simpson's rule in parts.
+    const int parts = tau > 0 ? 2 + static_cast<int>(std::min(8.0, 4 * s / tau)) : 1;
+    double moved = 0;
+    for (int i = 0; i < parts; ++i) {
+      const double a = s * i / parts, b = s * (i + 1) / parts;
+      moved += (speed(U, f, a) + 4 * speed(U, f, (a + b) / 2) + speed(U, f, b)) * (b - a) / 6;
+    }
+    const double v = speed(U, f, s), u = push(U, s) - axis_.load_N;
+    x_ += moved;
+    v_ = v;
+    u_ = u;
+    t_ += s;
+  }
+  // The force of an axis that sticks tends to U + load, and passes the level on the way or never.
+  double time_to_break_away(double U, double level) const {
+    const double end_N = U + axis_.load_N, now_N = push(U, 0);
+    if (axis_.lag_s == 0 || std::fabs(end_N) <= level) return INFINITY;
+    const double threshold_N = end_N > 0 ? level : -level;
+    return axis_.lag_s * std::log((end_N - now_N) / (end_N - threshold_N));
+  }
+  void slice(double U, double h) {
+    double left = h;
+    for (int guard = 0; left > 0 && guard < 8; ++guard) {
+      if (axis_.lag_s == 0) u_ = U;
+      const bool still = v_ == 0;
+      const double level = friction_({t_, x_, v_, push(U, 0), still});
+      if (still && std::fabs(push(U, 0)) <= level) {
+        const double waited_s = std::min(left, time_to_break_away(U, level));
+        u_ = push(U, waited_s) - axis_.load_N;
+        t_ += waited_s;
+        left -= waited_s;
+        if (!(left > 0)) return;
+        const double over_N = 1e-12 * level;
+        u_ += U > u_ ? over_N : -over_N;
+        continue;
+      }
+      const double direction = still ? (push(U, 0) > 0 ? 1 : -1) : (v_ > 0 ? 1 : -1);
+      const double f = direction * level;
+      if (direction * speed(U, f, left) > 0) return go(U, f, left);
+      double before = 0, after = left;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = (before + after) / 2;
+        (direction * speed(U, f, middle) > 0 ? before : after) = middle;
+      }
+      go(U, f, after);
+      v_ = 0;
+      left -= after;
+    }
+  }
+
+  TrueAxis axis_;
+  Friction friction_;
+  double x_, v_, u_ = 0, t_ = 0;
+};
+
+struct RunEnd {
+  bool held = false;
+  law::ControlFault fault = law::ControlFault::none;
+  double time_s = 0;             // to the last hold, or to the end
+  double error_m = 0;            // true, at the end
+  double beyond_m = 0;           // the furthest that a kick went past the target
+  double approach_beyond_m = 0;  // the same of the approach
+  int kicks = 0;
+  int far_kicks = 0;        // from beyond the reach of the table
+  double first_kick_m = 0;  // true distance at the first kick
+  bool moving_in_hold = false;
+};
+
+// Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0.
+template <class Real>
+RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3,
+                       const law::BrakedKicks<Real>& kicks, const TrueAxis& truth, const Friction& friction,
+                       double start_m, double start_m_s, double longest_s, int slices = 8, int hold_periods = 200,
+                       double encoder_offset = 0.3) {
+  law::AxisController<Real> controller{p, k3, kicks};
+  Slider axis{truth, friction, start_m, start_m_s};
+  const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
+  std::deque<double> samples;
+  RunEnd end;
+  int held = 0;
+  double kicked_from = 0;
+  const auto periods = static_cast<long>(longest_s / T);
+  for (long k = 0; k < periods; ++k) {
+    samples.push_back(std::round(axis.position_m() / q + encoder_offset) - encoder_offset);
+    while (samples.size() > static_cast<std::size_t>(truth.latency_periods) + 1) samples.pop_front();
+    const auto out = controller.update({static_cast<Real>(samples.front() * q)});
+    if (out.kicked) {
+      if (++end.kicks == 1) end.first_kick_m = std::fabs(axis.position_m());
+      kicked_from = axis.position_m();
+      if (std::fabs(kicked_from) > static_cast<double>(kicks.table.reach_m()) - q) ++end.far_kicks;
+    }
+    if (out.mode == law::Mode::hold && axis.velocity_m_s() != 0) end.moving_in_hold = true;
+    axis.run(static_cast<double>(out.force_N), T, slices);
+    if (end.kicks > 0)
+      end.beyond_m = std::max(end.beyond_m, kicked_from > 0 ? -axis.position_m() : axis.position_m());
+    else
+      end.approach_beyond_m = std::max(end.approach_beyond_m, start_m > 0 ? -axis.position_m() : axis.position_m());
+    end.fault = controller.fault();
+    if (end.fault != law::ControlFault::none) break;
+    if (out.mode != law::Mode::hold) {
+      held = 0;
+      end.time_s = static_cast<double>(k + 1) * T;
+    } else if (++held >= hold_periods) {
+      break;
+    }
+  }
+  end.held = held >= hold_periods;
+  end.error_m = axis.position_m();
+  return end;
+}
+
+}  // namespace breakaway::testing

@@ -1,0 +1,64 @@
+// [uncertainty] and the coast "brake" in a file.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/flash.hpp"
+#include "breakaway/config/parse_toml.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "two_axes.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using breakaway::testing::refusal;
+using testing::two_axes;
+using testing::with;
+
+// The first axis under the brake, with these lines in its [uncertainty].
+std::string braked(const std::string& lines = {}) {
+  const std::string coast = with(two_axes, "k1_N_per_m", "coast = \"brake\"\nk1_N_per_m");
+  return with(coast, "[axis.limits]\n", "[axis.uncertainty]\n" + lines + "\n[axis.limits]\n");
+}
+
+TEST(Uncertainty, WidensTheAxesThatKicksAreMadeFor) {
+  const Node node =
+      parse_node(braked("mass = 0.1\nforce_gain = 0.05\nforce_N = 0.2\ncurrent_loop_time_constant = 0.2"), "node.toml");
+  const design::BrakedClass c = braked_class(node, node.axes[0]);
+  const double mass_kg = node.axes[0].mass_kg;
+  EXPECT_DOUBLE_EQ(c.mass_kg.least, 0.9 * mass_kg);
+  EXPECT_DOUBLE_EQ(c.mass_kg.most, 1.1 * mass_kg);
+  EXPECT_DOUBLE_EQ(c.force_gain.least, 0.95);
+  EXPECT_EQ(c.load_N, 0.2);
+  EXPECT_DOUBLE_EQ(c.lag_s.most, 1.2 * node.axes[0].drive->current_loop_time_constant_s);
+}
+
+TEST(Uncertainty, IsRefusedByNameWhereNothingHoldsTheAxis) {
+  const std::string error = refusal([] { parse_node(braked("force_N = 100"), "node.toml"); });
+  EXPECT_NE(error.find("force_N"), std::string::npos);
+  EXPECT_NE(error.find("feed a known force forward"), std::string::npos);
+}
+
+TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
+  const Node node = parse_node(braked(), "node.toml");
+  const auto flashed_node = flashed<float>(node);
+  const auto design = design::design_braked_kicks<float>(braked_class(node, node.axes[0]));
+  EXPECT_EQ(flashed_node.axes[0].law.coast, law::Coast::brake);
+  EXPECT_EQ(flashed_node.axes[0].braked.table.count, design.kicks.table.count);
+  EXPECT_EQ(flashed_node.axes[0].braked.table.entries[3].a0, design.kicks.table.entries[3].a0);
+  EXPECT_EQ(flashed_node.axes[1].law.coast, law::Coast::pd);
+  EXPECT_EQ(flashed_node.axes[1].braked.table.count, 0);
+}
+
+TEST(Brake, NeedsALoopAndADrive) {
+  const std::string ideal =
+      "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"
+      "k21_Ns_per_m = 0.8\nk22_Ns_per_m = 3\ncoast = \"brake\"\n";
+  EXPECT_NE(refusal([&] { parse_node(ideal, "node.toml"); }).find("coast"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace breakaway::config

@@ -1,0 +1,98 @@
+#include "breakaway/firmware/commanded_force.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace breakaway::firmware {
+namespace {
+
+constexpr float max_force_N = 50, step_N = 0.05F;
+
+// Any commands, through a current loop of first order and rounding to a step: never an excess.
+TEST(CommandedForce, AllowsEveryCurrentLoopThatIsNoSlowerThanSixteenPeriods) {
+  std::mt19937_64 random{7};
+  std::uniform_real_distribution<float> any{-max_force_N, max_force_N};
+  for (const float share : {1.0F, 0.7F, 0.2F, 0.0625F}) {
+    CommandedForce<float> force{max_force_N};
+    float command_N = 0, answer_N = 0;
+    for (int period = 0; period < 20'000; ++period) {
+      if (random() % 20 == 0) command_N = random() % 2 == 0 ? 0.0F : any(random);
+      force.command(command_N);
+      answer_N += share * (command_N - answer_N);
+      force.report(step_N * std::round(answer_N / step_N), step_N);
+      ASSERT_FALSE(force.exceeded()) << share << " in period " << period;
+    }
+  }
+}
+
+// Pulses of any length, reported up to three periods late: what lies beyond does not last.
+TEST(CommandedForce, AllowsReportsThatComeLate) {
+  std::mt19937_64 random{11};
+  CommandedForce<float> force{max_force_N};
+  std::array<float, 4> past{};
+  float command_N = 0;
+  for (std::size_t period = 0; period < 20'000; ++period) {
+    if (random() % 8 == 0) command_N = (random() % 3 == 0 ? -1.0F : 1.0F) * static_cast<float>(random() % 51);
+    force.command(command_N);
+    past[period % 4] = command_N;
+    force.report(past[(period + 1) % 4], step_N);
+    ASSERT_FALSE(force.exceeded()) << period;
+  }
+}
+
+TEST(CommandedForce, AllowsLessForceThanCommanded) {
+  CommandedForce<float> force{max_force_N};
+  for (int period = 0; period < 100; ++period) {
+    force.command(max_force_N);
+    force.report(3.0F, step_N);
+  }
+  EXPECT_FALSE(force.exceeded());
+}
+
+int periods_until_exceeded(float kept_N, float command_N) {
+  CommandedForce<float> force{max_force_N};
+  for (int period = 0; period < 50; ++period) {
+    force.command(kept_N);
+    force.report(kept_N, step_N);
+    EXPECT_FALSE(force.exceeded());
+  }
+  for (int period = 1; period < 1000; ++period) {
+    force.command(command_N);
+    force.report(kept_N, step_N);
+    if (force.exceeded()) return period;
+  }
+  return 1000;
+}
+
+TEST(CommandedForce, SeesAForceThatADriveKeeps) {
+  for (const float sign : {1.0F, -1.0F}) {
+    EXPECT_LE(periods_until_exceeded(sign * 50, 0), 12);
+    EXPECT_LE(periods_until_exceeded(sign * 12.4F, 0), 20);
+    EXPECT_LE(periods_until_exceeded(sign * 12.4F, -sign * 50), 13);
+    EXPECT_EQ(periods_until_exceeded(sign * 2.5F, 0), 1000) << "within a twentieth of the limit";
+  }
+}
+
+TEST(CommandedForce, TakesNotANumberForNoForceAndForgetsAtARestart) {
+  CommandedForce<float> force{max_force_N};
+  for (int period = 0; period < 20; ++period) {
+    force.command(std::numeric_limits<float>::quiet_NaN());
+    force.report(20, step_N);
+  }
+  EXPECT_TRUE(force.exceeded());
+  force.restart();
+  EXPECT_FALSE(force.exceeded());
+}
+
+TEST(CommandedForce, WatchesNothingWithoutALimit) {
+  CommandedForce<float> force{std::numeric_limits<float>::infinity()};
+  for (int period = 0; period < 20; ++period) force.report(1e30F, 0);
+  EXPECT_FALSE(force.exceeded());
+}
+
+}  // namespace
+}  // namespace breakaway::firmware

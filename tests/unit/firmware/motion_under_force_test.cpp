@@ -1,0 +1,80 @@
+#include "breakaway/firmware/motion_under_force.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace breakaway::firmware {
+namespace {
+
+constexpr double mass_kg = 1, friction_upper_N = 4.5, resolution_m = 1e-6, step_s = 1e-3;
+
+int samples_until_missing(MotionUnderForce<double>& motion, double force_N, int most) {
+  for (int sample = 1; sample <= most; ++sample) {
+    motion.sample(0.25, force_N, step_s);
+    if (motion.missing()) return sample;
+  }
+  return most;
+}
+
+TEST(MotionUnderForce, SeesAnEncoderThatStandsStillUnderFullForce) {
+  for (const double force_N : {50.0, -50.0}) {
+    MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+    EXPECT_LE(samples_until_missing(motion, force_N, 1000), MotionUnderForce<double>::least_samples + 1);
+  }
+}
+
+// Twenty counts take sqrt(40 q m / (F - f_upper)): 90 ms for 0.1 N beyond friction and counts of 20 um.
+TEST(MotionUnderForce, WaitsForAsLongAsTwentyCountsTake) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, 20e-6};
+  const int samples = samples_until_missing(motion, friction_upper_N + 0.1, 1000);
+  EXPECT_NEAR(samples, 89, 3);
+}
+
+TEST(MotionUnderForce, AllowsAnyForceThatFrictionMayHold) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+  EXPECT_EQ(samples_until_missing(motion, friction_upper_N, 5000), 5000);
+  EXPECT_FALSE(motion.missing());
+}
+
+TEST(MotionUnderForce, AllowsPulsesThatAnAxisDoesNotFollow) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+  for (int period = 0; period < 5000; ++period) {
+    motion.sample(0.25, period % 12 < 9 ? 50 : 0, step_s);
+    ASSERT_FALSE(motion.missing()) << "a kick that fails is the law's to name";
+  }
+}
+
+// A mass under random forces with friction anywhere inside its bound, read by an encoder of whole counts: lawful motion
+// is never taken for none, reversals included.
+TEST(MotionUnderForce, NeverDoubtsAMassThatMovesAsItMust) {
+  std::mt19937_64 random{3};
+  std::uniform_real_distribution<double> unit{0, 1};
+  for (const double q_m : {1e-9, 1e-6, 1e-3}) {
+    MotionUnderForce<double> motion{mass_kg, friction_upper_N, q_m};
+    double x_m = 0, v_m_s = 0, force_N = 0;
+    for (int period = 0; period < 100'000; ++period) {
+      if (random() % 40 == 0) force_N = (unit(random) - 0.5) * (random() % 2 == 0 ? 100 : 12);
+      constexpr int parts = 20;
+      for (int i = 0; i < parts; ++i) {
+        const double dt_s = step_s / parts, friction_N = friction_upper_N * (1 - 0.5 * unit(random) * (period % 2));
+        const double free_m_s = v_m_s + force_N / mass_kg * dt_s, braked_m_s = friction_N / mass_kg * dt_s;
+        v_m_s = std::abs(free_m_s) <= braked_m_s ? 0 : free_m_s - std::copysign(braked_m_s, free_m_s);
+        x_m += v_m_s * dt_s;
+      }
+      motion.sample(q_m * std::round(x_m / q_m), force_N, step_s);
+      ASSERT_FALSE(motion.missing()) << "q " << q_m << " m in period " << period;
+    }
+  }
+}
+
+TEST(MotionUnderForce, WatchesNothingWithoutABoundOfFriction) {
+  MotionUnderForce<double> motion{mass_kg, std::numeric_limits<double>::infinity(), resolution_m};
+  EXPECT_EQ(samples_until_missing(motion, 1e300, 1000), 1000);
+  EXPECT_FALSE(motion.missing());
+}
+
+}  // namespace
+}  // namespace breakaway::firmware

@@ -1,0 +1,293 @@
+// The coast "brake" in the controller: the parts of a kick, and each guard against an axis that is not what was stated.
+#include "breakaway/law/kick_cycle.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "../../kicked_axis.hpp"
+#include "law_fixture.hpp"
+
+namespace breakaway::law {
+namespace {
+
+using breakaway::testing::Moment;
+using breakaway::testing::run_kicked_axis;
+using breakaway::testing::TrueAxis;
+
+design::BrakedClass axes(double lag_s) {
+  design::BrakedClass c;
+  c.lag_s = {lag_s, lag_s};
+  c.friction = {2.5, 4.5};
+  c.max_force_N = 50;
+  c.force_step_N = 0.025;
+  c.period_s = 1e-3;
+  c.encoder_resolution_m = 1e-6;
+  return c;
+}
+
+AxisParameters<float> braked_axis() {
+  auto p = law::testing::sampled_axis<float>();
+  p.coast = Coast::brake;
+  p.position_tolerance_m = 2.2e-6F;
+  return p;
+}
+
+const K3Table<float> no_k3{};
+
+// An axis that shows a position and records what it is told.
+class Scripted {
+ public:
+  explicit Scripted(double lag_s) : kicks_{design::design_braked_kicks<float>(axes(lag_s)).kicks} {}
+  ControlOutput<float> show(float position_m) { return controller_.update({position_m}); }
+  ControlOutput<float> lose() { return controller_.update({0, 0, false}); }
+  // Lets the axis be still at the position until a pulse starts; returns its force.
+  float pulse_at(float position_m) {
+    for (int i = 0; i < 300; ++i) {
+      if (const auto out = show(position_m); out.kicked) return out.force_N;
+    }
+    return 0;
+  }
+  AxisController<float>& controller() { return controller_; }
+  const BrakedKicks<float>& kicks() const { return kicks_; }
+
+ private:
+  BrakedKicks<float> kicks_;
+  AxisController<float> controller_{braked_axis(), no_k3, kicks_};
+};
+
+TEST(ForceInterval, HoldsTheForceOfEveryLagBetweenItsBounds) {
+  std::mt19937_64 random{1};
+  std::uniform_real_distribution<> share{0, 1};
+  for (int run = 0; run < 200; ++run) {
+    const double fast = 0.9 * share(random), slow = fast + (0.99 - fast) * share(random);
+    const double left = fast + (slow - fast) * share(random);
+    ForceInterval<double> interval;
+    double force = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double command = 100 * (share(random) - 0.5);
+      interval.follow(command, fast, slow);
+      force = command + (force - command) * left;
+      ASSERT_LE(interval.lower_N, force + 1e-9);
+      ASSERT_GE(interval.upper_N, force - 1e-9);
+    }
+  }
+}
+
+TEST(KickCycle, BrakesWithLessThanTheLeastFrictionAfterThePulse) {
+  Scripted axis{0};
+  EXPECT_GT(axis.pulse_at(-1e-4F), 4.5F);
+  for (int i = 0; i < 3; ++i) EXPECT_FLOAT_EQ(axis.show(-1e-4F + 1e-5F * static_cast<float>(i + 1)).force_N, -2.25F);
+}
+
+TEST(KickCycle, KicksTowardsTheTargetFromBothSidesAlike) {
+  Scripted left{1e-3}, right{1e-3};
+  EXPECT_FLOAT_EQ(left.pulse_at(-3e-5F), -right.pulse_at(3e-5F));
+}
+
+TEST(KickCycle, CutsTheForceOfALaggingLoopAndNeverPullsBack) {
+  const double lag_s = 2e-3, left = std::exp(-1e-3 / lag_s);
+  Scripted axis{lag_s};
+  double force_N = 0, most_N = 0;
+  for (int i = 0; i < 400 && axis.controller().kicks() < 2; ++i) {
+    const auto out = axis.show(-2e-4F);
+    force_N = static_cast<double>(out.force_N) + (force_N - static_cast<double>(out.force_N)) * left;
+    most_N = std::max(most_N, force_N);
+    // After the approach has given up the force is never below the brake's.
+    if (axis.controller().kicks() > 0) {
+      EXPECT_GE(force_N, -2.25 - 1e-4);
+    }
+  }
+  EXPECT_GT(most_N, 4.5);
+}
+
+TEST(KickCycle, StartsThePulseFromAKnownForce) {
+  const double lag_s = 5e-3, left = std::exp(-1e-3 / lag_s);
+  Scripted axis{lag_s};
+  double force_N = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto out = axis.show(-2e-4F);
+    if (out.kicked) break;
+    force_N = static_cast<double>(out.force_N) + (force_N - static_cast<double>(out.force_N)) * left;
+  }
+  EXPECT_GE(force_N, static_cast<double>(axis.kicks().preload_N) - 1e-4);
+  EXPECT_LE(force_N, 2.25 + 1e-4);
+}
+
+TEST(KickCycle, EndsAPulseOnTimeWhenSamplesAreLost) {
+  Scripted seen{1e-3}, blind{1e-3};
+  seen.pulse_at(-5e-3F);
+  blind.pulse_at(-5e-3F);
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(seen.show(-5e-3F).force_N, blind.lose().force_N) << i;
+}
+
+TEST(KickCycle, TakesTheBrakeOffAnAxisThatItDrivesBack) {
+  Scripted axis{0};
+  axis.pulse_at(-1e-4F);
+  axis.show(-9e-5F);
+  axis.show(-8e-5F);
+  EXPECT_FLOAT_EQ(axis.show(-8.2e-5F).force_N, -2.25F);  // two counts back may be noise
+  EXPECT_EQ(axis.show(-8.3e-5F).force_N, 0);
+  EXPECT_EQ(axis.show(-8.4e-5F).force_N, 0);
+}
+
+TEST(KickCycle, TakesTheBrakeOffAfterTheLongestLawfulCoast) {
+  Scripted axis{0};
+  axis.pulse_at(-1e-4F);
+  float position_m = -1e-4F, force_N = -1;
+  int periods = 0;
+  for (; periods < 200 && force_N != 0; ++periods) force_N = axis.show(position_m += 2e-6F).force_N;
+  EXPECT_EQ(force_N, 0);
+  EXPECT_GT(periods, 5);
+}
+
+TEST(KickCycle, TakesLongerToProveRestOnceTheBrakeIsOff) {
+  const auto periods_to_next_kick = [](bool driven_back) {
+    Scripted axis{0};
+    axis.pulse_at(-1e-4F);
+    axis.show(-8e-5F);
+    const float end_m = driven_back ? -8.4e-5F : -8e-5F;
+    axis.show(end_m);
+    int periods = 0;
+    while (!axis.show(end_m).kicked) ++periods;
+    return periods;
+  };
+  EXPECT_GT(periods_to_next_kick(true), periods_to_next_kick(false) + 2);
+}
+
+TEST(KickCycle, NamesAnAxisThatHunts) {
+  Scripted axis{0};
+  int kicks = 0;
+  // Something throws it back by one count more than each kick brings it on.
+  for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) {
+    if (axis.show(-1e-4F - 1e-6F * static_cast<float>(kicks)).kicked) ++kicks;
+  }
+  EXPECT_EQ(axis.controller().fault(), ControlFault::hunting);
+  EXPECT_EQ(kicks, AxisController<float>::most_kicks);
+}
+
+TEST(KickCycle, NamesAnAxisThatGoesFurtherThanWhatWasToldLetsIt) {
+  Scripted axis{0};
+  int kicks = 0;
+  for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) {
+    if (axis.show(kicks % 2 == 0 ? -1e-4F : 1e-4F).kicked) ++kicks;
+  }
+  EXPECT_EQ(axis.controller().fault(), ControlFault::contradicted);
+  EXPECT_EQ(kicks, AxisController<float>::most_contradictions);
+  // Twice the way that 2.5 N and the brake of 2.25 N allow.
+  EXPECT_NEAR(axis.controller().seen_friction_N(), 4.75F / 2 - 2.25F, 0.3F);
+}
+
+TEST(KickCycle, NamesAnAxisThatGoesLessFarThanWhatWasToldMakesIt) {
+  Scripted axis{0};
+  int kicks = 0;
+  for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) {
+    if (axis.show(-1e-3F + 2e-5F * static_cast<float>(kicks)).kicked) ++kicks;
+  }
+  EXPECT_EQ(axis.controller().fault(), ControlFault::contradicted);
+  EXPECT_EQ(kicks, AxisController<float>::most_contradictions);
+  EXPECT_GT(axis.controller().seen_friction_N(), 4.5F);
+}
+
+TEST(KickCycle, NamesAnAxisThatItsBrakeDrivesBack) {
+  Scripted axis{0};
+  float position_m = -1e-3F;
+  for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) {
+    if (!axis.show(position_m).kicked) continue;
+    axis.show(position_m + 4e-4F);
+    axis.show(position_m += 2e-4F);
+  }
+  EXPECT_EQ(axis.controller().fault(), ControlFault::contradicted);
+  EXPECT_EQ(axis.controller().seen_friction_N(), axis.kicks().brake_N);
+}
+
+TEST(KickCycle, NamesAnAxisThatDoesNotStopWithoutForce) {
+  Scripted axis{0};
+  axis.pulse_at(-1e-4F);
+  float position_m = -1e-4F;
+  int periods = 0;
+  for (; periods < 2000 && axis.controller().fault() == ControlFault::none; ++periods) axis.show(position_m += 5e-6F);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::drifting);
+  EXPECT_LT(periods, 1000);
+}
+
+TEST(KickCycle, NamesAnAxisThatDoesNotMove) {
+  Scripted axis{0};
+  for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) axis.show(-1e-4F);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
+}
+
+TEST(KickCycle, NeverExceedsTheForceLimitWhateverTheTableHolds) {
+  std::mt19937_64 random{7};
+  auto kicks = design::design_braked_kicks<float>(axes(1e-3)).kicks;
+  for (int run = 0; run < 300; ++run) {
+    for (auto& entry : kicks.table.entries) entry.a0 = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    kicks.table.count = static_cast<std::uint8_t>(random());
+    kicks.table.list = run % 2 == 0;
+    AxisController<float> controller{braked_axis(), no_k3, kicks};
+    controller.limit_force(30);
+    for (int i = 0; i < 60; ++i) ASSERT_LE(std::fabs(controller.update({-3e-5F}).force_N), 30);
+  }
+}
+
+// A counter-example of the campaign: friction that turns the motion within a period, where no plan of the approach
+// holds, drove the axis to and fro for ever.
+TEST(KickCycle, EndsAnApproachThatWouldGoToAndFroForEver) {
+  design::BrakedClass c;
+  c.mass_kg = {7.8719652197659951, 8.1585608062625443};
+  c.friction = {92.222485716944036, 92.314800517461492};
+  c.max_force_N = 642.6626418251102;
+  c.force_step_N = 12.853252836502204;
+  c.period_s = 4e-3;
+  c.encoder_resolution_m = 1.6856380068193877e-06;
+  c.latency_periods = 0;
+  auto p = braked_axis();
+  p.mass_kg = 8.0152630130142697F;
+  p.friction = {static_cast<float>(c.friction.lower_N), static_cast<float>(c.friction.upper_N)};
+  p.max_force_N = static_cast<float>(c.max_force_N);
+  p.max_approach_speed_m_s = 10;
+  p.period_s = 4e-3F;
+  p.encoder_resolution_m = static_cast<float>(c.encoder_resolution_m);
+  p.latency_periods = 0;
+  p.position_tolerance_m = 2.0826236227089261e-05F;
+  const auto kicks = design::design_braked_kicks<float>(c).kicks;
+  TrueAxis truth;
+  truth.mass_kg = c.mass_kg.least;
+  truth.latency_periods = 0;
+  const auto friction = [&](const Moment& now) {
+    return c.friction.lower_N +
+           (c.friction.upper_N - c.friction.lower_N) * std::exp(-std::fabs(now.velocity_m_s) / 0.02);
+  };
+  const auto end = run_kicked_axis<float>(p, no_k3, kicks, truth, friction, -0.0039431785267785621, 0, 4, 4, 50,
+                                          -0.021673856949523729);
+  EXPECT_TRUE(end.held) << end.error_m;
+}
+
+TEST(KickCycle, ScalesExactlyWithForceAndMass) {
+  const auto force_of = [](float scale) {
+    design::BrakedClass c = axes(1e-3);
+    c.mass_kg = {scale, scale};
+    c.friction = {2.5 * scale, 4.5 * scale};
+    c.max_force_N *= scale;
+    c.force_step_N *= scale;
+    auto p = braked_axis();
+    p.mass_kg = scale;
+    p.friction = {2.5F * scale, 4.5F * scale};
+    p.max_force_N *= scale;
+    const auto kicks = design::design_braked_kicks<float>(c).kicks;
+    AxisController<float> controller{p, no_k3, kicks};
+    std::vector<float> forces;
+    for (int i = 0; i < 300; ++i)
+      forces.push_back(controller.update({i < 100 ? -1e-2F + 5e-5F * float(i) : -5e-3F}).force_N);
+    return forces;
+  };
+  const auto reference = force_of(1), scaled = force_of(16);
+  for (std::size_t i = 0; i < reference.size(); ++i) ASSERT_EQ(16 * reference[i], scaled[i]) << i;
+}
+
+}  // namespace
+}  // namespace breakaway::law
