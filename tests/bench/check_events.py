@@ -2,7 +2,7 @@
 more than 1.3 times those of a compiled one.
 
 Usage: check_events.py STEP_COUNT MOST
-Example: check_events.py build/release/tests/bench/step_count 5200
+Example: check_events.py build/release/tests/bench/step_count 5000
 """
 import sys
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <string>
 
@@ -16,7 +15,7 @@
 #include "breakaway/sil/axis_accuracy.hpp"
 #include "breakaway/sil/method_choice.hpp"
 #include "breakaway/sil/run_scenario.hpp"
-#include "known_defects.hpp"
+#include "environment.hpp"
 #include "random_machine.hpp"
 #include "reference_run.hpp"
 
@@ -25,12 +24,7 @@ namespace {
 using namespace breakaway;
 using namespace breakaway::campaign;
 
-long from_environment(const char* name, long fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
-}
-
-bool shown() { return std::getenv("BREAKAWAY_SHOW") != nullptr; }
+bool shown() { return set_in_environment("BREAKAWAY_SHOW"); }
 
 // One run: what it is called, what it says of itself, and what is true.
 struct Judged {
@@ -93,7 +87,7 @@ void judge_machine(long number, Tally& tally) {
   const RandomMachine random = random_machine(number);
   // Half of these are refused by every method.
   if (random.family == Family::stiff_springs || random.family == Family::non_normal) return;
-  const ReferenceRun truth = run_reference(random.machine, random.start, random.end_s, 1e6);
+  const ReferenceRun truth = run_reference<Quad>(random.machine, random.start, random.end_s, 2e6);
   if (truth.end != ReferenceEnd::at_rest && truth.end != ReferenceEnd::time_up) {
     ++tally.unjudged;
     return;
@@ -111,7 +105,7 @@ void judge_machine(long number, Tally& tally) {
     double true_m = 0;
     for (Eigen::Index i = 0; i < result.outcome.end.q.size(); ++i) {
       true_m = std::max(
-          true_m, static_cast<double>(magnitude(Real(result.outcome.end.q[i]) - truth.q[static_cast<std::size_t>(i)])));
+          true_m, static_cast<double>(magnitude(Quad(result.outcome.end.q[i]) - truth.q[static_cast<std::size_t>(i)])));
     }
     tally.judge({name, *result.accuracy, *s.accuracy_m, true_m, 1e-12 * truth.greatest_q});
     if (number % 8 == 0) tally.judge_cost(*result.accuracy, sil::try_methods(s));

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <sstream>
 #include <string>
@@ -16,17 +15,14 @@
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/stability/equilibrium_set.hpp"
+#include "environment.hpp"
 
 namespace {
 
 using namespace breakaway;
+using campaign::from_environment;
 using Eigen::Index;
 using State = hybrid::MachineState<Eigen::Dynamic>;
-
-long from_environment(const char* name, long fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
-}
 
 template <class Matrix>
 std::string rows(const Matrix& matrix) {

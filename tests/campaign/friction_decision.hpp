@@ -7,29 +7,24 @@
 
 #include <vector>
 
-#include "quad_algebra.hpp"
+#include "dense_algebra.hpp"
 
 namespace breakaway::campaign {
 
 // The machine in coordinates x = L^T q, where the mass L L^T is the identity. Directions without friction are left out,
 // and each of the others is multiplied by its friction, so that all friction forces lie in [-1, 1].
+template <class Real>
 struct NormalMachine {
-  Matrix stiffness, damping;
-  std::vector<Vector> pushes;  // L^-1 w_i p_i
-  Vector force;                // L^-1 f
-  Real rate = 0;               // an upper bound of how fast anything changes [1/s]
+  Matrix<Real> stiffness, damping;
+  std::vector<Vector<Real>> pushes;  // L^-1 w_i p_i
+  Vector<Real> force;                // L^-1 f
+  Real rate = 0;                     // an upper bound of how fast anything changes [1/s]
 };
-
-// minimise |force + sum lambda_i pushes_i| over lower <= lambda <= upper, which may be infinite.
-struct Projection {
-  Vector lambda, residual;
-  bool solved = false;
-};
-Projection project(const std::vector<Vector>& pushes, const Vector& force, const Vector& lower, const Vector& upper);
 
 // Says how the directions go on: 0 sticks, +-1 slides that way. `signs` are the given ones where a direction slides,
 // and decided here where it is `stopped`. False if the problem could not be solved.
-bool decide_friction(const NormalMachine& machine, const Vector& q, const Vector& v, const std::vector<bool>& stopped,
-                     std::vector<int>& signs);
+template <class Real>
+bool decide_friction(const NormalMachine<Real>& machine, const Vector<Real>& q, const Vector<Real>& v,
+                     const std::vector<bool>& stopped, std::vector<int>& signs);
 
 }  // namespace breakaway::campaign

@@ -3,21 +3,24 @@
 
 #include <optional>
 
-#include "quad_algebra.hpp"
+#include "dense_algebra.hpp"
 
 namespace breakaway::campaign {
 
 // The first zero in (0, end] of a polynomial that bends at most once there; a zero at 0 itself, up to `noise`, is left
 // out. Returns 0 where it leaves that zero downwards.
-std::optional<Real> first_zero(Vector coefficients, Real end, Real noise);
+template <class Real>
+std::optional<Real> first_zero(Vector<Real> coefficients, Real end, Real noise);
 
 // Value and first two derivatives.
+template <class Real>
 struct Jet {
   Real value, first, second;
 };
 
 // Says whether the quantity surely stays above zero over a step of this length, judged from its ends and its middle.
 // The interpolation of fifth order through the ends is held against the middle.
-bool stays_positive(const Jet& begin, const Jet& middle, const Jet& end, Real length);
+template <class Real>
+bool stays_positive(const Jet<Real>& begin, const Jet<Real>& middle, const Jet<Real>& end, Real length);
 
 }  // namespace breakaway::campaign

@@ -5,16 +5,17 @@
 
 namespace breakaway::campaign {
 
-HoldingForces::HoldingForces(std::vector<Vector> columns, std::size_t rank)
+template <class Real>
+HoldingForces<Real>::HoldingForces(std::vector<Vector<Real>> columns, std::size_t rank)
     : columns_{std::move(columns)}, rank_{rank}, signs_(columns_.size()) {
   // The largest of what is left of each column, until rank - 1 are found.
-  std::vector<Vector> chosen;
+  std::vector<Vector<Real>> chosen;
   while (inside_.size() + 1 < rank_) {
     Real most = 0;
     std::size_t best = 0;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (std::find(inside_.begin(), inside_.end(), i) != inside_.end()) continue;
-      const Matrix free = split_space(chosen, rank_).complement;
+      const Matrix<Real> free = split_space(chosen, rank_).complement;
       const Real size = norm(free.transposed() * columns_[i]) / norm(columns_[i]);
       if (size <= most) continue;
       most = size;
@@ -25,47 +26,52 @@ HoldingForces::HoldingForces(std::vector<Vector> columns, std::size_t rank)
   }
 }
 
-std::optional<Vector> HoldingForces::normal(const std::vector<std::size_t>& inside) const {
-  std::vector<Vector> chosen;
+template <class Real>
+std::optional<Vector<Real>> HoldingForces<Real>::normal(const std::vector<std::size_t>& inside) const {
+  std::vector<Vector<Real>> chosen;
   chosen.reserve(inside.size());
   for (const std::size_t i : inside) chosen.push_back(columns_[i]);
-  const Matrix complement = split_space(chosen, rank_).complement;
+  const Matrix<Real> complement = split_space(chosen, rank_).complement;
   if (complement.columns() != rank_ - inside.size()) return std::nullopt;
   return complement.column(0);
 }
 
-void HoldingForces::orient(const Vector& load) {
+template <class Real>
+void HoldingForces<Real>::orient(const Vector<Real>& load) {
   if (dot(normal_, load) < 0) normal_ = -normal_;
   for (std::size_t i = 0; i < columns_.size(); ++i) signs_[i] = dot(normal_, columns_[i]) < 0 ? -1 : 1;
   for (const std::size_t i : inside_) signs_[i] = 0;
 }
 
-bool HoldingForces::refresh() {
-  Vector together(rank_);
+template <class Real>
+bool HoldingForces<Real>::refresh() {
+  Vector<Real> together(rank_);
   for (std::size_t i = 0; i < columns_.size(); ++i) add_scaled(together, signs_[i], columns_[i]);
-  std::vector<Vector> system{together};
+  std::vector<Vector<Real>> system{together};
   for (const std::size_t i : inside_) system.push_back(columns_[i]);
-  const Matrix square = from_columns(system, rank_);
-  forces_ = Matrix(rank_, rank_);
+  const Matrix<Real> square = from_columns(system, rank_);
+  forces_ = Matrix<Real>(rank_, rank_);
   for (std::size_t j = 0; j < rank_; ++j) {
-    Vector unit(rank_);
+    Vector<Real> unit(rank_);
     unit[j] = 1;
-    const Vector column = solve(square, unit);
+    const Vector<Real> column = solve(square, unit);
     if (column.empty()) return false;
     for (std::size_t i = 0; i < rank_; ++i) forces_(i, j) = column[i];
   }
   return true;
 }
 
-bool HoldingForces::optimise(const Vector& load) {
+template <class Real>
+bool HoldingForces<Real>::optimise(const Vector<Real>& load) {
   const auto first = normal(inside_);
   if (!first) return false;
   normal_ = *first;
   orient(load);
   for (int pivots = 0; pivots < 200; ++pivots) {
     if (!refresh()) return false;
-    const Vector forces = forces_ * load;
-    Real worst = forces[0] * (1 + Real(1e-26));
+    const Vector<Real> forces = forces_ * load;
+    if (forces.empty()) return false;
+    Real worst = forces[0] * (1 + Real(Rounding<Real>::noise / 10));
     std::size_t leaving = 0;
     for (std::size_t i = 1; i < forces.size(); ++i) {
       if (magnitude(forces[i]) <= worst) continue;
@@ -79,15 +85,16 @@ bool HoldingForces::optimise(const Vector& load) {
 }
 
 // The face turns about the columns that stay inside, until the first of the others comes to lie in it.
-bool HoldingForces::exchange(std::size_t leaving, int sign) {
+template <class Real>
+bool HoldingForces<Real>::exchange(std::size_t leaving, int sign) {
   const std::size_t out = inside_[leaving];
   std::vector<std::size_t> staying = inside_;
   staying.erase(staying.begin() + static_cast<std::ptrdiff_t>(leaving));
-  std::vector<Vector> kept{normal_};
+  std::vector<Vector<Real>> kept{normal_};
   for (const std::size_t i : staying) kept.push_back(columns_[i]);
-  const Matrix rest = split_space(kept, rank_).complement;
+  const Matrix<Real> rest = split_space(kept, rank_).complement;
   if (rest.columns() != 1) return false;
-  Vector turn = rest.column(0);
+  Vector<Real> turn = rest.column(0);
   if (dot(turn, columns_[out]) * sign < 0) turn = -turn;
   Real most = 0;
   std::ptrdiff_t enters = -1;
@@ -110,5 +117,8 @@ bool HoldingForces::exchange(std::size_t leaving, int sign) {
   if (dot(normal_, columns_[out]) * sign < 0) normal_ = -normal_;
   return true;
 }
+
+template class HoldingForces<Fast>;
+template class HoldingForces<Quad>;
 
 }  // namespace breakaway::campaign

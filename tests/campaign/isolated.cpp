@@ -1,10 +1,10 @@
 #include "isolated.hpp"
 
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -12,10 +12,7 @@
 namespace breakaway::campaign {
 namespace {
 
-[[noreturn]] void answer(int pipe, long cpu_s, const std::function<Judgement()>& judge) {
-  const auto seconds = static_cast<rlim_t>(cpu_s);
-  const rlimit limit{seconds, seconds};
-  setrlimit(RLIMIT_CPU, &limit);
+[[noreturn]] void answer(int pipe, const std::function<Judgement()>& judge) {
   std::string text;
   try {
     const Judgement result = judge();
@@ -48,19 +45,22 @@ Judgement parsed(const std::string& text) {
 
 }  // namespace
 
-Judgement isolated(long cpu_s, const std::function<Judgement()>& judge) {
-  if (cpu_s <= 0) return judge();
+Judgement isolated(bool apart, const std::function<Judgement()>& judge) {
+  if (!apart) return judge();
   std::array<int, 2> ends;
   if (pipe(ends.data()) != 0) throw std::runtime_error{"no pipe"};
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error{"no process"};
-  if (child == 0) answer(ends[1], cpu_s, judge);
+  if (child == 0) answer(ends[1], judge);
   close(ends[1]);
   const std::string text = read_all(ends[0]);
   close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
-  if (text.empty()) return {Finding::crashed, 0, "killed after " + std::to_string(cpu_s) + " s, or by a signal"};
+  if (text.empty()) {
+    const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+    return {late ? Finding::endless : Finding::crashed, 0, late ? "out of processor time" : "ended by a signal"};
+  }
   return parsed(text);
 }
 

@@ -1,5 +1,5 @@
-// A judgement in a process of its own, for long campaigns: one that never ends is killed after so many seconds of
-// processor time, and everything else goes on.
+// A judgement in a process of its own, for long campaigns: where the method never ends, the process does, and
+// everything else goes on.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace breakaway::campaign {
 
-// Calls `judge` in this process for cpu_s <= 0.
-Judgement isolated(long cpu_s, const std::function<Judgement()>& judge);
+// Calls `judge` in this process if `apart` is false.
+Judgement isolated(bool apart, const std::function<Judgement()>& judge);
 
 }  // namespace breakaway::campaign

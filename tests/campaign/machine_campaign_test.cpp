@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "campaign_table.hpp"
+#include "environment.hpp"
 #include "isolated.hpp"
 #include "known_defects.hpp"
 
@@ -18,28 +18,17 @@ namespace {
 
 using namespace breakaway::campaign;
 
-long from_environment(const char* name, long fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
-}
-
-std::string text_from_environment(const char* name) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? "" : text;
-}
-
 struct Settings {
   long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0);
   long count = from_environment("BREAKAWAY_SYSTEMS", 2000);
   long cpu_s = from_environment("BREAKAWAY_CPU_S", 0);
-  double reference_work = static_cast<double>(
-      from_environment("BREAKAWAY_WORK", whole() ? 20'000'000 : 700'000));  // multiplications for each machine
+  double reference_work = number_from_environment("BREAKAWAY_WORK", ComparisonOptions{}.most_work);
   std::string method = text_from_environment("BREAKAWAY_METHOD");
   std::string family = text_from_environment("BREAKAWAY_FAMILY");
   std::string failures = text_from_environment("BREAKAWAY_FAILURES");
   std::string results = text_from_environment("BREAKAWAY_RESULTS");
   bool wants(Family of) const { return family.empty() || family == to_string(of); }
-  static bool whole() { return std::getenv("BREAKAWAY_SYSTEMS") != nullptr; }
+  static bool whole() { return set_in_environment("BREAKAWAY_SYSTEMS"); }
 };
 
 // Steps of time stepping are many, so that only some machines are worth them.
@@ -60,13 +49,14 @@ void write_scene(const Settings& settings, const RandomMachine& random, Method m
 void judge_machine(const Settings& settings, const RandomMachine& random, CampaignTable& table) {
   ComparisonOptions options;
   // A long campaign ends a run by the seconds that it may take, and lets it make as many steps as it likes.
+  options.most_cpu_s = settings.cpu_s;
   if (settings.cpu_s > 0) options.most_steps = 1'000'000'000;
   options.most_work = settings.reference_work;
   Comparison comparison{random, options};
   for (int m = 0; m < methods; ++m) {
     const auto method = static_cast<Method>(m);
     if (!is_due(settings, random, method)) continue;
-    const Judgement found = isolated(settings.cpu_s, [&] { return comparison.judge(method); });
+    const Judgement found = isolated(settings.cpu_s > 0, [&] { return comparison.judge(method); });
     table.add(random.family, method, found);
     const bool known = is_known_defect(random.number, method);
     if (is_defect(found.finding)) write_scene(settings, random, method, found);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -39,22 +40,31 @@ struct Judgement {
 };
 
 struct ComparisonOptions {
-  double most_work = 2e6;             // of the reference: multiplications of 113 bits
+  double most_work = 1.4e7;           // of the reference: multiplications
   double tolerance = 1e-10;           // of the adaptive method
   std::uint64_t most_steps = 20'000;  // of a method, between the start and the end
+  long most_cpu_s = 0;                // of a method, not of its judge: the process ends there; 0: no end
 };
 
+// A method's answer is first held against the reference on the processor's own numbers. Where the two agree within a
+// quarter of what is allowed, two independent computations say the same, and the answer is right. Wherever they do not,
+// and for every finding but this one, the reference on numbers of 113 bits decides.
 class Comparison {
  public:
   Comparison(const RandomMachine& random, ComparisonOptions options);
 
-  const ReferenceRun& reference() const { return reference_; }
   Judgement judge(Method method);
 
  private:
+  const ReferenceRun& fast();
+  const ReferenceRun& exact();
+  Judgement judge_event_driven();
+  Judgement judge_adaptive();
+  Judgement judge_time_stepping();
+
   RandomMachine random_;
   ComparisonOptions options_;
-  ReferenceRun reference_;
+  std::optional<ReferenceRun> fast_, exact_;  // computed when a method has answered
 };
 
 }  // namespace breakaway::campaign

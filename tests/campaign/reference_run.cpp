@@ -14,12 +14,12 @@
 namespace breakaway::campaign {
 namespace {
 
-constexpr double noise = 1e-25;  // of a quantity's scale: zero to rounding
 constexpr int most_decisions_at_once = 40;
 constexpr std::size_t most_events = 20'000;
 
-Matrix widened(const Eigen::MatrixXd& from) {
-  Matrix result(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
+template <class Real>
+Matrix<Real> widened(const Eigen::MatrixXd& from) {
+  Matrix<Real> result(static_cast<std::size_t>(from.rows()), static_cast<std::size_t>(from.cols()));
   for (Eigen::Index i = 0; i < from.rows(); ++i) {
     for (Eigen::Index j = 0; j < from.cols(); ++j) {
       result(static_cast<std::size_t>(i), static_cast<std::size_t>(j)) = Real(from(i, j));
@@ -28,33 +28,38 @@ Matrix widened(const Eigen::MatrixXd& from) {
   return result;
 }
 
-// A quantity constant + by_integral . I + by_e . e that is positive while the mode lasts.
+// A quantity constant + by . x, where x is the integral of e for a load, which stays between -1 and 1 while the mode
+// lasts, and e itself for a speed, which stays positive.
+template <class Real>
 struct Guard {
   Real constant = 0;
-  Vector by_integral, by_e;
+  Vector<Real> by;
   Real scale = 1;
-  bool of_load = false;
+  std::optional<std::size_t> slider = {};  // the direction whose speed it is
 };
 
+template <class Real>
 class Reference {
  public:
+  static constexpr double noise = Rounding<Real>::noise;
+
   Reference(const Machine& machine, const State& start, double end_s, double most_work)
       : end_s_{end_s}, most_work_{most_work} {
-    const Matrix mass = widened(machine.mass);
+    const Matrix<Real> mass = widened<Real>(machine.mass);
     to_position_ = inverse_cholesky_factor(mass);
-    const Matrix back = to_position_.transposed();
-    machine_.stiffness = to_position_ * widened(machine.stiffness) * back;
-    machine_.damping = to_position_ * widened(machine.damping) * back;
-    machine_.force = to_position_ * widened(stability::constant_force(machine)).column(0);
-    const Matrix directions = to_position_ * widened(machine.directions);
+    const Matrix<Real> back = to_position_.transposed();
+    machine_.stiffness = to_position_ * widened<Real>(machine.stiffness) * back;
+    machine_.damping = to_position_ * widened<Real>(machine.damping) * back;
+    machine_.force = to_position_ * widened<Real>(stability::constant_force(machine)).column(0);
+    const Matrix<Real> directions = to_position_ * widened<Real>(machine.directions);
     for (Eigen::Index i = 0; i < machine.frictions(); ++i) {
-      Vector push = directions.column(static_cast<std::size_t>(i));
+      Vector<Real> push = directions.column(static_cast<std::size_t>(i));
       for (Real& x : push) x *= Real(machine.friction_N[i]);
       if (norm(push) > 0) machine_.pushes.push_back(std::move(push));
     }
     machine_.rate = square_root(machine_.stiffness.row_norm()) + machine_.damping.row_norm();
-    q_ = to_position_ * (mass * widened(start.q).column(0));
-    v_ = to_position_ * (mass * widened(start.v).column(0));
+    q_ = to_position_ * (mass * widened<Real>(start.q).column(0));
+    v_ = to_position_ * (mass * widened<Real>(start.v).column(0));
     time_s_ = Real(start.time_s);
     signs_.assign(machine_.pushes.size(), 0);
     to_position_ = back;
@@ -87,12 +92,13 @@ class Reference {
   enum class Outcome { event, time_up, too_long, unclear };
 
   struct Point {
-    Vector integral, e;
+    Vector<Real> integral, e;
     Real since_s = 0;
+    std::vector<Jet<Real>> jets;  // of the guards
   };
 
   Real speed(std::size_t i) const { return dot(machine_.pushes[i], v_) / norm(machine_.pushes[i]); }
-  bool stands(std::size_t i) const { return magnitude(speed(i)) <= Real(1e-23) * greatest_speed_; }
+  bool stands(std::size_t i) const { return magnitude(speed(i)) <= Real(100 * noise) * greatest_speed_; }
 
   bool decide(const std::vector<bool>& stopped) {
     for (std::size_t i = 0; i < signs_.size(); ++i) {
@@ -103,19 +109,19 @@ class Reference {
 
   void begin_mode() {
     auto& found = modes_[signs_mask()];
-    if (!found) found = std::make_unique<StickMode>(machine_, signs_);
+    if (!found) found = std::make_unique<StickMode<Real>>(machine_, signs_);
     mode_ = found.get();
-    Vector w = mode_->free.transposed() * v_;
+    Vector<Real> w = mode_->free.transposed() * v_;
     v_ = mode_->free * w;
     applied_ = machine_.force;
     for (std::size_t i = 0; i < signs_.size(); ++i) add_scaled(applied_, -signs_[i], machine_.pushes[i]);
-    Vector balance = applied_;
+    Vector<Real> balance = applied_;
     add_scaled(balance, -1, machine_.stiffness * q_);
     add_scaled(balance, -1, machine_.damping * v_);
-    const Vector acceleration = mode_->free.transposed() * balance;
+    const Vector<Real> acceleration = mode_->free.transposed() * balance;
     load_ = -(mode_->held.transposed() * balance);
     const std::size_t n = w.size();
-    at_ = {Vector(2 * n), Vector(2 * n), 0};
+    at_ = {Vector<Real>(2 * n), Vector<Real>(2 * n), 0, {}};
     for (std::size_t i = 0; i < n; ++i) {
       at_.e[i] = mode_->omega * w[i];
       at_.e[n + i] = acceleration[i];
@@ -146,40 +152,31 @@ class Reference {
 
   bool set_guards() {
     guards_.clear();
-    const std::size_t n = mode_->free.columns();
+    at_.jets.clear();
+    ahead_level_ = -1;
     for (std::size_t i = 0; i < signs_.size(); ++i) {
       if (signs_[i] == 0) continue;
-      Guard guard;
-      guard.by_integral = Vector(2 * n);
-      guard.by_e = mode_->free.transposed() * machine_.pushes[i];
-      for (Real& x : guard.by_e) x *= signs_[i] / (norm(machine_.pushes[i]) * mode_->omega);
-      guard.by_e.resize(2 * n);
+      Guard<Real> guard;
+      guard.by = mode_->free.transposed() * machine_.pushes[i];
+      for (Real& x : guard.by) x *= signs_[i] / (norm(machine_.pushes[i]) * mode_->omega);
+      guard.by.resize(2 * guard.by.size());
       guard.scale = greatest_speed_ + force_scale_ * mode_->flow.shortest_s();
+      guard.slider = i;
       guards_.push_back(std::move(guard));
     }
     return mode_->held.columns() == 0 || set_load_guards();
   }
 
   bool set_load_guards() {
-    HoldingForces forces{mode_->held_columns, mode_->held.columns()};
-    Vector now = load_;
+    HoldingForces<Real> forces{mode_->held_columns, mode_->held.columns()};
+    Vector<Real> now = load_;
     add_scaled(now, 1, mode_->load_by_integral * at_.integral);
     if (!forces.optimise(now)) return false;
     gauge_ = magnitude((forces.forces() * now)[0]);
-    const Matrix by_integral = forces.forces() * mode_->load_by_integral;
-    const Vector constant = forces.forces() * load_;
+    const Matrix<Real> by_integral = forces.forces() * mode_->load_by_integral;
+    const Vector<Real> constant = forces.forces() * load_;
     for (std::size_t i = 0; i < constant.size(); ++i) {
-      Vector row = by_integral.transposed().column(i);
-      for (const double sign : {1.0, -1.0}) {
-        Guard guard;
-        guard.constant = 1 + Real(sign) * constant[i];
-        guard.by_integral = row;
-        for (Real& x : guard.by_integral) x *= Real(sign);
-        guard.by_e = Vector(row.size());
-        guard.scale = 1 + magnitude(constant[i]);
-        guard.of_load = true;
-        guards_.push_back(std::move(guard));
-      }
+      guards_.push_back({constant[i], by_integral.row(i), 1 + magnitude(constant[i]), {}});
     }
     return true;
   }
@@ -204,7 +201,7 @@ class Reference {
 
   void set_state_here() {
     const std::size_t n = at_.e.size() / 2;
-    Vector z(n), w(n);
+    Vector<Real> z(n), w(n);
     for (std::size_t i = 0; i < n; ++i) {
       z[i] = at_.integral[i] / mode_->omega;
       w[i] = at_.e[i] / mode_->omega;
@@ -233,84 +230,106 @@ class Reference {
     return outcome;
   }
 
-  // The step at `level` in two halves; false leaves everything as it was.
+  // The step at `level` in two halves. False leaves the state as it was, and the first half for the next attempt.
   bool take_long_step(int level) {
-    const Point begin = at_;
-    const Point middle = moved(begin, level - 1), end = moved(middle, level - 1);
-    const std::vector<Jet> first = jets(begin), second = jets(middle), third = jets(end);
-    for (std::size_t g = 0; g < guards_.size(); ++g) {
-      if (!stays_positive(first[g], second[g], third[g], mode_->flow.step_s(level))) return false;
+    if (at_.jets.empty()) at_.jets = jets(at_);
+    Point middle = ahead_level_ == level - 1 ? std::move(ahead_) : moved(at_, level - 1);
+    Point end = ahead_level_ == level ? std::move(ahead_) : moved(middle, level - 1);
+    if (!stays_in_mode(middle, end, mode_->flow.step_s(level))) {
+      ahead_ = std::move(middle);
+      ahead_level_ = level - 1;
+      return false;
     }
-    at_ = end;
+    at_ = std::move(end);
+    ahead_level_ = -1;
     note_scales_here();
     return true;
   }
 
-  Point moved(const Point& from, int level) {
-    ModeFlow::Step step = mode_->flow.propagate(level, from.e);
-    add_scaled(step.integral, 1, from.integral);
-    return {std::move(step.integral), std::move(step.end), from.since_s + mode_->flow.step_s(level)};
+  bool stays_in_mode(const Point& middle, const Point& end, Real length) const {
+    for (std::size_t g = 0; g < guards_.size(); ++g) {
+      const Jet<Real>&a = at_.jets[g], &b = middle.jets[g], &c = end.jets[g];
+      if (guards_[g].slider ? !stays_positive(a, b, c, length)
+                            : !stays_positive(below_one(a, 1), below_one(b, 1), below_one(c, 1), length) ||
+                                  !stays_positive(below_one(a, -1), below_one(b, -1), below_one(c, -1), length)) {
+        return false;
+      }
+    }
+    return true;
   }
 
-  std::vector<Jet> jets(const Point& point) const {
-    const Vector rate = mode_->flow.generator() * point.e, bend = mode_->flow.generator() * rate;
-    std::vector<Jet> result;
-    for (const Guard& g : guards_) {
-      result.push_back({g.constant + dot(g.by_integral, point.integral) + dot(g.by_e, point.e),
-                        dot(g.by_integral, point.e) + dot(g.by_e, rate), dot(g.by_integral, rate) + dot(g.by_e, bend)});
+  // What is left of 1, on one side.
+  static Jet<Real> below_one(const Jet<Real>& jet, int side) {
+    return {1 - side * jet.value, -side * jet.first, -side * jet.second};
+  }
+
+  Point moved(const Point& from, int level) {
+    auto step = mode_->flow.propagate(level, from.e);
+    add_scaled(step.integral, 1, from.integral);
+    Point to{std::move(step.integral), std::move(step.end), from.since_s + mode_->flow.step_s(level), {}};
+    to.jets = jets(to);
+    return to;
+  }
+
+  std::vector<Jet<Real>> jets(const Point& point) {
+    const Vector<Real> rate = mode_->flow.generator() * point.e, bend = mode_->flow.generator() * rate;
+    result_.work += static_cast<double>((2 * rate.size() + 3 * guards_.size()) * rate.size());
+    std::vector<Jet<Real>> result;
+    result.reserve(guards_.size());
+    for (const Guard<Real>& g : guards_) {
+      result.push_back(g.slider
+                           ? Jet<Real>{dot(g.by, point.e), dot(g.by, rate), dot(g.by, bend)}
+                           : Jet<Real>{g.constant + dot(g.by, point.integral), dot(g.by, point.e), dot(g.by, rate)});
     }
     return result;
   }
 
   // The shortest step, or less to an event or to the end, by Taylor series.
   std::optional<Outcome> take_short_step(Real left_s) {
-    const std::vector<Vector> series = mode_->flow.series(at_.e);
+    const std::vector<Vector<Real>> series = mode_->flow.series(at_.e);
     const bool last = left_s <= mode_->flow.shortest_s();
-    const Real step_s = last ? left_s : mode_->flow.shortest_s();
-    Real first_s = step_s;
-    const Guard* cause = nullptr;
-    std::size_t slider = 0, stopping = machine_.pushes.size();
-    for (const Guard& guard : guards_) {
-      std::size_t direction = machine_.pushes.size();
-      if (!guard.of_load) {
-        while (signs_[slider] == 0) ++slider;
-        direction = slider++;
+    Real first_s = last ? left_s : mode_->flow.shortest_s();
+    const Guard<Real>* cause = nullptr;
+    for (const Guard<Real>& guard : guards_) {
+      for (const auto& p : margins(guard, series)) {
+        const auto zero = first_zero(p, first_s, Real(noise) * guard.scale);
+        if (!zero) continue;
+        first_s = *zero;
+        cause = &guard;
       }
-      const auto zero = first_zero(polynomial(guard, series), first_s, Real(noise) * guard.scale);
-      if (!zero) continue;
-      first_s = *zero;
-      cause = &guard;
-      stopping = direction;
     }
     advance(series, first_s);
     if (cause == nullptr) return last ? std::optional{Outcome::time_up} : std::nullopt;
-    if (!cause->of_load) {
-      stopping_ = stopping;
-      return Outcome::event;
-    }
-    return after_limit();
+    if (!cause->slider) return after_limit();
+    stopping_ = *cause->slider;
+    return Outcome::event;
   }
 
   // One choice of holding forces is at its limit: another may still hold.
   std::optional<Outcome> after_limit() {
     if (!set_guards()) return Outcome::unclear;
-    if (gauge_ >= 1 - Real(1e-24)) return Outcome::event;
+    if (gauge_ >= 1 - Real(10 * noise)) return Outcome::event;
     if (++exchanges_ > 100'000) return Outcome::unclear;
     return std::nullopt;
   }
 
-  Vector polynomial(const Guard& guard, const std::vector<Vector>& series) const {
-    Vector p(series.size());
-    p[0] = guard.constant + dot(guard.by_integral, at_.integral);
-    for (std::size_t k = 0; k < series.size(); ++k) {
-      p[k] += dot(guard.by_e, series[k]);
-      if (k > 0) p[k] += dot(guard.by_integral, series[k - 1]) / static_cast<double>(k);
+  // The polynomials that stay positive: that of a speed, or what is left of a load's two limits.
+  std::vector<Vector<Real>> margins(const Guard<Real>& guard, const std::vector<Vector<Real>>& series) const {
+    Vector<Real> p(series.size());
+    if (guard.slider) {
+      for (std::size_t k = 0; k < series.size(); ++k) p[k] = dot(guard.by, series[k]);
+      return {std::move(p)};
     }
-    return p;
+    p[0] = guard.constant + dot(guard.by, at_.integral);
+    for (std::size_t k = 1; k < series.size(); ++k) p[k] = dot(guard.by, series[k - 1]) / static_cast<double>(k);
+    Vector<Real> left = -p;
+    left[0] += 1;
+    p[0] += 1;
+    return {std::move(p), std::move(left)};
   }
 
-  void advance(const std::vector<Vector>& series, Real h) {
-    Vector e(at_.e.size());
+  void advance(const std::vector<Vector<Real>>& series, Real h) {
+    Vector<Real> e(at_.e.size());
     Real power = 1;
     for (std::size_t k = 0; k < series.size(); ++k) {
       add_scaled(e, power, series[k]);
@@ -319,6 +338,8 @@ class Reference {
     }
     at_.e = std::move(e);
     at_.since_s += h;
+    at_.jets.clear();
+    ahead_level_ = -1;
     result_.work += static_cast<double>(series.size() * at_.e.size() * (at_.e.size() + guards_.size()));
   }
 
@@ -328,11 +349,13 @@ class Reference {
     greatest_v_ = larger(greatest_v_, largest(to_position_ * v_));
   }
 
+  static Vector<Quad> widest(const Vector<Real>& from) { return {from.begin(), from.end()}; }
+
   ReferenceRun finish(ReferenceEnd end) {
     result_.end = end;
     if (end == ReferenceEnd::at_rest) v_.assign(v_.size(), 0);
-    result_.q = to_position_ * q_;
-    result_.v = to_position_ * v_;
+    result_.q = widest(to_position_ * q_);
+    result_.v = widest(to_position_ * v_);
     result_.rest_s = static_cast<double>(time_s_);
     result_.greatest_q = static_cast<double>(greatest_q_);
     result_.greatest_v = static_cast<double>(greatest_v_);
@@ -340,18 +363,19 @@ class Reference {
     return result_;
   }
 
-  NormalMachine machine_;
-  Matrix to_position_;  // L^-T
+  NormalMachine<Real> machine_;
+  Matrix<Real> to_position_;  // L^-T
   Real end_s_, time_s_ = 0;
   double most_work_;
-  Vector q_, v_;
+  Vector<Real> q_, v_;
   std::vector<int> signs_;
-  std::map<std::uint32_t, std::unique_ptr<StickMode>> modes_;
-  StickMode* mode_ = nullptr;
-  Vector applied_, load_, q_begin_, v_begin_;
+  std::map<std::uint32_t, std::unique_ptr<StickMode<Real>>> modes_;
+  StickMode<Real>* mode_ = nullptr;
+  Vector<Real> applied_, load_, q_begin_, v_begin_;
   Real force_scale_ = 0, gauge_ = 0, greatest_speed_ = 0, greatest_q_ = 0, greatest_v_ = 0;
-  Point at_;
-  std::vector<Guard> guards_;
+  Point at_, ahead_;      // where the motion is, and a point that it reaches by a step of `ahead_level_`
+  int ahead_level_ = -1;  // none for a negative one
+  std::vector<Guard<Real>> guards_;
   std::vector<bool> stopped_;
   std::size_t stopping_ = static_cast<std::size_t>(-1);
   int at_once_ = 0, exchanges_ = 0;
@@ -360,8 +384,12 @@ class Reference {
 
 }  // namespace
 
+template <class Real>
 ReferenceRun run_reference(const Machine& machine, const State& start, double end_s, double most_work) {
-  return Reference{machine, start, end_s, most_work}.run();
+  return Reference<Real>{machine, start, end_s, most_work}.run();
 }
+
+template ReferenceRun run_reference<Fast>(const Machine&, const State&, double, double);
+template ReferenceRun run_reference<Quad>(const Machine&, const State&, double, double);
 
 }  // namespace breakaway::campaign

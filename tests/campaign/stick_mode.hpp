@@ -10,15 +10,16 @@
 namespace breakaway::campaign {
 
 // e = (omega w, w') in coordinates w of the velocities that are left, v = free w.
+template <class Real>
 struct StickMode {
-  StickMode(const NormalMachine& machine, const std::vector<int>& signs);
+  StickMode(const NormalMachine<Real>& machine, const std::vector<int>& signs);
 
   std::vector<std::size_t> sticking;
-  Matrix free, held;  // orthonormal columns: motions that are left, and what the sticking directions span
-  Real omega;         // of the free motions; makes e of one size
-  ModeFlow flow;
-  Matrix load_by_integral;           // the change of the load by the integral of e
-  std::vector<Vector> held_columns;  // the pushes of the sticking directions, in coordinates of `held`
+  Matrix<Real> free, held;  // orthonormal columns: motions that are left, and what the sticking directions span
+  Real omega;               // of the free motions; makes e of one size
+  ModeFlow<Real> flow;
+  Matrix<Real> load_by_integral;           // the change of the load by the integral of e
+  std::vector<Vector<Real>> held_columns;  // the pushes of the sticking directions, in coordinates of `held`
 };
 
 }  // namespace breakaway::campaign

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string>
 
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/sil/contradiction.hpp"
+#include "environment.hpp"
 #include "followed_motion.hpp"
 #include "wild_machines.hpp"
 
@@ -20,17 +20,13 @@ namespace {
 using namespace breakaway;
 using campaign::End;
 using campaign::followed;
+using campaign::from_environment;
 using campaign::WildMachines;
 using Eigen::Index;
 using Eigen::VectorXd;
 using stability::LinearMachine;
 using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using ExtendedVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-
-long from_environment(const char* name, long fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::strtol(text, nullptr, 10);
-}
 
 // The least kinetic energy along a velocity at which the damping gives what friction takes, in extended precision.
 class BreakEven {
@@ -114,9 +110,8 @@ TEST(WildAttraction, NoLevelIsAboveWhereTheDampingGivesWhatFrictionTakes) {
 // need a time limit of its own.
 TEST(WildAttraction, NoCertifiedMotionGainsEnergy) {
   const long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0), count = from_environment("BREAKAWAY_SYSTEMS", 600);
-  const bool told = std::getenv("BREAKAWAY_TELL") != nullptr;
-  const char* const wanted = std::getenv("BREAKAWAY_SPREAD");
-  const double spread = wanted == nullptr ? 0.25 : std::strtod(wanted, nullptr);
+  const bool told = campaign::set_in_environment("BREAKAWAY_TELL");
+  const double spread = campaign::number_from_environment("BREAKAWAY_SPREAD", 0.25);
   long ends[4] = {}, contradictions = 0;
   for (long number = first; number < first + count; ++number) {
     WildMachines random{static_cast<std::uint64_t>(number), spread};

@@ -73,6 +73,14 @@ INSTANTIATE_TEST_SUITE_P(Kinds, AfterFailure,
                                            Failure{"DriveFallsSilent", AxisFault::feedback_stale,
                                                    [](Rig& rig) { rig.drive(0).set_silent(true); },
                                                    [](Rig& rig) { rig.drive(0).set_silent(false); }},
+                                           Failure{"CableIsPulledAndTheDriveRebootsUnheard", AxisFault::feedback_stale,
+                                                   [](Rig& rig) { rig.drive(0).set_silent(true); },
+                                                   [](Rig& rig) {
+                                                     rig.drive(0).power_off(rig.now());
+                                                     rig.drive(0).power_on(rig.now());
+                                                     rig.run(20ms);
+                                                     rig.drive(0).set_silent(false);
+                                                   }},
                                            Failure{"HeartbeatStops", AxisFault::heartbeat_lost,
                                                    [](Rig& rig) { rig.drive(0).suppress_heartbeat(true); },
                                                    [](Rig& rig) { rig.drive(0).suppress_heartbeat(false); }},
@@ -83,6 +91,93 @@ INSTANTIATE_TEST_SUITE_P(Kinds, AfterFailure,
                                                    },
                                                    nothing}),
                          [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+// What another tool on the bus writes into the drive.
+void write_to_drive(Rig& rig, std::uint16_t index, std::uint8_t subindex, std::uint32_t value, std::uint8_t bytes) {
+  hal::CanFrame frame{.id = canopen::sdo_request_cob_id(1), .size = 8, .data = {}};
+  frame.data[0] = static_cast<std::uint8_t>(0x23U | (4U - bytes) << 2);
+  canopen::store_little_endian(frame.data, index, 1);
+  frame.data[3] = subindex;
+  canopen::store_little_endian(frame.data, value, 4);
+  rig.drive(0).on_frame(frame, rig.now());
+}
+
+struct Disobedience {
+  const char* label;
+  std::function<void(Rig&)> tamper;
+  std::function<void(Rig&)> mend;
+};
+
+class AStopThatIsNotObeyed : public ::testing::TestWithParam<Disobedience> {};
+
+TEST_P(AStopThatIsNotObeyed, IsForcedNamedAndResetOnlyThen) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  ASSERT_GT(rig.force_N(0), 10);
+  GetParam().tamper(rig);
+  rig.run(2ms);
+  rig.loop().request_stop(rig.id(0));
+  rig.run(15ms);
+  ASSERT_GT(rig.force_N(0), 10) << "the tampering does not do what it is for";
+  rig.run(15ms);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "30 ms after the stop";
+  EXPECT_TRUE(rig.status(0).stop_not_obeyed);
+  EXPECT_LT(rig.largest_force_N(0, 500ms), 0.1);
+  ASSERT_NE(rig.status(0).fault, AxisFault::none);
+
+  GetParam().mend(rig);
+  EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
+  rig.loop().request_enable(rig.id(0));
+  rig.run(5s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, AStopThatIsNotObeyed,
+    ::testing::Values(Disobedience{"ADriveWhoseRpdoWasSwitchedOff",  // its set-up is mended by being done anew
+                                   [](Rig& rig) { write_to_drive(rig, 0x1400, 1, 0x80000201, 4); }, nothing},
+                      Disobedience{"ADriveThatDoesNotHearSync",
+                                   [](Rig& rig) { write_to_drive(rig, 0x1005, 0, 0x81, 4); },
+                                   [](Rig& rig) { write_to_drive(rig, 0x1005, 0, 0x80, 4); }}),
+    [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+TEST(Fault, ResetIsRefusedWhileTheDriveDoesNotObeyTheStop) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  rig.drive(0).set_silent(true);
+  rig.run(100ms);
+  ASSERT_EQ(rig.status(0).fault, AxisFault::feedback_stale);
+  ASSERT_TRUE(rig.status(0).stop_not_obeyed);
+  EXPECT_FALSE(rig.loop().reset_fault(rig.id(0)));
+  EXPECT_EQ(rig.status(0).fault, AxisFault::feedback_stale);
+}
+
+TEST(Fault, ForceThatTheDriveAddsByItselfStopsTheAxisByName) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(2500ms);  // at the target, where little force is commanded
+  ASSERT_LE(std::abs(rig.position_m(0)), 3e-6);
+  write_to_drive(rig, 0x60B2, 0, 600, 2);
+  steps_until_fault(rig, 50);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::force_not_commanded) << to_string(rig.status(0).fault);
+  rig.run(3ms);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+}
+
+TEST(Fault, AnAxisThatStandsUnderFullForceIsStoppedWithinTwentyMilliseconds) {
+  auto config = far_from_target();
+  config.friction = model::FrictionLaw{{60, 60}, model::shape::constant(1)};  // it is clamped
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  const int steps = steps_until_fault(rig, 100);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::no_motion_under_force) << to_string(rig.status(0).fault);
+  EXPECT_LE(steps, 18);
+  rig.run(2ms);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+}
 
 TEST(Fault, BusOffStopsTheAxisInTheNextStep) {
   Rig rig{far_from_target()};

@@ -36,6 +36,37 @@ TEST(ImpulsiveAxis, ReachesTheTargetUnderEveryFrictionLawOfItsClass) {
   }
 }
 
+TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
+  const auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  const double count_m = axis.node.axes[0].drive->encoder_resolution_m;
+  const double most_m = axis.node.axes[0].controller.position_tolerance_m + count_m / 2;
+  const double worst_s[] = {1.16, 0.14, 0.07};
+  const auto rows = study::run_study(axis, three_starts(100));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    SCOPED_TRACE(rows[i].start.position_m);
+    for (const auto& run : rows[i].runs) {
+      EXPECT_TRUE(run.settled) << run.law;
+      EXPECT_LE(std::abs(run.final_error_m), most_m) << run.law;
+      EXPECT_LE(run.excursions.beyond_m, count_m / 2) << run.law;
+      EXPECT_GE(run.excursions.overshoot_m, run.excursions.beyond_m) << "it was never kicked from the other side";
+      EXPECT_LE(run.excursions.peak_speed_m_s, 5.1) << run.law;
+      EXPECT_LE(run.kicks, 8U) << run.law;
+      EXPECT_TRUE(run.faults.empty()) << run.law;
+    }
+    EXPECT_LE(worst_settling_time_s(rows[i]), worst_s[i]);
+  }
+}
+
+TEST(BrakedAxis, SaysWhichFrictionItsKicksShowWhenItWasToldAnother) {
+  auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  axis.worlds[0].friction = {{0.6, 0.6}, model::shape::constant(0)};  // the brake of 2.2 N drives it back
+  const auto result = sil::run_loop_scenario(axis, {});
+  ASSERT_EQ(result.axes[0].faults.size(), 1U);
+  EXPECT_NE(result.axes[0].faults[0].name.find("axis not as told: a kick showed friction of about 2.2 N, told"),
+            std::string::npos)
+      << result.axes[0].faults[0].name;
+}
+
 TEST(ImpulsiveAxis, ReachesTheTargetInDoubleAndWithNaivePulsesToo) {
   auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
   axis.scalar = scenario::ScalarType::float64;

@@ -36,11 +36,12 @@ def sixty_seconds_without_a_missed_tick(build):
 
 
 def scenario_with_period(period_s, path):
-    """The scenario at a slower rate, with the accuracy that is certified there."""
+    """The scenario at a slower rate, with the accuracy and the coast that are certified there."""
     floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
     with open(bench.SCENARIO, encoding="utf-8") as text:
         changed = text.read()
-    for old, new in (("period_s = 0.001", f"period_s = {period_s}"),
+    for old, new in (("[controller]\n", "[controller]\ncoast = \"brake\"\n"),
+                     ("period_s = 0.001", f"period_s = {period_s}"),
                      ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
                      ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):
         require(old in changed, f"{bench.SCENARIO} has no '{old}'")
@@ -74,6 +75,35 @@ def require_recovery(node, tolerance_m=3.5e-6):
     require(code == 0, f"exit code {code}:\n{node.output()}")
     error_m = abs(float(re.search(r"([-+\d.e]+) m from its target", node.output())[1]))
     require(error_m <= tolerance_m, f"rests {error_m} m from its target")
+
+
+def reported_force(frames):
+    """Time and actual torque (6077h) of the drive's TPDO1s, per mille of the rated torque."""
+    return [(f.time_s, int.from_bytes(f.data[6:8], "little", signed=True)) for f in frames if f.can_id == 0x181]
+
+
+@case
+def an_rpdo_that_another_tool_switches_off(build):
+    """The drive then keeps its last torque, and no PDO can stop it."""
+    with Bench(build) as b:
+        _, node = start_moving(b)
+        recorder = b.record("vcan0")
+        time.sleep(0.1)
+        bench.run("cansend", "vcan0", "601#2300140101020080")
+        node.wait_for("FAULT: force not commanded")
+        node.wait_for("stop not obeyed")
+        require_recovery(node)
+        frames = bench.frames_of(recorder)
+        cut_s = next(f.time_s for f in frames if f.can_id == 0x601 and f.data.hex() == "2300140101020080")
+        forces = [(t, torque) for t, torque in reported_force(frames) if t > cut_s]
+        kept = forces[2][1]
+        # What the drive keeps is what it is told until the law wants another force: less, or the other way.
+        other_s = next(f.time_s for f in frames if f.can_id == 0x201 and f.time_s > cut_s and
+                       (f.torque * kept <= 0 or abs(f.torque) < abs(kept) - 200))
+        off_s = next(t for t, torque in forces if abs(torque) <= 1)
+        took_ms = 1000 * (off_s - other_s)
+        require(took_ms <= 100, f"force stays on for {took_ms:.0f} ms")
+    return f"named; the force is off {took_ms:.0f} ms after it was to change, and the axis goes on after a reset"
 
 
 @case

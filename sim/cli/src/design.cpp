@@ -34,6 +34,21 @@ void write_check(format::JsonWriter& json, const design::Check& check) {
   json.member("reason", check.reason);
 }
 
+void write_promise(format::JsonWriter& json, const design::BrakedPromise& promise) {
+  json.member("accuracy_floor_m", promise.floor_m);
+  json.member("least_tolerance_m", promise.least_tolerance_m);
+  json.member("error_m", promise.error_m);
+  json.member("beyond_m", promise.beyond_m);
+  json.member("reach_m", promise.reach_m);
+  json.member("hand_over_m", promise.hand_over_m);
+  json.member("most_kicks", promise.most_kicks);
+  json.member("brake_N", promise.brake_N);
+  json.member("peak_speed_m_s", promise.peak_speed_m_s);
+  json.member("rest_s", promise.rest_s);
+  json.member("aim_lost", promise.aim_lost);
+  json.member("table_bytes", promise.table_bytes);
+}
+
 void write_report(format::JsonWriter& json, const DesignReport& report) {
   json.member("certified", report.certified);
   json.array("reasons", [&] {
@@ -59,6 +74,7 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
     json.member("proved_error", report.table_proved_error);
     json.member("measured_error", report.table_measured_error);
   });
+  if (report.braked) json.object("braked", [&] { write_promise(json, *report.braked); });
   json.array("checks", [&] {
     for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
   });
@@ -87,6 +103,12 @@ std::string to_json(const Node& node, const Reports& reports) {
   return json.text();
 }
 
+void print_promise(const design::BrakedPromise& p) {
+  fmt::print("coast \"brake\"         brake {:.4g} N, floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n",
+             p.brake_N, p.floor_m, p.least_tolerance_m, p.table_bytes);
+  fmt::print("                      {}\n", p.promise);
+}
+
 void print_report(const design::DesignReport& r) {
   for (const design::Check& check : r.checks) {
     const char* verdict = check.holds ? "holds" : check.required ? "FAILS" : "no";
@@ -100,6 +122,7 @@ void print_report(const design::DesignReport& r) {
   fmt::print("error after a kick    at most {:.4g} of the error before\n", r.contraction_per_kick);
   fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
              r.table_proved_error, r.table_measured_error);
+  if (r.braked) print_promise(*r.braked);
   fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }

@@ -40,6 +40,8 @@ struct SimulateCommand {
   }
 };
 
+std::string instant(double time_s) { return std::isnan(time_s) ? "never" : fmt::format("{:.7g} s", time_s); }
+
 void print_axis(const AxisResult& axis, double duration_s) {
   if (axis.settled) {
     fmt::print("  settled        at {:.6g} s\n", axis.settling_time_s);
@@ -48,13 +50,16 @@ void print_axis(const AxisResult& axis, double duration_s) {
   }
   fmt::print("  final error    {:.3g} m\n  kicks          {}\n", axis.final_error_m, axis.kicks.size());
   if (axis.ideal) {
-    fmt::print("  t1, t2, t_inf  {:.7g} s, {:.7g} s, {:.7g} s", axis.ideal->t1_s, axis.ideal->t2_s,
-               axis.ideal->t_inf_s);
+    fmt::print("  t1, t2, t_inf  {}, {}, {}", instant(axis.ideal->t1_s), instant(axis.ideal->t2_s),
+               instant(axis.ideal->t_inf_s));
     // There is a bound where the law is told the truth.
     const double bound_s = axis.ideal->bound_s;
     fmt::print("{}\n", std::isfinite(bound_s) ? fmt::format(" (bound {:.7g} s)", bound_s) : "");
   } else {
     fmt::print("  largest force  {:.4g} N\n", axis.max_force_N);
+    if (axis.excursions)
+      fmt::print("  past target    {:.3g} m, {:.3g} m by a kick; at most {:.3g} m/s\n", axis.excursions->overshoot_m,
+                 axis.excursions->beyond_m, axis.excursions->peak_speed_m_s);
   }
   if (axis.load_position_m) fmt::print("  load at        {:.9g} m\n", *axis.load_position_m);
   if (!axis.told.empty()) fmt::print("  told           {}\n", axis.told);
@@ -112,6 +117,9 @@ const std::string& warning(const Result&) {
 }
 const std::string& warning(const MachineResult& result) { return result.warning; }
 
+bool asks_for_accuracy(const Scenario& s) { return s.run && s.run->accuracy_m; }
+bool asks_for_accuracy(const MachineScenario& s) { return s.accuracy_m.has_value(); }
+
 void check_outputs(const SimulateCommand& options, const char* no_bus) {
   for (const std::string& path : options.outputs()) {
     if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
@@ -134,6 +142,7 @@ template <class AnyScenario>
 int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenario) {
   check_outputs(options, why_no_bus(scenario));
   Progress progress{"simulating", options.progress};
+  if (asks_for_accuracy(scenario)) progress.say("choosing the method");
   const auto result = sil::run_scenario(scenario, options.recording(progress));
   if (!warning(result).empty()) fmt::print(stderr, "breakaway: warning: {}\n", warning(result));
   if (!options.report.empty()) progress.say("drawing the pictures");
@@ -174,7 +183,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();
   command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output")
       ->check(file_name);
-  command->add_option("--csv", options->csv, "Write the samples of the run to this file; - is standard output")
+  command
+      ->add_option("--csv", options->csv,
+                   "Write the samples of the run to this file; - is standard output; friction_level_N is nan at rest")
       ->check(file_name);
   command->add_option("--candump", options->candump, "Write the bus traffic in candump's log format to this file")
       ->check(file_name);

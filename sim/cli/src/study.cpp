@@ -75,11 +75,12 @@ std::string worst_time_within(const StudyRow& row, std::size_t level) {
 
 void print_rows(const Study& study) {
   for (const StudyRow& row : study.rows) {
-    fmt::print("{:<10} {:>7g} m {:>4g} m/s {:>4}/{:<4} {:>9} {:>9} {:>11} {:>9.2e} m {:>7} {:>7} {:>8.2f} N\n",
-               controller_name(study.scenario), row.start.position_m, row.start.velocity_m_s, settled_runs(row),
-               row.runs.size(), time_text(median_settling_time_s(row)), time_text(worst_settling_time_s(row)),
-               worst_time_within(row, 0), worst_error_m(row), limit_cycles(row), faulted_runs(row),
-               largest_force_N(row));
+    fmt::print(
+        "{:<10} {:>7g} m {:>4g} m/s {:>4}/{:<4} {:>9} {:>9} {:>11} {:>9.2e} m {:>9.2e} m {:>7} {:>7} {:>8.2f} N\n",
+        controller_name(study.scenario), row.start.position_m, row.start.velocity_m_s, settled_runs(row),
+        row.runs.size(), time_text(median_settling_time_s(row)), time_text(worst_settling_time_s(row)),
+        worst_time_within(row, 0), worst_error_m(row), worst_excursions(row).beyond_m, limit_cycles(row),
+        faulted_runs(row), largest_force_N(row));
   }
 }
 
@@ -100,8 +101,8 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
   print_told(studies);
   fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
              studies.front().scenario.run->settle_time_s, config::max_force_N(axis));
-  fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled", "median",
-             "worst", "worst 1 mm", "worst error", "cycles", "faults", "peak");
+  fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled",
+             "median", "worst", "worst 1 mm", "worst error", "beyond", "cycles", "faults", "peak");
   for (const Study& study : studies) print_rows(study);
 }
 
@@ -110,6 +111,9 @@ void write_run(format::JsonWriter& json, const StudyRun& run) {
   json.member("settled", run.settled);
   json.member("settling_time_s", run.settling_time_s);
   json.member("final_error_m", run.final_error_m);
+  json.member("overshoot_m", run.excursions.overshoot_m);
+  json.member("beyond_m", run.excursions.beyond_m);
+  json.member("peak_speed_m_s", run.excursions.peak_speed_m_s);
   json.member("max_force_N", run.max_force_N);
   json.member("kicks", run.kicks);
   json.member("limit_cycle", run.limit_cycle);
@@ -131,6 +135,9 @@ void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row
   json.member("median_settling_time_s", median_settling_time_s(row));
   json.member("worst_settling_time_s", worst_settling_time_s(row));
   json.member("worst_error_m", worst_error_m(row));
+  json.member("overshoot_m", worst_excursions(row).overshoot_m);
+  json.member("beyond_m", worst_excursions(row).beyond_m);
+  json.member("peak_speed_m_s", worst_excursions(row).peak_speed_m_s);
   json.member("max_force_N", largest_force_N(row));
   json.array("runs", [&] {
     for (const StudyRun& run : row.runs) json.object([&] { write_run(json, run); });

@@ -55,6 +55,11 @@ class Combination : public Shape {
     for (const auto& part : parts_) rate_per_s += 1 / part->time_scale_s();
     return 1 / rate_per_s;
   }
+  double position_scale_m() const final {
+    double rate_per_m = 0;
+    for (const auto& part : parts_) rate_per_m += 1 / part->position_scale_m();
+    return 1 / rate_per_m;
+  }
 
  protected:
   const std::vector<ShapePtr>& parts() const { return parts_; }

@@ -36,6 +36,7 @@ class Drifting final : public Shape {
   double next_time_change_s() const override { return law_.next_time_change_s(); }
   PositionRange range_m() const override { return law_.range_m(); }
   bool varies_with_motion() const override { return law_.varies_with_motion(); }
+  double position_scale_m() const override { return law_.position_scale_m(); }
   // The frequencies of a product add up.
   double time_scale_s() const override { return 1 / (1 / law_.time_scale_s() + angular_frequency_rad_s_); }
 

@@ -95,6 +95,7 @@ class SineInPosition : public Cloneable<SineInPosition> {
     return 0.5 * (1 + std::sin(wave_number_ * position_m + phase_));
   }
   bool varies_with_motion() const override { return true; }
+  double position_scale_m() const override { return 1 / wave_number_; }
 
  private:
   double wave_number_;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "breakaway/input/numbers.hpp"
 #include "compliant_motion.hpp"
 
 namespace breakaway::motion {
@@ -13,7 +14,7 @@ CompliantAxis::Motion::Motion(model::CompliantPlant plant, model::FrictionLaw fr
                               double tolerance)
     : plant_{std::move(plant)}, time_{initial.time_s}, tolerance_{tolerance} {
   if (!(tolerance >= 1e-14 && tolerance <= 1e-2))
-    throw InputError{"tolerance is " + std::to_string(tolerance) + "; give a number from 1e-14 to 1e-2"};
+    throw InputError{"tolerance is " + to_text(tolerance) + "; give a number from 1e-14 to 1e-2"};
   model::require_valid(plant_);
   if (!std::isfinite(initial.time_s + initial.position_m + initial.velocity_m_s))
     throw InputError{"the start is not finite; correct it"};
@@ -78,6 +79,7 @@ CompliantState CompliantAxis::state() const { return motion_->state(); }
 bool CompliantAxis::sticking() const { return motion_->sticking(); }
 double CompliantAxis::friction_force_N() const { return motion_->friction_force_N(); }
 double CompliantAxis::energy_J() const { return motion_->energy_J(); }
+void CompliantAxis::limit_work(WorkBudget* budget) { motion_->limit_work(budget); }
 const CompliantCounters& CompliantAxis::counters() const { return motion_->counters(); }
 
 }  // namespace breakaway::motion

@@ -52,7 +52,6 @@ void CompliantAxis::Motion::go_to_end(PieceEnd end, double step_s, bool implicit
   double low_s = 0, high_s = step_s, try_s = step_s;
   Trial trial;
   for (int iteration = 0; iteration < 60; ++iteration) {
-    ++counters_.tries;
     trial = try_step(try_s, implicit);
     CompliantEquation motion = equation();
     const double margin = motion.margin(end, try_s, trial.step.state);

@@ -70,6 +70,7 @@ double CompliantEquation::friction_N(double tau_s, const CompliantVector& y) con
 }
 
 void CompliantEquation::operator()(double tau_s, const CompliantVector& y, CompliantVector& derivative) {
+  ++evaluations_;
   derivative = {};
   if (!piece_.motor.sticks()) {
     derivative[position] = y[velocity];
@@ -123,13 +124,26 @@ Matrix<components> CompliantEquation::jacobian(double tau_s, const CompliantVect
   const double change_m_s = 1e-6 * std::abs(y[velocity]) + slowest_m_s(level_N);
   faster[velocity] += change_m_s;
   const double slope = (motor_level_N(tau_s, faster) - level_N) / change_m_s / level_N;
+  const double grade = slope_of_level_per_m(tau_s, y, level_N);
   const double stretch = piece_.damped ? p.damping_Ns_per_m : 0;
   const double toward = s * y[velocity];
   j[velocity][bend] -= p.stiffness_N_per_m * (1 - stretch * toward / level_N) / plant_.mass_kg;
   j[velocity][velocity] -= stretch * (1 - s * u + toward * u * slope) / plant_.mass_kg;
+  j[velocity][position] -= stretch * toward * u * grade / plant_.mass_kg;
+  j[bend][position] = toward * u * grade;
   j[bend][bend] = -p.stiffness_N_per_m * toward / level_N;
   j[bend][velocity] = 1 - s * u + toward * u * slope;
   return j;
+}
+
+// Of the motor's level by place, as a share of it. Bristles in sliding follow the level at once: were this left out of
+// the derivative, linearly implicit steps would lose their order.
+double CompliantEquation::slope_of_level_per_m(double tau_s, const CompliantVector& y, double level_N) const {
+  const double scale_m = piece_.motor.law->position_scale_m();
+  if (!(scale_m < std::numeric_limits<double>::infinity())) return 0;
+  CompliantVector farther = y;
+  farther[position] += 1e-4 * scale_m;
+  return (motor_level_N(tau_s, farther) - level_N) / (1e-4 * scale_m) / level_N;
 }
 
 double CompliantEquation::relaxation_per_s(double tau_s, const CompliantVector& y) const {

@@ -50,6 +50,7 @@ class CompliantEquation {
   // The right-hand side. It notes whether the piece ended inside the step's finest subdivision.
   void operator()(double tau_s, const CompliantVector& y, CompliantVector& derivative);
   bool ended_inside() const { return ended_inside_; }
+  double evaluations() const { return evaluations_; }  // of the right-hand side
   // The stages of a linearly implicit step are of first order, far too coarse for the slack of bristles in sliding,
   // which is nearly none. It is left out of what operator() notes, and looked for by the cubic between the two ends.
   void watch_coarsely() { coarse_ = true; }
@@ -79,6 +80,7 @@ class CompliantEquation {
 
  private:
   double drive_N(double tau_s) const;
+  double slope_of_level_per_m(double tau_s, const CompliantVector& y, double level_N) const;
   double load_level_N(double tau_s, const CompliantVector& y) const;
   bool may_come(PieceEnd end) const;
   static double edge_margin_m(const DryContact& contact, double place_m);
@@ -99,6 +101,7 @@ class CompliantEquation {
   std::array<PieceEnd, piece_ends> watched_{};  // those that may come
   std::size_t watched_count_ = 0;
   double asked_s_ = std::numeric_limits<double>::infinity();
+  double evaluations_ = 0;
   bool ended_inside_ = false;
   bool coarse_ = false;
   mutable Asked asked_level_{-1, 0, 0};

@@ -22,11 +22,13 @@ class CompliantAxis::Motion {
   double friction_force_N() const;
   double energy_J() const;
   const CompliantCounters& counters() const { return counters_; }
+  void limit_work(WorkBudget* budget) { budget_ = budget; }
 
  private:
   struct Trial {
     ExtrapolatedStep<CompliantVector> step;
     bool ended_inside = false;
+    double evaluations = 0;  // of the right-hand side
   };
 
   bool bristles() const { return plant_.presliding.has_value(); }
@@ -37,9 +39,12 @@ class CompliantAxis::Motion {
   double longest_step_s(double duration_s) const;
   double speed_scale_m_s(CompliantEquation& equation, double step_s) const;
   double forces_N() const;
+  double rounding_N() const;
+  double rounding_of_law_N(const DryContact& contact, double place_m) const;
   CompliantVector floor(double scale_m_s, double tolerance, double step_s) const;
   bool pays_to_be_implicit(double step_s) const;
-  Trial try_step(double step_s, bool implicit) const;
+  Trial try_step(double step_s, bool implicit);
+  Trial step_by(double step_s, bool implicit) const;
   void accept(const CompliantVector& y, double step_s, std::optional<double> end_s);
   std::optional<PieceEnd> first_end(const CompliantVector& y, double step_s) const;
   void go_to_end(PieceEnd end, double step_s, bool implicit);
@@ -69,6 +74,7 @@ class CompliantAxis::Motion {
   int at_once_ = 0;  // pieces that ended without time passing
   bool held_ = false;
   CompliantCounters counters_;
+  WorkBudget* budget_ = nullptr;  // none: unlimited
 };
 
 }  // namespace breakaway::motion

@@ -30,6 +30,9 @@ int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 // A maximum that stays above zero for less than 2^-24 of a window of the law's scale of time is passed over.
 constexpr int scan_depth = 24;
 
+// Waiting, or a closed form and what begins and ends it, in evaluations of the forces.
+constexpr double work_of_a_piece = 10;
+
 }  // namespace
 
 Slide::Slide(double mass_kg, model::FrictionLaw friction, SlideState initial, double tolerance)
@@ -59,6 +62,7 @@ StopReason Slide::advance_to(double time_s, const model::AppliedForce& force, bo
     const double end_s = std::min(time_s, next_change_s_);
     const double duration_s = time_.until(end_s);
     const auto sticks_before = counters_.sticks;
+    spend(state_.time_s, work_of_a_piece);
     if (direction_ == 0) {
       stick(duration_s, end_s);
     } else {
@@ -189,6 +193,7 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
   while (start_s < duration_s) {
     const double end_s = std::min(start_s + window_s, duration_s);
     const double end_N = excess_N(end_s);
+    spend(time_.after(end_s), 1);
     const double wait_s =
         motion::first_excess(excess_N, {start_s, start_N}, {end_s, end_N}, steepest_N_per_s, scan_depth);
     if (wait_s < never) {

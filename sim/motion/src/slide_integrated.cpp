@@ -126,6 +126,7 @@ class TravelEquation {
   }
 
   void note_acceleration(double acceleration_m_s2) {
+    ++evaluations_;
     least_ = std::min(least_, acceleration_m_s2);
     greatest_ = std::max(greatest_, acceleration_m_s2);
   }
@@ -134,6 +135,7 @@ class TravelEquation {
     least_ = std::numeric_limits<double>::infinity();
     greatest_ = -least_;
   }
+  double evaluations() const { return evaluations_; }
   double least() const { return least_; }
   double greatest() const { return greatest_; }
 
@@ -148,6 +150,7 @@ class TravelEquation {
   double transient_N_;
   double resolution_m_s2_;
   double greatest_acceleration_m_s2_;
+  double evaluations_ = 0;
   double least_ = 0;
   double greatest_ = 0;
 };
@@ -252,6 +255,7 @@ class Flight {
 
   State state() const { return state_; }
   double tau_s() const { return tau_s_; }
+  double evaluations() const { return equation_.evaluations(); }  // of the forces
   double distance_m() const { return y_[distance]; }
   double speed_m_s() const { return y_[speed]; }
 
@@ -333,7 +337,10 @@ Slide::Segment Slide::slide_by_integration(double duration_s) {
   double step_s = next_step_s_ > 0 ? next_step_s_ : first_step_s(duration_s);
   for (int refusals = 0; flight.state() == Flight::State::goes_on; ++refusals) {
     if (refusals == max_refusals) return {flight.tau_s(), flight.distance_m(), 0, Ending::rest};
-    if (!flight.advance(step_s)) continue;
+    const double before = flight.evaluations();
+    const bool moved = flight.advance(step_s);
+    spend(state_.time_s + flight.tau_s(), flight.evaluations() - before);
+    if (!moved) continue;
     refusals = 0;
     ++counters_.steps;
     if (observer_ && flight.state() == Flight::State::goes_on) {

@@ -52,10 +52,17 @@ void write_faults(format::JsonWriter& json, const std::vector<sil::FaultRecord>&
   });
 }
 
+void write_excursions(format::JsonWriter& json, const sil::Excursions& e) {
+  json.member("overshoot_m", e.overshoot_m);
+  json.member("beyond_m", e.beyond_m);
+  json.member("peak_speed_m_s", e.peak_speed_m_s);
+}
+
 void write_axis(format::JsonWriter& json, const sil::AxisResult& axis, const std::optional<sil::LoopFigures>& loop) {
   json.member("settled", axis.settled);
   json.member("settling_time_s", axis.settling_time_s);
   json.member("final_error_m", axis.final_error_m);
+  if (axis.excursions) write_excursions(json, *axis.excursions);
   json.member("max_force_N", axis.max_force_N);
   if (axis.load_position_m) json.member("load_position_m", *axis.load_position_m);
   if (!axis.told.empty()) json.member("told", axis.told);

@@ -27,6 +27,11 @@ void add_outcome(HtmlTable& table, const AxisResult& r) {
     table.quantity("Bound (19) on t∞", r.ideal->bound_s, "s");
   }
   if (!r.ideal) table.quantity("Largest actuator force", r.max_force_N, "N");
+  if (r.excursions) {
+    table.quantity("Furthest past the target", r.excursions->overshoot_m, "m");
+    table.quantity("Furthest past it by a kick", r.excursions->beyond_m, "m");
+    table.quantity("Largest speed", r.excursions->peak_speed_m_s, "m/s");
+  }
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
   for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));
 }

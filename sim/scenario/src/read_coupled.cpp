@@ -12,12 +12,17 @@ namespace breakaway::scenario {
 using namespace config;
 namespace {
 
+constexpr double largest_share = 1e6;  // levers and gears are far from it
+
 Value place_value(const std::function<PushedOrRead&()>& to) {
-  return {"the number of a coordinate, from 1, or an array of a share for each, as [1, 0.5]", [to](const Entry& entry) {
-            PushedOrRead& place = to();
-            if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;
-            return numbers(place.row, "").take(entry);
-          }};
+  return {
+      fmt::format("the number of a coordinate, from 1, or an array of a share for each, as [1, 0.5], from {:g} to {:g}",
+                  -largest_share, largest_share),
+      [to](const Entry& entry) {
+        PushedOrRead& place = to();
+        if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;
+        return numbers(place.row, "", {-largest_share, largest_share}).take(entry);
+      }};
 }
 
 Eigen::VectorXd vector_of(const PushedOrRead& place, Eigen::Index coordinates, const char* key,
@@ -32,7 +37,8 @@ Eigen::VectorXd vector_of(const PushedOrRead& place, Eigen::Index coordinates, c
     fail(fmt::format("has {} shares, and the [machine] has {} coordinates; give one for each", place.row.size(),
                      coordinates));
   Eigen::VectorXd row = Eigen::VectorXd::Map(place.row.data(), coordinates);
-  if (row.isZero(0)) fail("is zero in every coordinate; give one of them a share");
+  if (!(row.cwiseAbs().maxCoeff() >= 1 / largest_share))
+    fail(fmt::format("is zero in every coordinate, or below {:g}; give one of them a share", 1 / largest_share));
   return row;
 }
 

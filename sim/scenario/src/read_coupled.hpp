@@ -1,8 +1,6 @@
 // A [machine] that stands behind the drives of several axes.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,15 +11,10 @@
 
 namespace breakaway::scenario {
 
-// Says whether the file has axes, beside a [machine] or without one.
-inline bool has_axes(const toml::table& document) {
-  constexpr std::array keys{"axis", "plant", "controller", "drive", "loop"};
-  return std::ranges::any_of(keys, [&](const char* key) { return document.contains(key); });
-}
-
 // [machine], whose friction must be constant, and [start].
 stability::LinearMachine<> read_coupled_machine(const config::Section& section);
-stability::MachineState<Eigen::Dynamic> read_start(const config::Section& section, Eigen::Index coordinates);
+stability::MachineState<Eigen::Dynamic> read_start(const config::Section& section, Eigen::Index coordinates,
+                                                   config::Range range = {});
 
 // What an axis' drive pushes, or its encoder reads.
 struct PushedOrRead {

@@ -6,6 +6,7 @@
 
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/parse_toml.hpp"
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/config/toml_section.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
@@ -147,7 +148,7 @@ DampingSweep read_sweep(const Section& section, Index coordinates) {
 }
 
 void read_run(const Section& section, MachineScenario& s) {
-  section.read({
+  const std::vector<Key> known{
       optional("duration_s", number(s.duration_s, "s", {0, 1e9, true})),
       optional("integrator", choice(s.integrator, {{"event_driven", Integrator::event_driven},
                                                    {"time_stepping", Integrator::time_stepping},
@@ -156,7 +157,11 @@ void read_run(const Section& section, MachineScenario& s) {
       optional("theta", number(s.theta, "", {0, 1})),
       optional("tolerance", number(s.tolerance, "", {1e-14, 1e-2})),
       optional("accuracy_m", number(s.accuracy_m, "m", positive)),
-  });
+  };
+  section.read(known +
+               elsewhere({"settle_tolerance_m", "settle_time_s", "stop_when_settled"},
+                         "it is for axes with a [controller], and a [machine] alone rests or does not; leave it "
+                         "out"));
   s.integrator_is_named = section.has("integrator");
   for (const char* chosen : {"step_s", "tolerance"}) {
     if (s.accuracy_m && section.has(chosen))
@@ -191,12 +196,17 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
   const Section root{document, name, ""};
   MachineScenario s;
   s.file = name;
-  if (has_axes(document))
+  if (has_axes(document) && root.has("machine"))
     root.fail("machine", "has axes with drives beside it, which `simulate` runs; leave them out to look at it alone");
+  if (has_axes(document))
+    throw InputError{
+        "describes an axis, and a [machine] is asked for: take `simulate`, `design` or `study`, or give a file with a "
+        "[machine]"}
+        .in_file(name);
   if (!root.has("machine"))
     root.fail("machine", "is missing; give it mass, damping, stiffness, directions and friction_N");
   std::optional<Section> machine, feedback, start, run, sweep;
-  root.read({
+  const std::vector<Key> known{
       optional("title", text(s.title)),
       required("machine", table([&](const Section& part) { machine = part; })),
       optional("sweep", table([&](const Section& part) { sweep = part; })),
@@ -204,7 +214,10 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
       optional("start", table([&](const Section& part) { start = part; })),
       optional("run", table([&](const Section& part) { run = part; })),
       optional("impulse", tables([](const Section&) {})),
-  });
+  };
+  root.read(known + elsewhere({"friction", "limits", "bus", "told", "uncertainty"},
+                              "it is for an axis, and this [machine] stands alone; leave it out, or describe the axis "
+                              "with [plant] and [controller]"));
   read_machine(*machine, s);
   if (feedback) s.machine = close_loop(*feedback, s.machine);
   require_valid(*machine, s.machine);
@@ -226,9 +239,9 @@ stability::LinearMachine<> read_coupled_machine(const Section& section) {
   return std::move(s.machine);
 }
 
-stability::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates) {
+stability::MachineState<Eigen::Dynamic> read_start(const Section& section, Index coordinates, Range range) {
   stability::MachineState<Eigen::Dynamic> start;
-  section.read({required("q", vector(start.q, "m")), optional("v", vector(start.v, "m/s"))});
+  section.read({required("q", vector(start.q, "m", range)), optional("v", vector(start.v, "m/s", range))});
   if (start.v.size() == 0) start.v.setZero(coordinates);
   require_size(section, "q", start.q, coordinates, 1);
   require_size(section, "v", start.v, coordinates, 1);

@@ -79,8 +79,8 @@ void require_sound_place(const Axis& axis, const AxisWorld& world, bool has_law,
   if (truth.mass_kg != axis.mass_kg || truth.bounds.lower_N != axis.friction.bounds.lower_N ||
       truth.bounds.upper_N != axis.friction.bounds.upper_N)
     fail(
-        "[told] mass_kg and friction stand beside a [machine]: what its controller is told stands in [plant] and "
-        "[friction], and [machine] is the truth");
+        "[told] mass_kg and friction stand beside a [machine], which is the truth: write what the controller is told "
+        "into [plant] mass_kg and [friction]");
 }
 
 // What a file says of the world, while it is read.
@@ -172,7 +172,7 @@ class WorldReader {
     CoupledMachine coupled{read_coupled_machine(*machine_), {}};
     const Eigen::Index n = coupled.machine.coordinates();
     coupled.start.q.setZero(n), coupled.start.v.setZero(n);
-    if (start_) coupled.start = read_start(*start_, n);
+    if (start_) coupled.start = read_start(*start_, n, anywhere);
     return coupled;
   }
 

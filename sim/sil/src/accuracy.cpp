@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -16,7 +17,8 @@ std::string refusal_text(double asked_m, const std::vector<MethodRefusal>& refus
     if (std::isfinite(refusal.cost_s)) text += fmt::format(", {}", cost_text(refusal.cost_s));
     separator = "; ";
   }
-  return text + "; ask for less";
+  const bool some_follow = std::ranges::any_of(refused, &MethodRefusal::follows);
+  return text + (some_follow ? "; ask for less" : "; mend the cause that they name, or shorten [run] duration_s");
 }
 
 }  // namespace

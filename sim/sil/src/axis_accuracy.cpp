@@ -23,24 +23,23 @@ constexpr std::array axis_nearby{2.2e-13, 4.7e-13, 1e-12};
 // Of a start that is moved to see what rounding makes of it, relative.
 constexpr std::array moves{-8 * std::numeric_limits<double>::epsilon(), 8 * std::numeric_limits<double>::epsilon()};
 
+// Of all runs together four times the work of one is plenty.
+constexpr int most_runs = 1 + static_cast<int>(axis_nearby.size() + moves.size() + axis_tolerances.size());
+constexpr double dearest_share = 4.0 / most_runs;
+
 bool is_closed_form(const AxisWorld& world) {
   return world.friction.constant_between_events() && world.plant.rigid() && !world.drift;
 }
 
 // Processor time of one core, measured on an x86-64 PC: setting an axis up, mostly its table of kicks, one period of
-// loop, bus and drive, and in it the integration, whose tableau grows as the tolerance shrinks.
-constexpr double set_up_s = 5e-3, period_cost_s = 2.5e-6;
+// loop, bus and drive, and one evaluation of the forces on a rigid axis and on one that is more.
+constexpr double set_up_s = 5e-3, period_cost_s = 2.5e-6, rigid_evaluation_s = 4e-8, evaluation_s = 1e-7;
 
-double integration_cost_s(double tolerance) {
-  const double share = std::log(tolerance / axis_tolerances.front()) / std::log(finest / axis_tolerances.front());
-  return 0.5e-6 + 3e-6 * share * share;
-}
-
-double cost_s(const Scenario& s, const Method& method, double simulated_s) {
-  const double each_s =
-      period_cost_s + (method.integrator == Integrator::adaptive ? integration_cost_s(method.tolerance) : 0);
-  const double periods = s.ideal() ? 0 : simulated_s / s.node.period_s();
-  return static_cast<double>(s.axes()) * (set_up_s + periods * each_s);
+double cost_s(const Scenario& s, const Result& result) {
+  const bool rigid = std::ranges::all_of(s.worlds, [](const AxisWorld& world) { return world.plant.rigid(); });
+  const double periods = s.ideal() ? 0 : result.duration_s / s.node.period_s();
+  return static_cast<double>(s.axes()) * (set_up_s + periods * period_cost_s) +
+         result.work * (rigid ? rigid_evaluation_s : evaluation_s);
 }
 
 Scenario moved(Scenario s, double share) {
@@ -57,8 +56,14 @@ class AxisMethodSearch {
   explicit AxisMethodSearch(const Scenario& s)
       : s_{s},
         closed_form_{s.machine || std::ranges::all_of(s.worlds, is_closed_form)},
-        best_{run(with_method(s_, method(finest)))},
-        best_error_m_{error_of_best_m()} {}
+        best_{run(with_method(s_, method(finest)))} {
+    if (best_.work_share > dearest_share)
+      throw InputError{fmt::format("judging the error would take {} runs, and one takes {:.0f} % of the work that a "
+                                   "run may cost: shorten [run] duration_s, or leave accuracy_m out",
+                                   most_runs, 100 * best_.work_share)}
+          .in_file(s_.node.file);
+    best_error_m_ = error_of_best_m();
+  }
 
   Accuracy choose() {
     const double asked_m = *s_.run->accuracy_m;
@@ -106,13 +111,13 @@ class AxisMethodSearch {
   void add(const Method& method, const Result& result, double apart_m) {
     const double error_m = apart_m + best_error_m_;
     const bool holds = s_.run->accuracy_m && error_m <= *s_.run->accuracy_m;
-    trials_.push_back({method, error_m, error_m, cost_s(s_, method, result.duration_s), holds});
+    trials_.push_back({method, error_m, error_m, cost_s(s_, result), holds});
   }
 
   const Scenario& s_;
   bool closed_form_, wants_all_ = false;
   Result best_;
-  double best_error_m_;
+  double best_error_m_ = 0;
   std::vector<MethodTrial> trials_;
 };
 

@@ -12,6 +12,7 @@
 #include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/result.hpp"
 #include "breakaway/sil/simulated_network.hpp"
+#include "excursion_watch.hpp"
 #include "judge.hpp"
 
 namespace breakaway::sil {
@@ -58,6 +59,7 @@ class AxisRun {
   // The brake opens.
   void release(double time_s) {
     mechanism_.axis->release(time_s);
+    watch_.start_move(position_m() - target_m_);
     note_fault(0);
     if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled in time"});
   }
@@ -67,6 +69,7 @@ class AxisRun {
     for (; next_target_ < targets.size() && targets[next_target_].time_s <= time_s; ++next_target_) {
       move_target(targets[next_target_].position_m);
       judge_.start_again(targets[next_target_].time_s);
+      watch_.start_move(position_m() - target_m_);
     }
   }
 
@@ -76,6 +79,7 @@ class AxisRun {
     if (status.running && !status.feedback.fresh) ++periods_without_feedback_;
     note_kick(time_s, status.output.kicked, status.output.mode, static_cast<double>(status.output.force_N));
     note_fault(time_s);
+    watch_.look(position_m() - target_m_, mechanism_.axis->state().velocity_m_s);
     if (trace) note_sample(time_s, now, bus_load, status.output.mode);
   }
   void judge(double time_s) { judge_.look(time_s, target_m_); }
@@ -91,6 +95,7 @@ class AxisRun {
     result_.settled = judge_.settled() && result_.faults.empty();
     result_.settling_time_s = judge_.settling_time_s();
     result_.final_error_m = position_m() - target_m_;
+    result_.excursions = watch_.figures();
     result_.load_position_m = mechanism_.axis->load_position_m();
     result_.reached = judge_.reached();
     result_.limit_cycle = judge_.limit_cycle();
@@ -110,7 +115,10 @@ class AxisRun {
     if (velocity_pending_ && --velocity_pending_ == 0) {
       result_.kicks.back().velocity_after_m_s = mechanism_.axis->velocity_at_segment_start_m_s();
     }
-    if (kicked) result_.kicks.push_back({time_s, position_m(), position_m() - target_m_, 0, 0, force_N, 0});
+    if (kicked) {
+      result_.kicks.push_back({time_s, position_m(), position_m() - target_m_, 0, 0, force_N, 0});
+      watch_.start_kick(position_m() - target_m_);
+    }
     if (mode != law::Mode::kick) return;
     ++result_.kicks.back().periods;
     velocity_pending_ = 2;  // the pulse ends with the SYNC of the next step, which has passed one step later
@@ -124,6 +132,12 @@ class AxisRun {
       name += fmt::format(" (error code {:04X}h)", code);
     if (fault == firmware::AxisFault::drive_unusable)
       name += fmt::format(": {}", to_string(loop_.drive(id_).setup_status()));
+    if constexpr (requires { loop_.controller(id_).seen_friction_N(); }) {
+      if (fault == firmware::AxisFault::axis_not_as_told)
+        name += fmt::format(": a kick showed friction of about {:.3g} N, told are {:g} to {:g} N",
+                            static_cast<double>(loop_.controller(id_).seen_friction_N()), axis_.friction.bounds.lower_N,
+                            axis_.friction.bounds.upper_N);
+    }
     result_.faults.push_back({time_s, name});
   }
 
@@ -150,6 +164,7 @@ class AxisRun {
   Loop& loop_;
   AxisId id_;
   Judge judge_;
+  ExcursionWatch watch_;
   AxisResult result_;
   double target_m_ = 0;
   std::size_t next_target_ = 0;

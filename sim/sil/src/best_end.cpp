@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "breakaway/hybrid/refused.hpp"
 #include "method_cost.hpp"
 #include "rounding_pilot.hpp"
 
@@ -66,6 +67,13 @@ BestEnd by_time_steps(const MachineScenario& s, double accuracy_m) {
 
 }  // namespace
 
+// The remedies are for whoever chose the method.
+MethodRefusal cannot_follow(Integrator integrator, const InputError& error) {
+  const auto* refused = dynamic_cast<const hybrid::Refused*>(&error);
+  const std::string cause = refused != nullptr ? refused->cause() : error.what();
+  return {.method = {.integrator = integrator}, .reason = "cannot follow this machine: " + cause, .follows = false};
+}
+
 std::vector<MachineEnd> ends_by_time_steps(const MachineScenario& scenario, double step_s) {
   std::vector<MachineEnd> ends;
   ends.reserve(std::size(first_steps));
@@ -81,7 +89,7 @@ std::optional<BestEnd> best_end(const MachineScenario& scenario, double accuracy
     try {
       return run();
     } catch (const InputError& error) {
-      refused.push_back({{.integrator = integrator}, std::string{"cannot follow this machine: "} + error.what()});
+      refused.push_back(cannot_follow(integrator, error));
       return std::nullopt;
     }
   };

@@ -19,6 +19,9 @@ struct BestEnd {
 std::optional<BestEnd> best_end(const scenario::MachineScenario& scenario, double accuracy_m,
                                 std::vector<MethodRefusal>& refused);
 
+// What is said of a method that the machine is too much for.
+MethodRefusal cannot_follow(scenario::Integrator integrator, const InputError& error);
+
 // Ends of time stepping with the motion begun at several places of the first step, the last one at its beginning.
 std::vector<MachineEnd> ends_by_time_steps(const scenario::MachineScenario& scenario, double step_s);
 

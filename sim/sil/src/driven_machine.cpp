@@ -1,10 +1,12 @@
 #include "breakaway/sil/driven_machine.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/stability/dense.hpp"
 
 namespace breakaway::sil {
@@ -14,6 +16,12 @@ using Eigen::Index;
 
 // In units of that of the lag: an odd number, so that no machine of round numbers has it.
 constexpr double other_rate = 2.2360679774997896;
+
+// How hybrid::Budget and motion::WorkBudget compare: each is a few seconds.
+constexpr double multiplications_of_an_evaluation = hybrid::Budget::usual_work / motion::WorkBudget::usual_work;
+
+// Squares of such coordinates are still numbers.
+constexpr double farthest = 1e150;
 
 // The mass that a drive feels.
 double felt_mass_kg(const stability::LinearMachine<>& machine, const Eigen::VectorXd& push) {
@@ -128,15 +136,33 @@ stability::MachineState<Eigen::Dynamic> DrivenMachine::state_with_lags() const {
   return state;
 }
 
+hybrid::Outcome<Eigen::Dynamic> DrivenMachine::follow(double end_s, std::vector<hybrid::Event>& events) {
+  const auto run = [&](const hybrid::Budget& budget) {
+    return integrator_.resume(state_with_lags(), sticking_, end_s, &events, budget);
+  };
+  if (budget_ == nullptr) return run(hybrid::Budget{});
+  try {
+    auto outcome = run(hybrid::Budget{std::max(1.0, budget_->left() * multiplications_of_an_evaluation)});
+    budget_->spend(end_s, outcome.work / multiplications_of_an_evaluation);
+    return outcome;
+  } catch (const hybrid::RefusedForWork&) {
+    budget_->refuse(state_.time_s);
+  }
+}
+
 void DrivenMachine::advance_to(double time_s) {
   const double end_s = time_s - origin_s_;
   if (closed_brakes_ > 0 || !(end_s > state_.time_s)) return;
   integrator_.set_force(force_N());
   const hybrid::DirectionSet held_before = sticking_;
   std::vector<hybrid::Event> events;
-  const auto end = integrator_.resume(state_with_lags(), sticking_, end_s, &events).end;
+  const auto end = follow(end_s, events).end;
   const Index n = state_.q.size();
   state_ = {end_s, end.q.head(n), end.v.head(n)};
+  if (!(state_.q.cwiseAbs().maxCoeff() < farthest && state_.v.cwiseAbs().maxCoeff() < farthest))
+    throw hybrid::Refused{"the [machine] flies apart: by t = " + hybrid::shown(end_s) +
+                              " s it has come to the end of the range of numbers",
+                          "correct its negative stiffness or damping, or shorten [run] duration_s"};
   count_slips(held_before, events);
 }
 

@@ -55,7 +55,7 @@ class MethodSearch {
   void refuse_friction_laws() {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (const Integrator other : {Integrator::event_driven, Integrator::time_stepping}) {
-      refuse({other}, "knows constant friction only", none);
+      refused_.push_back({{other}, "knows constant friction only", none, false});
     }
   }
 
@@ -102,7 +102,8 @@ class MethodSearch {
         if (last->holds) return;
       }
     } catch (const InputError& error) {
-      return refuse({Integrator::adaptive}, fmt::format("cannot follow this machine: {}", error.what()), NAN);
+      refused_.push_back(cannot_follow(Integrator::adaptive, error));
+      return;
     }
     refuse(last->method, fmt::format("errs by {:.2g} m at its finest tolerance", last->error_m), last->cost_s);
   }

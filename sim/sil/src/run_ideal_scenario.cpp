@@ -12,6 +12,7 @@
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/motion/slide.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
+#include "plant_budget.hpp"
 
 namespace breakaway::sil {
 namespace {
@@ -39,7 +40,8 @@ bool proved_for(const config::Axis& axis, const scenario::AxisWorld& world) {
 
 class IdealRun {
  public:
-  IdealRun(const scenario::Scenario& s, std::size_t place, const RecordingOptions& recording)
+  IdealRun(const scenario::Scenario& s, std::size_t place, const RecordingOptions& recording,
+           motion::WorkBudget& budget)
       : axis_{s.node.axes[place]},
         duration_s_{s.run->duration_s},
         parameters_{config::axis_parameters<double>(s.node, axis_)},
@@ -53,6 +55,7 @@ class IdealRun {
                s.worlds[place].tolerance.value_or(motion::Slide::usual_tolerance)} {
     result_.name = axis_.name;
     result_.told = config::told_otherwise(axis_);
+    slide_.limit_work(&budget);
     if (recording.trace) record();
   }
 
@@ -176,8 +179,11 @@ Result run_ideal_scenario(const scenario::Scenario& scenario, const RecordingOpt
   const auto begin = std::chrono::steady_clock::now();
   Result result;
   for (std::size_t place = 0; place < scenario.axes(); ++place) {
-    IdealRun axis{scenario, place, recording};
+    motion::WorkBudget budget = plant_budget(scenario);
+    IdealRun axis{scenario, place, recording, budget};
     result.axes.push_back(axis.run());
+    result.work += budget.spent();
+    result.work_share = std::max(result.work_share, budget.share());
     result.duration_s = std::max(result.duration_s, axis.time_s());
   }
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -14,6 +14,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/pid_controller.hpp"
+#include "plant_budget.hpp"
 
 namespace breakaway::sil {
 namespace {
@@ -27,6 +28,7 @@ class LoopRun {
       : s_{s},
         recording_{recording},
         period_{config.network.period},
+        budget_{plant_budget(s)},
         network_{*s.bus},
         loop_{network_.controller_port(), config} {
     if (recording.frames) network_.log_to(result_.frames);
@@ -36,7 +38,7 @@ class LoopRun {
 
   // With all axes in the loop.
   Result run() {
-    auto mechanisms = axis_mechanisms(s_);
+    auto mechanisms = axis_mechanisms(s_, &budget_);
     machine_ = mechanisms.front().machine;
     for (std::size_t place = 0; place < loop_.axes(); ++place)
       axes_.emplace_back(s_, place, std::move(mechanisms[place]), network_, loop_);
@@ -112,6 +114,8 @@ class LoopRun {
     if (result_.duration_s > 0)
       figures.bus_load = hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
     result_.loop = figures;
+    result_.work = budget_.spent();
+    result_.work_share = budget_.share();
     if (machine_) result_.machine_end = machine_->state();
     for (Axis& axis : axes_) result_.axes.push_back(axis.finish(stepped_at()));
   }
@@ -120,6 +124,7 @@ class LoopRun {
   RecordingOptions recording_;
   hal::Duration period_;
   Result result_;
+  motion::WorkBudget budget_;
   SimulatedNetwork network_;
   Loop loop_;
   std::shared_ptr<const DrivenMachine> machine_;
@@ -131,10 +136,10 @@ class LoopRun {
 };
 
 template <class Real>
-Result run_impulsive(const scenario::Scenario& s, const RecordingOptions& recording) {
-  const auto node = std::make_unique<config::AnyNode<Real>>(config::flashed<Real>(s.node));
-  LoopRun<Real, law::AxisController<Real>> run{s, recording, node->loop};
-  firmware::add_axes(run.loop(), *node);
+Result run_impulsive(const scenario::Scenario& s, const RecordingOptions& recording,
+                     const config::AnyNode<Real>& node) {
+  LoopRun<Real, law::AxisController<Real>> run{s, recording, node.loop};
+  firmware::add_axes(run.loop(), node);
   return run.run();
 }
 
@@ -149,10 +154,14 @@ Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
   return run.run();
 }
 
-template <class Real>
-Result run_with(const scenario::Scenario& s, const RecordingOptions& recording) {
-  const bool pid = s.node.axes.front().controller.pid.has_value();
-  return pid ? run_pid<Real>(s, recording) : run_impulsive<Real>(s, recording);
+bool in_double(const scenario::Scenario& s) { return s.scalar == scenario::ScalarType::float64; }
+
+Result run_with(const scenario::Scenario& s, const RecordingOptions& recording, const SharedNode& node) {
+  if (const auto* in_float = std::get_if<std::shared_ptr<const config::AnyNode<float>>>(&node))
+    return run_impulsive(s, recording, **in_float);
+  if (const auto* wide = std::get_if<std::shared_ptr<const config::AnyNode<double>>>(&node))
+    return run_impulsive(s, recording, **wide);
+  return in_double(s) ? run_pid<double>(s, recording) : run_pid<float>(s, recording);
 }
 
 // One loop has one kind of controller.
@@ -166,14 +175,24 @@ void require_one_kind(const scenario::Scenario& s) {
 
 }  // namespace
 
-Result run_loop_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording) {
-  config::require_fitting_bus(scenario.node);
-  require_one_kind(scenario);
+SharedNode flashed_node(const scenario::Scenario& s) {
+  config::require_fitting_bus(s.node);
+  require_one_kind(s);
+  if (s.node.axes.front().controller.pid) return {};
+  if (in_double(s)) return std::make_shared<const config::AnyNode<double>>(config::flashed<double>(s.node));
+  return std::make_shared<const config::AnyNode<float>>(config::flashed<float>(s.node));
+}
+
+Result run_loop_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording,
+                         const SharedNode& node) {
   const auto start = std::chrono::steady_clock::now();
-  Result result = scenario.scalar == scenario::ScalarType::float64 ? run_with<double>(scenario, recording)
-                                                                   : run_with<float>(scenario, recording);
+  Result result = run_with(scenario, recording, node);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+Result run_loop_scenario(const scenario::Scenario& scenario, const RecordingOptions& recording) {
+  return run_loop_scenario(scenario, recording, flashed_node(scenario));
 }
 
 }  // namespace breakaway::sil

@@ -7,6 +7,7 @@
 
 #include "breakaway/hybrid/adaptive.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/certificates.hpp"
@@ -154,8 +155,12 @@ MachineResult run_machine(const scenario::MachineScenario& s, const RecordingOpt
     return s.accuracy_m ? run_to_accuracy(s, recording) : run_as_it_says(s, recording);
   } catch (const AccuracyRefused&) {
     throw;  // it names the file
-  } catch (const InputError& error) {
+  } catch (const hybrid::Refused& refusal) {
+    const bool free_choice = s.laws.empty() && !s.accuracy_m;
     if (s.file.empty()) throw;  // of the type that it is
+    throw(free_choice ? refusal : refusal.without_another_method()).in_file(s.file);
+  } catch (const InputError& error) {
+    if (s.file.empty()) throw;
     throw error.in_file(s.file);
   }
 }

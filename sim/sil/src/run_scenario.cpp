@@ -79,7 +79,9 @@ Result run_scenario(const scenario::Scenario& s, const RecordingOptions& recordi
   try {
     return s.ideal() ? run_ideal_scenario(s, recording) : run_loop_scenario(s, recording);
   } catch (const hybrid::Refused& refusal) {
-    if (s.node.file.empty()) throw;
+    throw refusal.without_another_method().in_file(s.node.file);
+  } catch (const InputError& refusal) {
+    if (s.node.file.empty() || !refusal.file().empty()) throw;
     throw refusal.in_file(s.node.file);
   }
 }

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "ball_prover.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "parallel.hpp"
 
@@ -215,6 +216,8 @@ CertifiedRegion certify_region(const scenario::MachineScenario& s, const sil::Ce
     const bool small = s.machine.coordinates() == 2 && s.machine.frictions() == 2;
     return small ? grow<2, 2>(about_centre, bounds, window, threads, progress)
                  : grow<Eigen::Dynamic, Eigen::Dynamic>(about_centre, bounds, window, threads, progress);
+  } catch (const hybrid::Refused& refusal) {  // these motions have no method to choose
+    throw refusal.without_another_method().in_file(s.file);
   } catch (const InputError& error) {
     throw error.in_file(s.file);
   }

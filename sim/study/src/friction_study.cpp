@@ -37,14 +37,14 @@ std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOpt
   return laws;
 }
 
-StudyRun run_one(scenario::Scenario scenario, const Start& start, const NamedLaw& law) {
+StudyRun run_one(scenario::Scenario scenario, const sil::SharedNode& node, const Start& start, const NamedLaw& law) {
   scenario::AxisWorld& world = scenario.worlds.front();
   world.position_m = start.position_m;
   world.velocity_m_s = start.velocity_m_s;
   world.friction = law.law;
-  sil::AxisResult r = std::move(sil::run_loop_scenario(scenario, {}).axes.front());
-  return {law.name,      r.settled,      r.limit_cycle,        r.settling_time_s,  r.final_error_m,
-          r.max_force_N, r.kicks.size(), std::move(r.reached), std::move(r.faults)};
+  sil::AxisResult r = std::move(sil::run_loop_scenario(scenario, {}, node).axes.front());
+  return {law.name,      r.settled,     r.limit_cycle,  r.settling_time_s,    r.final_error_m,
+          *r.excursions, r.max_force_N, r.kicks.size(), std::move(r.reached), std::move(r.faults)};
 }
 
 double time_or_infinity(const StudyRun& run) {
@@ -86,6 +86,11 @@ double worst_settling_time_s(const StudyRow& row) {
 double worst_error_m(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.final_error_m; });
 }
+sil::Excursions worst_excursions(const StudyRow& row) {
+  return {largest(row, [](const StudyRun& run) { return run.excursions.overshoot_m; }),
+          largest(row, [](const StudyRun& run) { return run.excursions.beyond_m; }),
+          largest(row, [](const StudyRun& run) { return run.excursions.peak_speed_m_s; })};
+}
 double largest_force_N(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.max_force_N; });
 }
@@ -101,6 +106,7 @@ std::size_t faulted_runs(const StudyRow& row) {
 
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options) {
   const auto laws = laws_of(scenario, options);
+  const sil::SharedNode node = sil::flashed_node(scenario);
   std::vector<StudyRow> rows;
   for (const Start& start : options.starts) rows.push_back({start, std::vector<StudyRun>(laws.size())});
   const std::size_t all = rows.size() * laws.size();
@@ -111,7 +117,7 @@ std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyO
   const auto run_place = [&](std::size_t i) {
     StudyRow& row = rows[i / laws.size()];
     const std::size_t law = i % laws.size();
-    row.runs[law] = run_one(scenario, row.start, laws[law]);
+    row.runs[law] = run_one(scenario, node, row.start, laws[law]);
     const std::scoped_lock lock{progress_mutex};
     if (options.progress) options.progress(++done, static_cast<int>(all));
   };

@@ -2,14 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <map>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "adaptive_machines.hpp"
+#include "reference_motion.hpp"
 
 namespace breakaway::hybrid {
 namespace {
@@ -17,50 +15,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// One case of tests/reference/friction_law_machine.csv.
-struct Reference {
-  std::vector<Event> events;
-  double end_s = 0;
-  std::map<int, double> q, v;
-};
-
-Reference read_reference(const std::string& name) {
-  std::ifstream file(BREAKAWAY_SOURCE_DIR "/tests/reference/friction_law_machine.csv");
-  Reference reference;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream fields(line);
-    std::string what[4];
-    for (std::string& field : what) std::getline(fields, field, ',');
-    if (what[0] != name) continue;
-    const int index = std::stoi(what[2]);
-    const double value = std::stod(what[3]);
-    if (what[1] == "end") {
-      reference.end_s = value;
-    } else if (what[1] == "q" || what[1] == "v") {
-      (what[1] == "q" ? reference.q : reference.v)[index] = value;
-    } else {
-      const EventKind kind = what[1] == "stick"  ? EventKind::stick
-                             : what[1] == "slip" ? EventKind::slip
-                                                 : EventKind::reversal;
-      reference.events.push_back({value, kind, index});
-    }
-  }
-  return reference;
+ReferenceMotion read_reference(const std::string& name) {
+  return read_reference_motion("friction_law_machine.csv", name);
 }
 
-double error_of(const Reference& reference, const Adaptive& adaptive, const State& start, double end_s) {
+double error_of(const ReferenceMotion& reference, const Adaptive& adaptive, const State& start, double end_s) {
   std::vector<Event> log;
   const auto outcome = adaptive.run(start, end_s, &log);
-  EXPECT_FALSE(reference.q.empty());
-  EXPECT_EQ(log.size(), reference.events.size());
-  double error = std::abs(outcome.end.time_s - reference.end_s);
-  for (std::size_t i = 0; i < std::min(log.size(), reference.events.size()); ++i) {
-    EXPECT_EQ(log[i].kind, reference.events[i].kind) << i;
-    EXPECT_EQ(log[i].direction, reference.events[i].direction) << i;
-    error = std::max(error, std::abs(log[i].time_s - reference.events[i].time_s));
-  }
-  for (const auto& [i, q] : reference.q) error = std::max(error, std::abs(outcome.end.q[i] - q));
-  for (const auto& [i, v] : reference.v) error = std::max(error, std::abs(outcome.end.v[i] - v));
+  const double error = largest_error(reference, log, outcome.end);
   std::printf("error %.1e in %zu events, %llu steps\n", error, log.size(),
               static_cast<unsigned long long>(outcome.steps));
   return error;
@@ -75,7 +37,7 @@ TEST(Adaptive, FollowsFallingFrictionThroughSticksAndSlips) {
 // What a user pays for accuracy: the error stays within a hundred times the tolerance, and looser ones take fewer
 // steps.
 TEST(Adaptive, ErrsByItsTolerance) {
-  const Reference reference = read_reference("stribeck");
+  const ReferenceMotion reference = read_reference("stribeck");
   std::uint64_t steps = 0;
   for (const double step_tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {
     const Adaptive adaptive(stribeck_machine(), stribeck_laws(), {.tolerance = step_tolerance});

@@ -64,4 +64,20 @@ TEST(NearlyParallel, SmallAnglesChangeTheMotionByTheirSize) {
   }
 }
 
+// The faces of what two directions can hold are as near to each other as the directions are. None may be taken for
+// another, or nothing bounds what they hold together: here a spring pulls eight times as hard as both.
+TEST(NearlyParallel, DirectionsDoNotHoldMoreThanTheirFrictions) {
+  for (const double angle : {1e-3, 1e-6, 1e-8, 1e-11}) {
+    LinearMachine<> machine = two_masses(angle), single = one_direction();
+    for (LinearMachine<>* m : {&machine, &single}) {
+      m->damping.setZero();
+      m->stiffness = 2 * Eigen::Matrix2d::Identity();
+    }
+    const State start{0, Eigen::Vector2d{4, 0}, Eigen::Vector2d::Zero()};
+    const Eigen::VectorXd moved = EventDriven<>(single).run(start, 2).end.q;
+    EXPECT_LT((EventDriven<>(machine).run(start, 2).end.q - moved).norm(), 100 * angle) << angle;
+    EXPECT_LT((Adaptive(machine).run(start, 2).end.q - moved).norm(), 100 * angle + 1e-9) << angle;
+  }
+}
+
 }  // namespace

@@ -91,4 +91,29 @@ TEST(Stiff, ADefectiveStiffPairDiesOutWithoutSlowingTheRest) {
   EXPECT_NEAR(outcome.end.q[2], 0.5, 1e-13);
 }
 
+// Dampers of 5e11 Ns/m leave a mass one way to go, along which it is an oscillator with friction: each swing ends at
+// rest, where friction has taken 2 f / k of it. At a stop of the other direction of friction, a speed that is rounding
+// alone would be felt by the dampers.
+TEST(Stiff, ASpeedLeftOverByRoundingIsNotFeltByStrongDampers) {
+  const double f = 0.365;
+  const Eigen::Vector2d damped{0.6, 0.8}, way{-0.8, 0.6};
+  LinearMachine<> machine;
+  machine.mass = MatrixXd::Identity(2, 2);
+  machine.damping = 2e10 * (Eigen::Matrix2d{} << 9, 12, 12, 16).finished();
+  machine.stiffness = (Eigen::Matrix2d{} << 1.2, 0.4, 0.4, 0.9).finished();
+  machine.directions = Eigen::Vector2d{0.93688, 0.23084};
+  machine.friction_N = VectorXd::Constant(1, f);
+  const Eigen::Vector2d start{-2.7, 6.1};
+  const double k = way.dot(machine.stiffness * way), limit = f * std::abs(way.dot(machine.directions.col(0)));
+  double force = -way.dot(machine.stiffness * start), along = 0;
+  while (std::abs(force) > limit) {
+    const double swing = 2 * (force - std::copysign(limit, force)) / k;
+    along += swing;
+    force -= k * swing;
+  }
+  const auto outcome = run(machine, start, 60);
+  EXPECT_NEAR((outcome.end.q - start).dot(way), along, 1e-9);
+  EXPECT_NEAR((outcome.end.q - start).dot(damped), 0, 1e-9);
+}
+
 }  // namespace

@@ -392,6 +392,33 @@ TEST(CompliantAxis, ScalesByPowersOfTwoAndMirrors) {
   EXPECT_EQ(mirrored_counters.pieces, counters.pieces);
 }
 
+// Friction gives way where its level has fallen to the push: from there the force grows from nothing, and all that is
+// known of it is known to the rounding of time, of place and of the forces. A step may err by as much.
+TEST(CompliantAxis, LeavesRestInFewStepsWhereItsFrictionChangesFast) {
+  for (const double angular_frequency_rad_s : {2e3, 5e3, 2e4}) {
+    CompliantPlant plant{.mass_kg = 1, .force_N = -3.87};
+    plant.cogging = {.amplitude = 0.15, .period_m = 1e-3};
+    const FrictionLaw law{{2.5, 4.5}, model::shape::sine_in_time(angular_frequency_rad_s, 0)};
+    const double start_s = 0.55;
+    CompliantAxis axis{plant, law, {start_s, 0.0121, 0}};
+    for (int period = 1; period <= 100; ++period) axis.advance_to(start_s + period * 1e-3, {.constant_N = 0.3});
+    EXPECT_GT(axis.counters().slips, 10U);
+    EXPECT_LT(axis.counters().tries, 400 * (axis.counters().pieces + 100)) << angular_frequency_rad_s;
+  }
+}
+
+// Bristles follow a level that changes from place to place at once: steps are as long as the level's change asks for,
+// hundreds of times as long as the bristles take to relax.
+TEST(Bristles, SlideOverALevelThatChangesFromPlaceToPlaceInLongSteps) {
+  for (const double damping_Ns_per_m : {0.0, 3e3}) {
+    const CompliantPlant plant = with_bristles(1e7, damping_Ns_per_m);
+    CompliantAxis axis{plant, {{2.5, 4.5}, model::shape::sine_in_position(4.4e-3, 0)}, {0, -0.4, 0.9}};
+    axis.advance_to(0.1, {.constant_N = 4});
+    EXPECT_GT(axis.state().position_m, -0.32);
+    EXPECT_LT(axis.counters().tries, 20'000U) << damping_Ns_per_m;
+  }
+}
+
 TEST(CompliantAxis, RefusesWhatItCannotFollow) {
   CompliantAxis axis{with_load(1e6, 0), constant_law(1), {}};
   EXPECT_NE(refusal([&] { axis.advance_to(-1, {}); }).find("time_s"), std::string::npos);

@@ -91,6 +91,10 @@ TEST(CoupledMachine, IsSaidInOneSentenceWhatIsWrong) {
       {"push = 1", "push = 0", "push is 0, must be the number of a coordinate, from 1, or an array"},
       {"push = 1", "push = [1]", "push has 1 shares, and the [machine] has 2 coordinates"},
       {"push = 1", "push = [0, 0]", "push is zero in every coordinate"},
+      {"push = 1", "push = [1e-300, 0]", "push is zero in every coordinate, or below 1e-06"},
+      {"push = 1", "push = [1e300, 0]", "push is [1e+300, 0], must be the number of a coordinate, from 1, or an array"},
+      {"push = 1", "push = [inf, 0]", "push is [inf, 0], must be"},
+      {"push = 1", "push = [1, \"a\"]", "push is [1, 'a'], must be"},
       {"push = 1", "push = 1, read = 5", "read is 5"},
       {"push = 1", "read = 1", "push is missing"},
       {"push = 1", "push = 1, pull = 2", "pull is not a key here"},
@@ -98,14 +102,18 @@ TEST(CoupledMachine, IsSaidInOneSentenceWhatIsWrong) {
       {"mass_kg = 4", "mass_kg = 4\nforce_N = 1", "moves as the [machine] does"},
       {"mass_kg = 4", "mass_kg = 4\ncogging = { amplitude_N = 1, period_m = 1 }", "moves as the [machine] does"},
       {"upper_N = 4.5", "upper_N = 4.5\nlaw = { kind = \"constant\" }", "moves as the [machine] does"},
-      {"[run]", "[told]\nmass_kg = 3\n[run]", "[told] mass_kg and friction stand beside a [machine]"},
+      {"[run]", "[told]\nmass_kg = 3\n[run]", "write what the controller is told into [plant] mass_kg"},
+      {"q = [-0.1, -0.2]", "q = [1e200, -0.2]",
+       "[start] q is [1e+200, -0.2], must be an array, each entry a number in"},
+      {"[run]", "[run]\nintegrator = \"adaptive\"", "it is for a [machine] without axes; leave it out, or ask an axis"},
       {"q = [-0.1, -0.2]", "q = [-0.1]", "[start] q is 1 x 1, must be 2 x 1"},
       {"friction_N = [3, 1]", "friction_N = [3]", "[machine] friction_N"},
       {"friction_N = [3, 1]\n",
        "[[machine.friction]]\nlower_N = 1\nupper_N = 3\nlaw = { kind = \"stribeck\", velocity_m_s = 1 }\n"
        "[[machine.friction]]\nlower_N = 1\nupper_N = 3\n",
        "has a law; behind drives the friction of a machine is constant"},
-      {"[run]", "[feedback]\nposition_gain = [[1, 0]]\n[run]", "feedback is not a key here"},
+      {"[run]", "[feedback]\nposition_gain = [[1, 0]]\n[run]",
+       "feedback is not a key here: it is for a [machine] without axes"},
   };
   for (const Case& bad : cases) {
     const std::string text = with(sound, bad.from, bad.to);

@@ -69,7 +69,7 @@ TEST(MachineScenario, ClosesTheLoop) {
 TEST(MachineScenario, RefusesBadInputByName) {
   expect_refused("", "machine is missing");
   expect_refused(replaced(machine, "mass", "mas"), "m.toml:3: [machine] mas is not a key");
-  expect_refused(replaced(machine, "[[1, 0], [0, 2]]", "[[1, 0], [0]]"), "mass is an array, must be rows");
+  expect_refused(replaced(machine, "[[1, 0], [0, 2]]", "[[1, 0], [0]]"), "mass is [[1, 0], [0]], must be rows");
   expect_refused(replaced(machine, "[[1, 0], [0, 2]]", "[[1, 0], [0, nan]]"), "mass");
   expect_refused(replaced(machine, "[[1, 0], [0, 2]]", "[[1, 0], [0, -2]]"), "mass is not positive definite");
   expect_refused(replaced(machine, "[[1, 0], [0, 2]]", "[[1, 1], [0, 2]]"), "mass is not symmetric");
@@ -80,6 +80,9 @@ TEST(MachineScenario, RefusesBadInputByName) {
   expect_refused(machine + "[start]\nq = [1]\n", "m.toml:9: [start] q is 1 x 1, must be 2 x 1");
   expect_refused(machine + "[start]\nv = [1, 2]\n", "q is missing");
   expect_refused(machine + "[feedback]\nposition_gain = [[1, 2, 3]]\n", "position_gain is 1 x 3, must be 2 x 2");
+  expect_refused(machine + "[run]\nsettle_tolerance_m = 1e-3\n", "it is for axes with a [controller]");
+  expect_refused(machine + "[told]\nmass_kg = 1\n", "told is not a key here: it is for an axis");
+  expect_refused("[plant]\nmass_kg = 1\n", "m.toml: describes an axis, and a [machine] is asked for");
   expect_refused(machine + "[run]\nintegrator = \"euler\"\n", "event_driven");
   expect_refused(machine + "[run]\nstep_s = 1e-3\n", "time_stepping");
   expect_refused(machine + "[run]\nintegrator = \"time_stepping\"\nstep_s = 1e-9\nduration_s = 1e9\n", "step_s");

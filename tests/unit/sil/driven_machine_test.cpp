@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
+#include "../refusal.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/motion/compliant_axis.hpp"
 #include "breakaway/motion/slide.hpp"
@@ -218,6 +220,38 @@ TEST(DrivenMachine, StandsUntilTheLastBrakeOpens) {
 
 // Two drives of one machine are asked one after the other; the first must not move on under what the second did
 // before.
+TEST(DrivenMachine, RefusesByItsNameAMachineThatFliesApart) {
+  CoupledMachine machine = one_mass(1, 1);
+  machine.machine.stiffness(0, 0) = -1e8;
+  machine.start.q[0] = 0.1;
+  DrivenMachine driven{machine, {axis_at(0, 1)}};
+  open_brakes(driven, 1);
+  const std::string said = testing::refusal([&] {
+    for (int period = 1; period < 1000; ++period) driven.advance_to(period * period_s);
+  });
+  EXPECT_NE(said.find("the [machine] flies apart"), std::string::npos) << said;
+}
+
+// A spring that vibrates a hundred times in a period costs each period little, and the run far too much. Behind the
+// bus there is no other method to take.
+TEST(DrivenMachine, HasOneBudgetForTheWholeRun) {
+  CoupledMachine machine = one_mass(1, 1);
+  machine.machine.stiffness(0, 0) = std::pow(2e5 * std::acos(-1.0), 2);
+  machine.start.q[0] = 0.1;
+  DrivenMachine driven{machine, {axis_at(0, 1)}};
+  motion::WorkBudget budget{
+      {.duration_s = 1, .may_end = false, .work = 1e5}, "the [machine]", "the cause", "the remedy"};
+  driven.limit_work(&budget);
+  open_brakes(driven, 1);
+  int period = 1;
+  const std::string said = testing::refusal([&] {
+    for (; period <= 1000; ++period) driven.advance_to(period * period_s);
+  });
+  EXPECT_NE(said.find("following the [machine] for 1 s would take"), std::string::npos) << said;
+  EXPECT_NE(said.find("the remedy"), std::string::npos) << said;
+  EXPECT_GT(period, 5);
+}
+
 TEST(MachineAxis, KnowsTheForceOfTheOtherDriveSinceItChanged) {
   const auto machine = std::make_shared<DrivenMachine>(one_mass(1, 3), std::vector{axis_at(0, 1, 0), axis_at(0, 1, 0)});
   MachineAxis one{machine, 0, Mounting::straight}, other{machine, 1, Mounting::inverted};

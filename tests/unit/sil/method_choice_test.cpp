@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "../refusal.hpp"
 #include "breakaway/report/accuracy_json.hpp"
 #include "breakaway/sil/run_machine.hpp"
 #include "two_masses.hpp"
@@ -136,6 +139,43 @@ TEST(MethodChoice, RefusesTimeStepsThatWouldTakeTooLongBeforeTakingThem) {
     EXPECT_GT(refusal.refused().front().cost_s, 10);
     EXPECT_LT(refusal.refused().front().method.step_s, 1e-9);
   }
+}
+
+// Negative damping lets the motion leave the range of numbers, whichever method follows it.
+TEST(MethodChoice, EndsWithAllTheReasonsWhereNoMethodCanFollow) {
+  scenario::MachineScenario s = two_masses_to(1e-6);
+  s.machine.damping = Eigen::Vector2d{-100, -100}.asDiagonal();
+  const std::string said = breakaway::testing::refusal([&] { sil::run_machine(s); });
+  for (const char* part : {"no method holds", "event_driven cannot follow", "adaptive cannot follow",
+                           "time_stepping cannot follow", "mend the cause that they name"}) {
+    EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
+  }
+  EXPECT_EQ(said.find("[run] integrator"), std::string::npos) << said;
+}
+
+// Whoever may choose the method is told of another one.
+TEST(MethodChoice, IsOfferedWhereARunWithoutItIsRefused) {
+  scenario::MachineScenario s = two_masses();
+  s.machine.directions = Eigen::MatrixXd::Ones(2, 17);
+  s.machine.friction_N = Eigen::VectorXd::Ones(17);
+  EXPECT_NE(
+      breakaway::testing::refusal([&] { sil::run_machine(s); }).find("or set [run] integrator to \"time_stepping\""),
+      std::string::npos);
+}
+
+// The impulses of nearly dependent directions are found at once, which is many times as dear as a sweep over them: what
+// may be spent on time steps is spent on far fewer.
+TEST(MethodChoice, CountsWhatTheStepsOfNearlyDependentDirectionsCost) {
+  const auto finest_step_s = [](double second) {
+    scenario::MachineScenario s = two_masses_to(1e-3);
+    s.machine.directions << 1, 1, 0, second;
+    double finest_s = s.duration_s;
+    for (const sil::MethodTrial& trial : sil::try_methods(s)) {
+      if (trial.method.integrator == Integrator::time_stepping) finest_s = std::min(finest_s, trial.method.step_s);
+    }
+    return finest_s;
+  };
+  EXPECT_GE(finest_step_s(1e-2), 8 * finest_step_s(1));
 }
 
 TEST(MethodChoice, IsReadFromTheFileAndStandsAlone) {

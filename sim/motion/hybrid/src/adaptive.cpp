@@ -6,6 +6,7 @@
 
 #include "adaptive_run.hpp"
 #include "breakaway/hybrid/friction_groups.hpp"
+#include "breakaway/hybrid/refused.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/model/shapes.hpp"
 
@@ -27,11 +28,13 @@ void require_valid(const LinearMachine<>& machine, std::size_t laws, const Adapt
   require(laws == static_cast<std::size_t>(machine.frictions()),
           "there are " + std::to_string(laws) + " friction laws for " + std::to_string(machine.frictions()) +
               " columns of directions: give one for each");
-  require(machine.frictions() <= most_directions,
-          "directions has " + std::to_string(machine.frictions()) +
-              " columns: the adaptive method takes at most 16, so use time stepping");
+  if (machine.frictions() > most_directions) {
+    throw Refused{
+        "directions has " + std::to_string(machine.frictions()) + " columns, and the adaptive method takes at most 16",
+        "leave out those without friction, and join what is parallel"};
+  }
   require(options.tolerance >= 1e-14 && options.tolerance <= 1e-2,
-          "tolerance is " + std::to_string(options.tolerance) + ": give a number from 1e-14 to 1e-2");
+          "tolerance is " + shown(options.tolerance) + ": give a number from 1e-14 to 1e-2");
   require(options.longest_step_s > 0, "longest_step_s must be above 0");
 }
 

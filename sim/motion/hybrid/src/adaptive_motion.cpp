@@ -227,7 +227,7 @@ Ending AdaptiveStep::take(double duration_s, double longest_s) {
   }
   if (stopping < 0 || !stops_in_rounding(stopping)) {
     throw Refused{"the steps of the adaptive method became too short at t = " + shown(walk_.time.sum_s) + " s",
-                  "use a larger tolerance or the event-driven method"};
+                  "use a larger tolerance", "set [run] integrator to \"event_driven\""};
   }
   move_to(Vector::Zero(u0_.size()), u0_);
   return {Ending::Kind::stop, only(stopping), {}, 0, 0};

@@ -16,6 +16,8 @@ using Eigen::Index;
 
 // As in motion::Slide, an excess for less than 2^-24 of the laws' scale of time is passed over.
 constexpr int scan_depth = 24;
+// While everything sticks, so many windows of the laws' scale of time are searched for what a step of motion costs.
+constexpr int windows_of_a_step = 64;
 
 // The shortest of the machine's own scales of time.
 double first_step_s(const AdaptiveWalk& walk) {
@@ -90,7 +92,9 @@ Ending AdaptiveRun::wait(double duration_s) {
     }
     return -margin_N;
   };
+  int windows = 0;
   for (double low_s = 0; steepest_N_per_s > 0 && low_s < duration_s;) {
+    if (++windows % windows_of_a_step == 0) spend_a_step(walk_.time.after(duration_s));
     const double high_s = std::min(low_s + window_s, duration_s);
     const double excess_s = motion::first_excess(excess_N, {low_s, excess_N(low_s)}, {high_s, excess_N(high_s)},
                                                  steepest_N_per_s, scan_depth);
@@ -109,7 +113,7 @@ void AdaptiveRun::spend_a_step(double end_s) {
   if (outcome_.steps++ < options_.most_steps) return;
   throw Refused{"the adaptive method has taken " + std::to_string(options_.most_steps) +
                     " steps by t = " + shown(walk_.time.sum_s) + " s of " + shown(end_s) + " s",
-                "end earlier, or use a larger tolerance or another method"};
+                "end earlier, or use a larger tolerance", "set [run] integrator to \"time_stepping\""};
 }
 
 Ending AdaptiveRun::move(double duration_s) {

@@ -157,7 +157,15 @@ void AdaptiveWalk::give_way(Limit limit) {
 // added until no more do, so that what sticks keeps its static limit. `told`: the laws that know of their slip.
 DirectionSet AdaptiveWalk::release(DirectionSet stopped, DirectionSet told) {
   const VectorXd rounding = force_rounding();
-  ModeChoice::Stop stop{time.after(0), VectorXd{q}, VectorXd{v}, applied(), rounding, rounding, {}, {}, {}};
+  ModeChoice::Stop stop{time.after(0),
+                        q.cast<Extended>(),
+                        v.cast<Extended>(),
+                        applied().cast<Extended>(),
+                        rounding,
+                        rounding,
+                        {},
+                        {},
+                        {}};
   for (Index i = 0; i < machine.frictions(); ++i) {
     if (contains(stopped, i)) stop.stopped.push_back(i);
   }

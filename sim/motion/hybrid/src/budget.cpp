@@ -28,11 +28,13 @@ void Budget::judge(double left_s, double slow_s) {
   hopeless_ = passed_s <= 2 * before_s && cost > most;
 }
 
-void Budget::refuse(double done_s, double asked_s, const std::string& cause, const std::string& remedy) const {
+void Budget::refuse(double done_s, double asked_s, const std::string& cause, const std::string& remedy,
+                    const std::string& another_method) const {
   const double total = steps_ * (asked_s / done_s);
   const std::string amount = std::isfinite(total) ? "about " + shown(total) : "more than " + shown(steps_);
   const std::string length = std::isfinite(asked_s) ? "for " + shown(asked_s) + " s" : "to its rest";
-  throw Refused{"following this machine " + length + " would take " + amount + " steps (" + cause + ")", remedy};
+  throw RefusedForWork{"following this machine " + length + " would take " + amount + " steps (" + cause + ")", remedy,
+                       another_method};
 }
 
 }  // namespace breakaway::hybrid

@@ -53,7 +53,7 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
     split(a);
     if (!invert(a, rounding_of_blocks)) {
       throw Refused{"this machine's motions are too different in their time scales to be told apart in 31 digits",
-                    "hold its stiffest springs rigid, or use the adaptive method"};
+                    "hold its stiffest springs rigid", "set [run] integrator to \"adaptive\""};
     }
   }
   survey();
@@ -148,6 +148,17 @@ bool Flow::invert(const ExtendedMatrix& companion, double tolerance) {
     }
   }
   return true;
+}
+
+double Flow::slowest() const {
+  double least = fastest();
+  for (const Block& block : blocks_) {
+    if (block.kind == Block::Kind::dense) return 0;
+    const double rate =
+        block.kind == Block::Kind::pair ? std::min(std::abs(block.rate), std::abs(block.lesser)) : block.speed;
+    if (rate > 0) least = std::min(least, rate);
+  }
+  return least;
 }
 
 // Returns the factor by which the block's amplitude grows within window_s(), or ever, at most.

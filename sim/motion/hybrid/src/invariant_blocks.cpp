@@ -13,6 +13,8 @@ using Scalar = twofold::Scalar;
 
 // Coordinates told apart at this factor cost as much of double's 16 digits.
 constexpr double most_coupling = 300;
+// More where a block that stays together is as ill-conditioned itself.
+constexpr double most_coupling_of_ill_conditioned = 1e5;
 // Time scales further apart than this are cut first, each to be scaled by itself.
 constexpr double scale_gap = 8;
 constexpr double most_scale_coupling = 1e6;
@@ -167,12 +169,22 @@ Index nearest(const Matrix& form, Index first, Index size) {
   return found;
 }
 
+// How far the entries that couple the blocks exceed the eigenvalues. Slow motions of light masses look alike in the
+// metric of their momentum: however far apart their eigenvalues are, a dense block of them would lose as many digits.
+double departure_from_normal(const Matrix& form) {
+  double fastest = 0;
+  for (Index at = 0; at < form.rows(); at += block_size(form, at)) fastest = std::max(fastest, magnitude(form, at));
+  return fastest > 0 ? largest_entry(form) / fastest : 1;
+}
+
 // Bavely and Stewart's loop: a block grows by its nearest eigenvalue until it can be cut off.
 std::vector<Index> cut_clusters(Ordered& part) {
+  const double most =
+      std::clamp(most_coupling * departure_from_normal(part.form), most_coupling, most_coupling_of_ill_conditioned);
   std::vector<Index> sizes;
   for (Index first = 0; first < part.size();) {
     Index size = block_size(part.form, first);
-    while (first + size < part.size() && !part.decouple(first, size, most_coupling)) {
+    while (first + size < part.size() && !part.decouple(first, size, most)) {
       const Index at = part.raise(nearest(part.form, first, size), first + size);
       size = at + block_size(part.form, at) - first;
     }
@@ -228,7 +240,7 @@ PairForm make_pair_form(Matrix& form, Matrix& basis, Index first) {
   const Scalar half = (d - a) / 2;
   PairForm pair{PairForm::Kind::other, (a + d) / 2, 0, b * c + half * half};
   Scalar unit = 0;
-  if (pair.delta_squared < 0 && abs(b) <= most_coupling * sqrt(-pair.delta_squared)) {
+  if (pair.delta_squared < 0 && abs(b) <= most_coupling_of_ill_conditioned * sqrt(-pair.delta_squared)) {
     pair.kind = PairForm::Kind::complex;
     unit = pair.frequency = sqrt(-pair.delta_squared);
   } else if (pair.mean != 0 && abs(pair.delta_squared) <= 1e-4 * pair.mean * pair.mean) {

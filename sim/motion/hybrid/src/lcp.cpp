@@ -10,22 +10,21 @@
 namespace breakaway::hybrid {
 namespace {
 
-// Plain loops over a table that is no larger than it must be: the problems are small, and met at every event.
+// Plain loops over a table that is no larger than it must be, with columns for the variables that are not basic: the
+// problems are small, and met at every event.
 template <class Scalar>
 class Lemke {
  public:
-  Lemke(const LcpMatrix<Scalar>& a, const LcpVector<Scalar>& b)
-      : size_{static_cast<int>(b.size())}, width_{2 * size_ + 2} {
-    // w - A z - z0 = b; columns: w, z, z0, b.
+  Lemke(const LcpMatrix<Scalar>& a, const LcpVector<Scalar>& b) : size_{static_cast<int>(b.size())}, width_{size_ + 2} {
+    // w - A z - z0 = b; rows: w; columns: z, z0, b. Variables are numbered w, z, z0.
     for (int row = 0; row < size_; ++row) {
       Scalar* const entries = row_of(row);
-      std::fill_n(entries, size_, Scalar{0});
-      entries[row] = 1;
-      for (int column = 0; column < size_; ++column) entries[size_ + column] = -a(row, column);
-      entries[artificial()] = -1;
+      for (int column = 0; column < size_; ++column) entries[column] = -a(row, column);
+      entries[size_] = -1;
       entries[right()] = b[row];
-      basis_[static_cast<std::size_t>(row)] = row;
+      basis(row) = row;
     }
+    for (int column = 0; column <= size_; ++column) free(column) = size_ + column;
   }
 
   std::optional<LcpSolution<Scalar>> solve() {
@@ -34,11 +33,11 @@ class Lemke {
       if (entry(other, right()) < entry(row, right())) row = other;
     }
     if (size_ == 0 || entry(row, right()) >= 0) return solution();
-    int entering = artificial();
+    int entering = size_;
     for (int pivots = 0; pivots < 64 * (size_ + 1); ++pivots) {
       const int leaving = pivot(row, entering);
       if (leaving == artificial()) return solution();
-      entering = leaving < size_ ? leaving + size_ : leaving - size_;
+      entering = column_of(leaving < size_ ? leaving + size_ : leaving - size_);
       row = ratio_test(entering);
       if (row < 0) return std::nullopt;
     }
@@ -47,24 +46,31 @@ class Lemke {
 
  private:
   int artificial() const { return 2 * size_; }
-  int right() const { return 2 * size_ + 1; }
+  int right() const { return size_ + 1; }
 
   Scalar* row_of(int row) { return table_.data() + std::ptrdiff_t{row} * width_; }
   Scalar entry(int row, int column) const { return *(table_.data() + std::ptrdiff_t{row} * width_ + column); }
   int& basis(int row) { return basis_[static_cast<std::size_t>(row)]; }
+  int& free(int column) { return free_[static_cast<std::size_t>(column)]; }
+  int column_of(int variable) {
+    int column = 0;
+    while (free(column) != variable) ++column;
+    return column;
+  }
 
+  // Exchanges the row's variable, which is returned, for that of the column.
   int pivot(int row, int entering) {
     Scalar* const pivots = row_of(row);
-    const Scalar by = pivots[entering];
+    const Scalar by = std::exchange(pivots[entering], Scalar{1});
     for (int column = 0; column < width_; ++column) pivots[column] /= by;
-    pivots[entering] = 1;
     for (int other = 0; other < size_; ++other) {
       Scalar* const entries = row_of(other);
-      const Scalar factor = entries[entering];
-      if (other == row || factor == 0) continue;
+      if (other == row || entries[entering] == 0) continue;
+      const Scalar factor = std::exchange(entries[entering], Scalar{0});
       for (int column = 0; column < width_; ++column) entries[column] -= factor * pivots[column];
     }
-    return std::exchange(basis(row), entering);
+    std::swap(basis(row), free(entering));
+    return free(entering);
   }
 
   // The row whose variable reaches zero first, -1 for none. Among equals that of the artificial variable, which ends
@@ -102,9 +108,10 @@ class Lemke {
   static constexpr Scalar rounding = 450 * std::numeric_limits<Scalar>::epsilon();
 
   int size_, width_;
-  std::array<Scalar, std::size_t{most_unknowns} * (2 * std::size_t{most_unknowns} + 2)>
-      table_;  // row by row, `width_` each
-  std::array<int, most_unknowns> basis_;
+  // Row by row, `width_` each.
+  std::array<Scalar, std::size_t{most_unknowns} * (std::size_t{most_unknowns} + 2)> table_;
+  std::array<int, most_unknowns> basis_;     // by row
+  std::array<int, most_unknowns + 1> free_;  // by column
 };
 
 }  // namespace

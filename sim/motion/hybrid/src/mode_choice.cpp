@@ -17,8 +17,7 @@ ModeChoice::ModeChoice(const LinearMachine<>& machine)
 }
 
 Sliding ModeChoice::sliding(const Stop& stop) const {
-  const ExtendedVector force =
-      stop.applied.cast<Extended>() - stiffness_ * stop.q.cast<Extended>() - damping_ * stop.v.cast<Extended>();
+  const ExtendedVector force = balance(stop.applied, stop.q, stop.v);
   const auto count = static_cast<Eigen::Index>(stop.stopped.size());
   StopProblem<long double> problem(count);
   for (Eigen::Index r = 0; r < count; ++r) {
@@ -47,7 +46,7 @@ void ModeChoice::refuse(double time_s) {
   throw Refused{"which friction directions stick at t = " + shown(time_s) +
                     " s cannot be decided in double precision, because friction, masses or nearly parallel directions "
                     "differ too much in size",
-                "leave out the least friction, or use time stepping"};
+                "leave out the least friction", "set [run] integrator to \"time_stepping\""};
 }
 
 }  // namespace breakaway::hybrid

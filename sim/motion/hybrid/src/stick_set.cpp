@@ -9,6 +9,9 @@ namespace {
 
 namespace twofold = stability::twofold;
 
+// Springs are as the squares of rates: double leaves 1e-11 of what differs by more than this.
+constexpr double most_ratio_of_rates = 256;
+
 twofold::Span span(ExtendedMatrix columns) {
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i).stableNormalize();
   return twofold::span(columns, rank_threshold);
@@ -112,24 +115,37 @@ ExtendedMatrix free_motions(const Extension& extension, Eigen::Index drivers, Di
   return free;
 }
 
+// The directions, columns of `reduced`, that lie in the face with this normal.
+DirectionSet directions_in(const ExtendedMatrix& reduced, const ExtendedVector& normal) {
+  DirectionSet inside = 0;
+  for (Eigen::Index i = 0; i < reduced.cols(); ++i) {
+    if (abs(reduced.col(i).dot(normal)) <= rank_threshold * reduced.col(i).norm()) inside |= only(i);
+  }
+  return inside;
+}
+
 // The normals, in coordinates of the span of `reduced` (rank x stuck directions), of the zonotope's faces: each is
-// orthogonal to rank - 1 independent directions.
+// orthogonal to rank - 1 independent directions. A face is known by the directions that lie in it: its normal may
+// differ from another's by as little as nearly parallel directions do.
 std::vector<ExtendedVector> face_normals(const ExtendedMatrix& reduced) {
   const Eigen::Index rank = reduced.rows();
   std::vector<Eigen::Index> all;
   for (Eigen::Index i = 0; i < reduced.cols(); ++i) all.push_back(i);
   std::vector<ExtendedVector> normals;
+  std::vector<DirectionSet> known;
   for_each_choice(all, static_cast<std::size_t>(rank - 1), [&](const std::vector<Eigen::Index>& chosen) {
+    DirectionSet needed = 0;
+    for (const Eigen::Index i : chosen) needed |= only(i);
+    const auto has_all = [&](DirectionSet face) { return (needed & ~face) == 0; };
+    if (std::any_of(known.begin(), known.end(), has_all)) return;
     ExtendedVector normal = ExtendedVector::Unit(rank, 0);
     if (rank > 1) {
       const twofold::Span face = span(reduced(Eigen::all, chosen));
       if (face.rank() < rank - 1) return;
       normal = face.complement.col(0);
     }
-    const bool known = std::any_of(normals.begin(), normals.end(), [&](const ExtendedVector& other) {
-      return std::abs(std::abs(static_cast<double>(other.dot(normal))) - 1) < 1e-12;
-    });
-    if (!known) normals.push_back(normal);
+    known.push_back(directions_in(reduced, normal) | needed);
+    normals.push_back(normal);
   });
   return normals;
 }
@@ -180,9 +196,13 @@ StickSet<> make_stick_set(const LinearMachine<>& machine, DirectionSet direction
   set.velocity = padded(velocities, n, 2 * n);
   const ExtendedMatrix from_force = set.flow.from_acceleration() * basis.transpose();
   const ExtendedMatrix from_momentum = set.flow.from_velocity() * basis.transpose();
-  set.from_position = padded(-from_force * extension.stiffness, 2 * n, n);
-  set.from_velocity = padded(from_momentum * extension.mass - from_force * extension.damping, 2 * n, n);
+  const ExtendedMatrix from_position = -from_force * extension.stiffness;
+  const ExtendedMatrix from_velocity = from_momentum * extension.mass - from_force * extension.damping;
+  set.from_position = padded(from_position, 2 * n, n);
+  set.from_velocity = padded(from_velocity, 2 * n, n);
   set.from_force = padded(from_force, 2 * n, n);
+  set.fine = std::make_shared<const FineMaps>(FineMaps{velocities, from_position, from_velocity, from_force});
+  set.stiff = set.flow.slowest() * most_ratio_of_rates < set.flow.fastest();
   const ExtendedMatrix rates = machine.directions.transpose().cast<Extended>() * basis;
   set.coupling = (rates * rates.transpose()).cast<double>();
 

@@ -16,9 +16,9 @@ using Eigen::MatrixXd;
 void require_valid(const LinearMachine<>& machine, const TimeSteppingOptions& options) {
   stability::require_valid(machine);
   if (!(options.step_s > 0) || !std::isfinite(options.step_s))
-    throw InputError{"step_s is " + std::to_string(options.step_s) + ": give a finite time above 0"};
+    throw InputError{"step_s is " + shown(options.step_s) + ": give a finite time above 0"};
   if (!(options.theta >= 0 && options.theta <= 1))
-    throw InputError{"theta is " + std::to_string(options.theta) +
+    throw InputError{"theta is " + shown(options.theta) +
                      ": give 0.5 for the midpoint rule, or another number from 0 to 1"};
 }
 
@@ -64,7 +64,8 @@ bool solve_impulses(const MatrixXd& coupling, const Eigen::VectorXd& limit_Ns, c
   const auto solution = sliding_after_stop(problem);
   if (!solution) {
     throw Refused{"the impulses of a step cannot be decided in double precision",
-                  "leave out one of the directions that are nearly parallel, or use the event-driven method"};
+                  "leave out one of the directions that are nearly parallel",
+                  "set [run] integrator to \"event_driven\""};
   }
   impulse_Ns.setZero();
   impulse_Ns(index) = solution->force_N;
@@ -81,7 +82,7 @@ std::string theta_warning(const LinearMachine<>& machine, double theta) {
   const double rounding = 1e-14 * damping.cwiseAbs().maxCoeff();
   if (damping[0] >= -rounding) return {};
   return "theta above 1/2 can give wrong answers here: damping is not positive semidefinite (least eigenvalue " +
-         std::to_string(damping[0]) +
+         shown(damping[0]) +
          " N s/m), and the damping that such a scheme adds may bring an unstable machine to rest; use theta = 0.5 or "
          "the event-driven method";
 }
@@ -92,9 +93,10 @@ SteppingScheme make_stepping_scheme(const LinearMachine<>& machine, const TimeSt
   const double h = options.step_s, theta = options.theta, before = 1 - theta;
   const MatrixXd matrix = machine.mass + h * theta * machine.damping + h * h * theta * theta * machine.stiffness;
   if (!dense::Cholesky(dense::symmetric_part(matrix)).succeeded()) {
-    throw InputError{"step_s = " + std::to_string(h) +
-                     " is too long for this machine: its negative damping or stiffness outweighs the "
-                     "mass within one step; choose a shorter step"};
+    throw Refused{"step_s = " + shown(h) +
+                      " is too long for this machine, whose negative damping or stiffness outweighs the mass within "
+                      "one step",
+                  "choose a shorter step"};
   }
   const MatrixXd inverse = dense::inverse(matrix);
   SteppingScheme scheme;
@@ -103,8 +105,9 @@ SteppingScheme make_stepping_scheme(const LinearMachine<>& machine, const TimeSt
   scheme.free = inverse * (h * stability::constant_force(machine));
   scheme.to_v = inverse * machine.directions;
   scheme.coupling = machine.directions.transpose() * scheme.to_v;
-  scheme.friction_holds_all =
-      machine.frictions() > 0 && dense::span(machine.directions).rank() == machine.coordinates();
+  const Eigen::Index n = machine.coordinates();
+  scheme.unheld = machine.frictions() > 0 ? dense::span(machine.directions).complement : MatrixXd::Identity(n, n);
+  scheme.friction_holds_all = scheme.unheld.cols() == 0;
   scheme.nearly_dependent = nearly_dependent(scheme.coupling);
   return scheme;
 }

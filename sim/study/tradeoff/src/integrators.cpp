@@ -84,8 +84,9 @@ Run integrator(const hybrid::AdaptiveOptions& options) {
   const hybrid::LinearMachine<> machine{m.mass, m.damping, m.stiffness, m.directions, m.friction_N, {}};
   return [adaptive = std::make_shared<hybrid::Adaptive>(machine, options)](const State& start) {
     const auto found = adaptive->run({start.time_s, start.q, start.v}, end_s);
-    return Outcome{
-        found.verdict, {found.end.time_s, found.end.q, found.end.v}, found.settling_time_s, found.steps, found.events};
+    return Outcome{found.verdict,         {found.end.time_s, found.end.q, found.end.v},
+                   found.settling_time_s, found.steps,
+                   found.events,          found.work};
   };
 }
 

@@ -34,14 +34,15 @@ constexpr const char* picture = R"(
 It is the largest error, in metres, that a position may have: of an axis on its whole way, of a `[machine]` at the end of the run. The
 cheapest method and step that hold it on your scene are found by trying them, and taken. The answer names them, and the error that they
 make: at most twice `error_estimate_m`, in 99 of 100 cases. What nothing can hold is refused in one line, with the reason and the cost.
-An `integrator` that you name yourself is kept, and only its step or tolerance is chosen.
+An `integrator` that you name yourself is kept, and only its step or tolerance is chosen. A run that would take many times the work of those
+below is refused within seconds, with its cause, its cost and what to do.
 
 **What does it cost?** That depends on the scene, so ask for yours: every method with its error and cost, and the choice among them, are
 told and drawn by
 
     breakaway tradeoff my_axis.toml --accuracy 1e-6 --picture my_axis.svg
 
-Two scenes of this project, in processor time of a run on one core of a PC; to find the method takes some ten runs:
+Three scenes of this project, in processor time of a run on one core of a PC; to find the method takes some ten runs:
 
 )";
 
@@ -54,8 +55,9 @@ on the way changes by more than X. "For the end only": the way changes by more, 
 
 constexpr const char* which_method =
     R"(What is known is that an axis whose friction is constant is a closed form: there is no tolerance to choose, and less accuracy saves
-nothing. In an axis on the bus most of the work is bus, drive and controller, so that a loose tolerance saves a third at most. A machine
-under constant friction is cheapest from event to event unless a hundredth of its motion will do.
+nothing. In a rigid axis on the bus most of the work is bus, drive and controller, so that a loose tolerance saves a third at most; in an
+axis that is more, most of it is the motion: the end of this page has what each part costs. A machine under constant friction is cheapest
+from event to event unless a hundredth of its motion will do.
 
 ## Which method to take
 
@@ -127,7 +129,8 @@ Tolerance and worst error in floors. Settled: at rest within the tolerance and o
 constexpr const char* about_scenario_parts = R"(## Parts of a scenario
 
 Cost of one simulated second with two moves, without setting up; time in units of the first row's, none where it drowns in that
-of setting up. Each row changes the one part that it names. The ideal law ends when it has arrived.
+of setting up. Each row changes the one part that it names, so that the difference to the first row is what the part costs.
+The ideal law ends when it has arrived.
 
 )";
 

@@ -34,6 +34,13 @@ void give_friction(Scenario& s, model::ShapePtr shape) {
   world(s).friction = {axis(s).friction.bounds, std::move(shape)};
 }
 
+// That of belt_axis.toml, which moves freely, beside a mass of 1 kg.
+void give_load(Scenario& s, double gap_m) {
+  model::FlexibleLoad& load = world(s).plant.load.emplace();
+  load.mass_kg = 0.6;
+  load.coupling = {.stiffness_N_per_m = 1e6, .damping_Ns_per_m = 150, .gap_m = gap_m};
+}
+
 Scenario with(void (*change)(Scenario&)) {
   Scenario s = moving_axis();
   change(s);
@@ -61,6 +68,25 @@ std::vector<Part> parts() {
        [](Scenario& s) {
          world(s).drive->max_tpdo_delay = std::chrono::microseconds{100};
          s.bus->loss_probability = 0.01;
+       }},
+      {"encoder noise and interpolation error", "scenario-encoder-error",
+       [](Scenario& s) {
+         world(s).encoder_error = model::EncoderErrorParameters{2e-7, {.amplitude = 2e-7, .period_m = 2e-5}};
+       }},
+      {"friction that drifts by 5 %", "scenario-drift",
+       [](Scenario& s) { world(s).drift = model::FrictionDrift{.share = 0.05, .period_s = 2}; }},
+      {"cogging and torque ripple", "scenario-cogging",
+       [](Scenario& s) {
+         world(s).plant.cogging = {.amplitude = 0.3, .period_m = 2e-3};
+         world(s).plant.ripple = {.amplitude = 0.02, .period_m = 3e-3};
+       }},
+      {"a load behind a spring", "scenario-load", [](Scenario& s) { give_load(s, 0); }},
+      {"a load behind a spring with backlash", "scenario-backlash", [](Scenario& s) { give_load(s, 2e-5); }},
+      {"pre-sliding friction, Dahl", "scenario-dahl",
+       [](Scenario& s) { world(s).plant.presliding = model::Presliding{.stiffness_N_per_m = 1e7}; }},
+      {"pre-sliding friction, LuGre", "scenario-lugre",
+       [](Scenario& s) {
+         world(s).plant.presliding = model::Presliding{.stiffness_N_per_m = 1e7, .damping_Ns_per_m = 3e3};
        }},
       {"trace and frames recorded", "scenario-recorded", [](Scenario&) {}, {.trace = true, .frames = true}},
       {"no loop: the ideal law on the plant", "scenario-ideal", leave_out_the_loop},

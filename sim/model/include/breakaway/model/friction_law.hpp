@@ -36,6 +36,7 @@ class FrictionLaw {
   bool varies_with_motion() const { return shape_->varies_with_motion(); }
   bool varies_with_time() const { return time_scale_s() < std::numeric_limits<double>::infinity(); }
   double time_scale_s() const { return shape_->time_scale_s(); }
+  double position_scale_m() const { return shape_->position_scale_m(); }
   double next_time_change_s() const { return shape_->next_time_change_s(); }
   PositionRange range_m() const { return shape_->range_m(); }
 

@@ -38,6 +38,8 @@ class Shape {
   // none.
   virtual bool varies_with_motion() const { return false; }
   virtual double time_scale_s() const { return std::numeric_limits<double>::infinity(); }
+  // The same on position, as a length.
+  virtual double position_scale_m() const { return std::numeric_limits<double>::infinity(); }
 
  protected:
   Shape() = default;

@@ -21,6 +21,7 @@
 #include "breakaway/model/applied_force.hpp"
 #include "breakaway/model/compliant_plant.hpp"
 #include "breakaway/motion/slide.hpp"
+#include "breakaway/motion/work_budget.hpp"
 
 namespace breakaway::motion {
 
@@ -54,6 +55,10 @@ class CompliantAxis {
   // Moves on to exactly time_s. Throws InputError for a time_s that is not finite or in the past, a force with feedback
   // or with numbers that are not finite, and when pieces of motion follow each other without end.
   void advance_to(double time_s, const model::AppliedForce& force);
+
+  // From now on all work is taken from this budget, whose time is this axis'; none: unlimited. It must outlive the
+  // axis. advance_to() then throws OverBudget, too.
+  void limit_work(WorkBudget* budget);
 
   CompliantState state() const;
   // Says whether friction holds what moves: dry friction sticks, on motor and load; or the bristles bend too little to

@@ -18,6 +18,7 @@
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/motion/constant_friction_motion.hpp"
 #include "breakaway/motion/summed_time.hpp"
+#include "breakaway/motion/work_budget.hpp"
 
 namespace breakaway::motion {
 
@@ -54,6 +55,10 @@ class Slide {
   // call decides by its own force whether the axis stays. Throws InputError for a time_s that is not finite
   // or in the past.
   StopReason advance_to(double time_s, const model::AppliedForce& force, bool stop_at_rest = false);
+
+  // From now on all work is taken from this budget, whose time is the state's; none: unlimited. It must outlive the
+  // slide. advance_to() then throws OverBudget, too.
+  void limit_work(WorkBudget* budget) { budget_ = budget; }
 
   // Makes the velocity jump (8), impulse / mass. Throws InputError unless finite.
   void apply_impulse(double impulse_Ns);
@@ -94,6 +99,9 @@ class Slide {
   Segment slide_by_integration(double duration_s);
   double first_step_s(double duration_s) const;
 
+  void spend(double time_s, double work) const {
+    if (budget_ != nullptr) budget_->spend(time_s, work);
+  }
   void pass_time(double duration_s);
   void set_time(double time_s);
   void come_to_rest();
@@ -121,6 +129,7 @@ class Slide {
   double next_change_s_ = 0;
   model::PositionRange range_m_;
 
+  WorkBudget* budget_ = nullptr;
   double observer_interval_s_ = 0;
   Observer observer_;
 };

@@ -36,6 +36,7 @@ struct MethodRefusal {
   Method method;                                             // with the step that would be needed, where that is known
   std::string reason;                                        // one clause
   double cost_s = std::numeric_limits<double>::quiet_NaN();  // of the run that would be needed; NaN: none is known
+  bool follows = true;                                       // what is asked for less accurately; false: not at all
 };
 
 struct Accuracy {
@@ -47,7 +48,7 @@ struct Accuracy {
   std::vector<MethodTrial> trials;  // in the order tried
 };
 
-// No method holds the accuracy. The text is one line with the cause and the estimated cost.
+// No method holds the accuracy. The text is one line with the cause, the estimated cost and the remedy.
 class AccuracyRefused : public InputError {
  public:
   AccuracyRefused(const std::string& file, double asked_m, std::vector<MethodRefusal> refused);

@@ -25,11 +25,13 @@ struct AxisMechanism {
 // The friction of an axis, with its drift.
 model::FrictionLaw friction_of(const scenario::AxisWorld& world);
 
-// An axis that moves alone, as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide.
-AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world);
+// An axis that moves alone, as its drive moves it. Requires axis.drive. A rigid axis is a BrakedSlide. The budget, if
+// there is one, must outlive it.
+AxisMechanism axis_mechanism(const config::Axis& axis, const scenario::AxisWorld& world,
+                             motion::WorkBudget* budget = nullptr);
 
 // All axes of the scenario, in order, each alone or all on one machine. Requires a drive of each. Throws InputError for
-// a machine that cannot be followed.
-std::vector<AxisMechanism> axis_mechanisms(const scenario::Scenario& scenario);
+// a machine that cannot be followed. The budget is for all together.
+std::vector<AxisMechanism> axis_mechanisms(const scenario::Scenario& scenario, motion::WorkBudget* budget = nullptr);
 
 }  // namespace breakaway::sil

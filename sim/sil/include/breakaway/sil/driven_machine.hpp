@@ -17,6 +17,7 @@
 
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/model/applied_force.hpp"
+#include "breakaway/motion/work_budget.hpp"
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/sil/braked_mechanism.hpp"
 
@@ -33,6 +34,10 @@ class DrivenMachine {
   // The machine stands, held by the brakes of all drives. Throws InputError for a machine that the event-driven method
   // refuses.
   DrivenMachine(scenario::CoupledMachine coupled, std::vector<Axis> axes);
+
+  // From now on all work is taken from this budget, whose time is since the brakes opened; none: unlimited but for one
+  // move. It must outlive the machine. advance_to() then throws motion::OverBudget, too.
+  void limit_work(motion::WorkBudget* budget) { budget_ = budget; }
 
   // One drive's brake opens; when the last one does, the machine's time starts.
   void open_brake(double time_s);
@@ -71,6 +76,7 @@ class DrivenMachine {
   hybrid::DirectionSet directions_on(const Eigen::VectorXd& coordinates) const;
   stability::MachineState<Eigen::Dynamic> state_with_lags() const;
   Eigen::VectorXd force_N() const;
+  hybrid::Outcome<Eigen::Dynamic> follow(double end_s, std::vector<hybrid::Event>& events);
   bool holds(const Coupling& coupling) const {
     return coupling.directions != 0 && (sticking_ & coupling.directions) == coupling.directions;
   }
@@ -85,6 +91,7 @@ class DrivenMachine {
   stability::MachineState<Eigen::Dynamic> state_;
   hybrid::DirectionSet sticking_ = 0;
   std::size_t closed_brakes_;
+  motion::WorkBudget* budget_ = nullptr;
   double origin_s_ = 0;  // when the last brake opened
 };
 

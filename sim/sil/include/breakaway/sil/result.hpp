@@ -80,6 +80,13 @@ struct Reached {
   double time_s = 0;
 };
 
+// At the ends of the periods; all moves together.
+struct Excursions {
+  double overshoot_m = 0;     // the furthest past the target, seen from where the move began
+  double beyond_m = 0;        // the furthest past the target that a kick led, seen from where it began
+  double peak_speed_m_s = 0;  // the largest |velocity|
+};
+
 struct AxisResult {
   std::string name;
   bool settled = false;
@@ -88,6 +95,7 @@ struct AxisResult {
   std::optional<double> load_position_m;  // at the end, where there is a load apart from the motor
   std::string told;  // what the controller is told otherwise than it is; see config::told_otherwise
   std::optional<std::uint64_t> encoder_noise_seed;  // where the encoder is noisy
+  std::optional<Excursions> excursions;             // scenarios on the bus
   double max_force_N = 0;  // largest |force| of the actuator; NaN for the ideal law, which has impulses
   std::vector<KickRecord> kicks;
   std::vector<FaultRecord> faults;
@@ -98,8 +106,10 @@ struct AxisResult {
 };
 
 struct Result {
-  double duration_s = 0;         // simulated
-  double wall_s = 0;             // taken by the computation
+  double duration_s = 0;  // simulated
+  double wall_s = 0;      // taken by the computation
+  double work = 0;        // of the motion of all axes, and its share of what it may be: see motion::WorkBudget
+  double work_share = 0;
   std::vector<AxisResult> axes;  // as the scenario has them
   std::optional<LoopFigures> loop;
   // Of the machine that all axes stand on, where there is one: at the end, and at the times of the axes' samples.

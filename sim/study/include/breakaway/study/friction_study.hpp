@@ -35,6 +35,7 @@ struct StudyRun {
   bool limit_cycle = false;
   double settling_time_s = 0;  // NaN: never
   double final_error_m = 0;
+  sil::Excursions excursions;
   double max_force_N = 0;
   std::size_t kicks = 0;
   std::vector<sil::Reached> reached;
@@ -50,6 +51,7 @@ struct StudyRow {
 double median_settling_time_s(const StudyRow& row);
 double worst_settling_time_s(const StudyRow& row);
 double worst_error_m(const StudyRow& row);
+sil::Excursions worst_excursions(const StudyRow& row);
 double largest_force_N(const StudyRow& row);
 std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);

@@ -37,12 +37,14 @@ class Budget {
   // vibrations that it will end soon are waited for, too.
   void rub(double energy) { rubbed_ += energy; }
 
+  double spent() const { return spent_; }
   double share() const { return spent_ / work_; }  // of the work: 1 when it is exhausted
   double steps() const { return steps_; }
 
-  // Throws Refused: "following this machine for 30 s would take about 4e+09 steps (cause): remedy". The number is
-  // that of the steps so far, carried on at the same pace; `done_s` of `asked_s` are behind.
-  [[noreturn]] void refuse(double done_s, double asked_s, const std::string& cause, const std::string& remedy) const;
+  // Throws RefusedForWork: "following this machine for 30 s would take about 4e+09 steps (cause): remedy". The number
+  // is that of the steps so far, carried on at the same pace; `done_s` of `asked_s` are behind.
+  [[noreturn]] void refuse(double done_s, double asked_s, const std::string& cause, const std::string& remedy,
+                           const std::string& another_method = {}) const;
 
  private:
   double work_;

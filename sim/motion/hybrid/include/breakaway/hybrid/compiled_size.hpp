@@ -81,7 +81,8 @@ class CompiledSize {
   template <int N>
   static Outcome<Eigen::Dynamic> unsized(const Outcome<N>& outcome) {
     const MachineState<N>& end = outcome.end;
-    return {outcome.verdict, {end.time_s, end.q, end.v}, outcome.settling_time_s, outcome.steps, outcome.events};
+    return {outcome.verdict, {end.time_s, end.q, end.v}, outcome.settling_time_s, outcome.steps, outcome.events,
+            outcome.work};
   }
 
   // Returns the function for states whose size is known; none stays none.

@@ -68,6 +68,7 @@ class EventDriven {
     double start_time_s = 0;
     Budget budget;
     Segment<N, M> segment;
+    ExtendedVector begun;  // where the segment began, if the state is fine
     std::vector<Event>* log = nullptr;
     Outcome<N> outcome;
   };
@@ -98,6 +99,10 @@ class EventDriven {
 
   void start_segment(Walk& walk, const Set& held) const;
   void watch_limits(Walk& walk, const Set& held) const;
+  [[gnu::noinline]] void begin_fine(Walk& walk, const Set& held) const;
+  // What is watched as it changes from its value at the start, which the digits of the state tell.
+  [[gnu::noinline]] void watch_change(Walk& walk, Eigen::Index direction) const;
+  [[gnu::noinline]] void watch_change(Walk& walk, const Facet<N, M>& facet, double sign) const;
   void leave_segment(Walk& walk, const Set& held) const;
   void rub(Walk& walk, const Set& held) const;
   // `doubtful` says that the same instant has been decided again and again.
@@ -127,8 +132,10 @@ template <int N, int M>
 const LinearMachine<N, M>& EventDriven<N, M>::checked(const LinearMachine<N, M>& machine) {
   stability::require_valid(stability::unsized(machine));
   if (machine.frictions() > most_directions) {
-    throw InputError{"directions has " + std::to_string(machine.frictions()) +
-                     " columns: the event-driven method takes at most 16, so use time stepping"};
+    throw Refused{"directions has " + std::to_string(machine.frictions()) +
+                      " columns, and the event-driven method takes at most 16",
+                  "leave out those without friction, and join what is parallel",
+                  "set [run] integrator to \"time_stepping\""};
   }
   return machine;
 }
@@ -231,11 +238,15 @@ MachineState<N> EventDriven<N, M>::unscaled(const Walk& walk) const {
 
 template <int N, int M>
 void EventDriven<N, M>::start_segment(Walk& walk, const Set& held) const {
+  if (held.stiff || walk.state.fine) [[unlikely]]
+    begin_fine(walk, held);
   walk.segment.start(held, modes_.coordinates(walk.state, held), modes_.rounding(walk.state, held));
   for (Eigen::Index i = 0; i < modes_.machine().frictions(); ++i) {
     if (walk.state.signs[i] == 0) continue;
     const auto& line = held.sliding[static_cast<std::size_t>(i)];
     walk.segment.watch({&line, walk.state.signs[i], 0, 0, static_cast<int>(i), -1, 0});
+    if (walk.state.fine) [[unlikely]]
+      watch_change(walk, i);
   }
   if (held.flow.size() > 0) watch_limits(walk, held);
 }
@@ -251,16 +262,43 @@ void EventDriven<N, M>::watch_limits(Walk& walk, const Set& held) const {
                          facet.normal.cwiseAbs().dot(applied.cwiseAbs());
     for (const double sign : {-1.0, 1.0}) {
       walk.segment.watch({&facet.line, sign, facet.limit_N + sign * needed, scale, -1, static_cast<int>(k), 0});
+      if (walk.state.fine) [[unlikely]]
+        watch_change(walk, facet, sign);
     }
   }
+}
+
+template <int N, int M>
+void EventDriven<N, M>::begin_fine(Walk& walk, const Set& held) const {
+  if (!walk.state.fine) modes_.refine(walk.state);
+  walk.begun = modes_.fine_coordinates(walk.state, held);
+}
+
+template <int N, int M>
+void EventDriven<N, M>::watch_change(Walk& walk, Eigen::Index direction) const {
+  const auto column = modes_.machine().directions.col(direction);
+  const Extended speed = column.template cast<Extended>().dot(walk.state.fine->v);
+  walk.segment.watch_change(
+      {walk.state.signs[direction] * static_cast<double>(speed), column.cwiseProduct(walk.state.v).cwiseAbs().sum()});
+}
+
+template <int N, int M>
+void EventDriven<N, M>::watch_change(Walk& walk, const Facet<N, M>& facet, double sign) const {
+  const auto terms = facet.normal.cwiseProduct(modes_.balance(walk.state)).eval();
+  walk.segment.watch_change({facet.limit_N - sign * terms.sum(), facet.limit_N + terms.cwiseAbs().sum()});
 }
 
 // Carries the state to the segment's end.
 template <int N, int M>
 void EventDriven<N, M>::leave_segment(Walk& walk, const Set& held) const {
   if (walk.budget.judged()) rub(walk, held);
-  walk.state.q += held.velocity.lazyProduct(walk.segment.integral());
-  walk.state.v = held.velocity.lazyProduct(walk.segment.x());
+  if (walk.state.fine) [[unlikely]] {
+    modes_.move(walk.state, held, walk.begun, walk.segment.x(), walk.segment.integral(), walk.segment.elapsed_s());
+    if (!walk.state.q.allFinite() || !walk.state.v.allFinite()) refuse_growth();
+  } else {
+    walk.state.q += held.velocity.lazyProduct(walk.segment.integral());
+    walk.state.v = held.velocity.lazyProduct(walk.segment.x());
+  }
   walk.time.pass(walk.segment.elapsed_s());
   walk.state.time_s = walk.time.sum_s;
   ++walk.outcome.steps;
@@ -308,7 +346,7 @@ DirectionSet EventDriven<N, M>::stopped_with(const Walk& walk, int direction) co
   const DirectionSet stopped = walk.state.sticking | only(direction);
   DirectionSet all = stopped;
   for (const Watch<N>& watch : walk.segment.watches()) {
-    if (walk.segment.stops_too(watch)) all |= only(watch.direction);
+    if (watch.direction != direction && walk.segment.stops_too(watch)) all |= only(watch.direction);
   }
   if (all == stopped) return stopped;
   const DirectionSet held = modes_.set(all).sticking;
@@ -337,12 +375,14 @@ Outcome<N> EventDriven<N, M>::finish(Walk& walk, Verdict verdict) const {
   walk.outcome.verdict = verdict;
   walk.outcome.end = unscaled(walk);
   walk.outcome.settling_time_s = walk.time.sum_s;
+  walk.outcome.work = walk.budget.spent();
   return walk.outcome;
 }
 
 template <int N, int M>
 Outcome<N> EventDriven<N, M>::finish_at_rest(Walk& walk, const Observer<N>& observer) const {
   walk.state.v.setZero();
+  if (walk.state.fine) walk.state.fine->v.setZero();
   if (observer) observer(unscaled(walk));
   return finish(walk, Verdict::at_rest);
 }
@@ -370,8 +410,8 @@ template <int N, int M>
 void EventDriven<N, M>::refuse(const Walk& walk, double end_time_s) const {
   if (walk.budget.exhausted()) {
     walk.budget.refuse(walk.time.sum_s - walk.start_time_s, end_time_s - walk.start_time_s,
-                       "its directions stick and slip, or vibrate, so often",
-                       "end earlier, damp what vibrates, or use time stepping");
+                       "its directions stick and slip, or vibrate, so often", "end earlier, or damp what vibrates",
+                       "set [run] integrator to \"time_stepping\"");
   }
   throw Refused{"the friction directions switch without end at t = " + shown(walk.time.sum_s) + " s",
                 "the machine is too ill-scaled for double precision; leave out its least friction or mass"};
@@ -425,11 +465,11 @@ Outcome<N> EventDriven<N, M>::follow(Walk& walk, double end_time_s, const Observ
     const Ending ending = walk.segment.advance(walk.time.until(end_time_s), walk.budget);
     leave_segment(walk, held);
     if (ending == Ending::exhausted) refuse(walk, end_time_s);
-    const bool faded = ending == Ending::faded;
-    if (ending != Ending::event && !faded) return finish_without_event(walk, ending, end_time_s, observer);
+    const bool died_out = ending == Ending::faded;
+    if (ending != Ending::event && !died_out) return finish_without_event(walk, ending, end_time_s, observer);
     const bool crawls = walk.segment.elapsed_s() <= std::numeric_limits<double>::epsilon() * std::abs(walk.time.sum_s);
     at_once = crawls ? at_once + 1 : 0;
-    faded ? stop_everything(walk) : handle_event(walk, at_once > most_at_once);
+    died_out ? stop_everything(walk) : handle_event(walk, at_once > most_at_once);
     walk.budget.spend(work_of_an_event());
     if (at_once <= 2 * most_at_once && !walk.budget.exhausted()) continue;
     if (modes_.lost_in_rounding(walk.state)) return finish_at_rest(walk, observer);

@@ -60,6 +60,8 @@ class Flow {
   Eigen::Index size() const { return 2 * k_; }
   const std::vector<Block>& blocks() const { return blocks_; }  // the fastest first
   double fastest() const { return blocks_.empty() ? 0 : blocks_.front().speed; }
+  // The least rate of a motion that moves at all, 0 if there is a block whose rates are not told apart.
+  double slowest() const;
   ExtendedMatrix velocity() const { return modes_.topRows(k_); }               // u = velocity x
   ExtendedMatrix from_velocity() const { return inverse_.leftCols(k_); }       // x = from_velocity u
   ExtendedMatrix from_acceleration() const { return inverse_.rightCols(k_); }  //   + from_acceleration a
@@ -168,7 +170,7 @@ class Flow {
     double change_re = 0, change_im = 0;  // e^(lambda h) - 1
     const double turn = std::max(std::abs(re), std::abs(im));
     if (turn < 0.03) {
-      for (int order = turn < 1e-4 ? 4 : 8; order >= 1; --order) {
+      for (int order = turn < 1e-5 ? 3 : turn < 2e-3 ? 5 : 8; order >= 1; --order) {
         const double old_re = 1 + change_re;
         change_re = (re * old_re - im * change_im) * reciprocal[order];
         change_im = (re * change_im + im * old_re) * reciprocal[order];

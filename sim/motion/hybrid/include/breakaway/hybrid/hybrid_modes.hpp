@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,13 +21,19 @@
 
 namespace breakaway::hybrid {
 
+// A state before it was rounded.
+struct FineState {
+  ExtendedVector q, v;
+};
+
 // Says where the machine is and which of its directions stick.
 template <int N, int M>
 struct HybridState {
   Eigen::Matrix<double, N, 1> q, v;
-  hybrid::Signs<M> signs;     // of sliding; 0 while sticking
-  DirectionSet sticking = 0;  // with all directions that cannot slide while these stick
-  double time_s = 0;          // for what is told to a person
+  hybrid::Signs<M> signs;         // of sliding; 0 while sticking
+  DirectionSet sticking = 0;      // with all directions that cannot slide while these stick
+  double time_s = 0;              // for what is told to a person
+  std::optional<FineState> fine;  // once a stiff set was met
 };
 
 // HybridModes is for one thread, because stick sets are factorised when first met. Copies are cheap and independent.
@@ -56,6 +63,27 @@ class HybridModes {
 
   // All forces but those of springs, dampers and sticking directions.
   Vector force(const State& state) const;
+  // All forces but those of sticking directions.
+  Vector balance(const State& state) const {
+    if (state.fine) [[unlikely]]
+      return fine_balance(state);
+    return force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
+  }
+  // Returns what static friction must bear in this face so that the sticking directions stick.
+  double needed_N(const State& state, const Facet<N, M>& facet, const Vector& applied) const {
+    if (state.fine) [[unlikely]]
+      return -facet.normal.dot(balance(state));
+    return facet.stiffness.dot(state.q) + facet.damping.dot(state.v) - facet.normal.dot(applied);
+  }
+  // Keeps the digits of the state from here on.
+  void refine(State& state) const {
+    state.fine = {state.q.template cast<Extended>(), state.v.template cast<Extended>()};
+  }
+  // The state in the coordinates of a stick set, k, and a state whose digits are kept carried on from there: to x, with
+  // the integral of x on the way.
+  ExtendedVector fine_coordinates(const State& state, const Set& held) const;
+  [[gnu::noinline]] void move(State& state, const Set& held, ExtendedVector begun, const Coordinates& x,
+                              const Coordinates& integral, double elapsed_s) const;
   // The state in the coordinates of a stick set, and the rounding in them.
   Coordinates coordinates(const State& state, const Set& held) const;
   Coordinates rounding(const State& state, const Set& held) const;
@@ -102,12 +130,15 @@ class HybridModes {
            machine_.damping.cwiseAbs().lazyProduct(state.v.cwiseAbs());
   }
   bool all_stick(const State& state) const { return (state.signs.array() == 0).all(); }
-  // Returns what static friction must bear in this face so that the sticking directions stick.
-  double needed_N(const State& state, const Facet<N, M>& facet, const Vector& applied) const {
-    return facet.stiffness.dot(state.q) + facet.damping.dot(state.v) - facet.normal.dot(applied);
-  }
+  ExtendedVector fine_force(const State& state) const;
+  [[gnu::noinline]] Vector fine_balance(const State& state) const;
+  [[gnu::noinline]] Coordinates rounded_coordinates(const State& state, const Set& held) const;
   bool holds(const State& state, const Set& held, double rounding = force_rounding) const;
   DirectionSet slide_after_stop(State& state, DirectionSet stopped) const;
+  bool slides_held(DirectionSet stopped, DirectionSet released) const {
+    return (set(stopped & ~released).sticking & released) != 0;
+  }
+  [[gnu::noinline]] bool holds_too(State& state, DirectionSet held) const;
   Sliding decide_stop(const State& state, const Indices& index, const Vector& balance) const;
   Sliding decide_in_extended_precision(const State& state, const Indices& index) const;
   DirectionSet slide(State& state, const Indices& index, const Sliding& sliding, DirectionSet except) const;
@@ -163,7 +194,59 @@ typename HybridModes<N, M>::Vector HybridModes<N, M>::force(const State& state) 
 }
 
 template <int N, int M>
+ExtendedVector HybridModes<N, M>::fine_force(const State& state) const {
+  ExtendedVector force = machine_.force_N.template cast<Extended>();
+  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
+    if (state.signs[i] == 0) continue;
+    const ExtendedVector direction = machine_.directions.col(i).template cast<Extended>();
+    force -= direction * Extended(state.signs[i] * machine_.friction_N[i]);
+  }
+  return force;
+}
+
+template <int N, int M>
+typename HybridModes<N, M>::Vector HybridModes<N, M>::fine_balance(const State& state) const {
+  return doubtful_->balance(fine_force(state), state.fine->q, state.fine->v).template cast<double>();
+}
+
+template <int N, int M>
+ExtendedVector HybridModes<N, M>::fine_coordinates(const State& state, const Set& held) const {
+  const FineMaps& maps = *held.fine;
+  return maps.from_position * state.fine->q + maps.from_velocity * state.fine->v + maps.from_force * fine_force(state);
+}
+
+// In the time of a short motion x hardly changes, and a speed may be far less than the terms that it is the sum of:
+// then what has changed is added, else x as it has become is known better.
+template <int N, int M>
+void HybridModes<N, M>::move(State& state, const Set& held, ExtendedVector begun, const Coordinates& x,
+                             const Coordinates& integral, double elapsed_s) const {
+  const ExtendedVector sum = integral.head(begun.size()).template cast<Extended>();
+  for (const Block& block : held.flow.blocks()) {
+    const auto rows = Eigen::seqN(block.first, block.size);
+    if (block.speed * elapsed_s < 0.5) {
+      begun(rows) += held.flow.generator()(rows, rows) * sum(rows);
+    } else {
+      begun(rows) = x(rows).template cast<Extended>();
+    }
+  }
+  state.fine->q += held.fine->velocity * sum;
+  state.fine->v = held.fine->velocity * begun;
+  state.q = state.fine->q.template cast<double>();
+  state.v = state.fine->v.template cast<double>();
+}
+
+template <int N, int M>
+typename HybridModes<N, M>::Coordinates HybridModes<N, M>::rounded_coordinates(const State& state,
+                                                                               const Set& held) const {
+  Coordinates x = Coordinates::Zero(2 * machine_.coordinates());
+  x.head(held.flow.size()) = fine_coordinates(state, held).template cast<double>();
+  return x;
+}
+
+template <int N, int M>
 typename HybridModes<N, M>::Coordinates HybridModes<N, M>::coordinates(const State& state, const Set& held) const {
+  if (state.fine) [[unlikely]]
+    return rounded_coordinates(state, held);
   return held.from_position.lazyProduct(state.q) + held.from_velocity.lazyProduct(state.v) +
          held.from_force.lazyProduct(force(state));
 }
@@ -190,6 +273,7 @@ bool HybridModes<N, M>::lost_in_rounding(const State& state) const {
   constexpr double lost = 1e-11;
   State still = state;
   still.v.setZero();
+  if (still.fine) still.fine->v.setZero();
   still.signs.setZero();
   const Set& held = set(rubbing_);
   still.sticking = held.sticking;
@@ -233,10 +317,20 @@ void HybridModes<N, M>::choose(State& state, DirectionSet stopped, bool keep) co
   state.sticking = stopped;
   if (!holds(state, set(state.sticking))) {
     const DirectionSet released = slide_after_stop(state, stopped);
-    if (released == 0) ModeChoice::refuse(state.time_s);
     state.sticking = set(stopped & ~released).sticking;
+    const DirectionSet held = state.sticking & released;
+    if (released == 0 || (held != 0 && !holds_too(state, held))) ModeChoice::refuse(state.time_s);
   }
   if (!keep) release(state, -1);
+}
+
+// What is said to slide and cannot, as others hold it, sticks: then friction must bear that, or the decision was wrong.
+template <int N, int M>
+bool HybridModes<N, M>::holds_too(State& state, DirectionSet held) const {
+  for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
+    if (contains(held, i)) state.signs[i] = 0;
+  }
+  return holds(state, set(state.sticking));
 }
 
 // Those of the stopped directions that do not stick begin to slide, and are returned.
@@ -246,13 +340,18 @@ DirectionSet HybridModes<N, M>::slide_after_stop(State& state, DirectionSet stop
   for (Eigen::Index i = 0; i < machine_.frictions(); ++i) {
     if (contains(stopped & rubbing_, i)) index.add(i);
   }
-  const Vector balance = force(state) - machine_.stiffness * state.q - machine_.damping * state.v;
+  const Vector balance = this->balance(state);
   if (index.size == 1) {  // static friction does not hold it, so it slides
     state.signs[index[0]] = response_.row(index[0]).dot(balance) > 0 ? 1 : -1;
     return only(index[0]);
   }
-  const Sliding sliding = decide_stop(state, index, balance);
-  const DirectionSet released = slide(state, index, sliding, sliding.ties);
+  Sliding sliding = decide_stop(state, index, balance);
+  DirectionSet released = slide(state, index, sliding, sliding.ties);
+  if (slides_held(stopped, released)) [[unlikely]] {
+    for (Eigen::Index r = 0; r < index.size; ++r) state.signs[index[r]] = 0;
+    sliding = decide_in_extended_precision(state, index);
+    released = slide(state, index, sliding, sliding.ties);
+  }
   if (sliding.ties == 0 || holds(state, set(stopped & ~released))) return released;
   return slide(state, index, sliding, 0);
 }
@@ -289,9 +388,9 @@ Sliding HybridModes<N, M>::decide_stop(const State& state, const Indices& index,
 template <int N, int M>
 Sliding HybridModes<N, M>::decide_in_extended_precision(const State& state, const Indices& index) const {
   ModeChoice::Stop stop{state.time_s,
-                        state.q,
-                        state.v,
-                        force(state),
+                        state.fine ? state.fine->q : ExtendedVector{state.q.template cast<Extended>()},
+                        state.fine ? state.fine->v : ExtendedVector{state.v.template cast<Extended>()},
+                        state.fine ? fine_force(state) : ExtendedVector{force(state).template cast<Extended>()},
                         force_rounding * force_terms(state),
                         force_rounding * applied_terms(state),
                         {},

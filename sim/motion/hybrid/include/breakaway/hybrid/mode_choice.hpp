@@ -23,11 +23,16 @@ class ModeChoice {
   const Eigen::MatrixXd& response() const { return rounded_response_; }
   const Eigen::MatrixXd& coupling() const { return rounded_coupling_; }
 
+  // Returns the sum of all forces, of which `applied` are those of no spring and no damper.
+  ExtendedVector balance(const ExtendedVector& applied, const ExtendedVector& q, const ExtendedVector& v) const {
+    return applied - stiffness_ * q - damping_ * v;
+  }
+
   // The state at a stop, with the forces of all but springs, dampers and stopped directions.
   struct Stop {
     double time_s;
-    Eigen::VectorXd q, v;
-    Eigen::VectorXd applied;                // n
+    ExtendedVector q, v;
+    ExtendedVector applied;                 // n
     Eigen::VectorXd rounding;               // n: of the sum of all forces, >= 0,
     Eigen::VectorXd applied_rounding;       // and of the applied forces alone
     std::vector<Eigen::Index> stopped;      // directions

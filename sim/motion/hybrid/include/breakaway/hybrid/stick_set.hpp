@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "breakaway/hybrid/flow.hpp"
@@ -53,6 +54,12 @@ struct Facet {
   Line<N> line;
 };
 
+// The maps between a state and a stick set's coordinates before they were rounded, n x k and k x n. In a stiff set a
+// slow coordinate is what is left of far larger terms: rounded maps, or a rounded state, would move it.
+struct FineMaps {
+  ExtendedMatrix velocity, from_position, from_velocity, from_force;
+};
+
 template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
 struct StickSet {
   // These are padded with zeros to 2 n, so that the compiler knows the size.
@@ -66,6 +73,8 @@ struct StickSet {
   // x = from_position q + from_velocity v + from_force F. The springs' and dampers' forces are in the first two: a
   // stiff spring's force would be rounded to more than what moves slow coordinates.
   Tall from_position, from_velocity, from_force;
+  std::shared_ptr<const FineMaps> fine;
+  bool stiff = false;                    // its coordinates are found with `fine`
   Eigen::Matrix<double, M, M> coupling;  // accelerations of directions by forces in directions: W^T B B^T W
   std::vector<Line<N>> sliding;          // by direction: g_i; empty for sticking ones
   std::vector<Facet<N, M>> facets;
@@ -97,8 +106,17 @@ Line<N> fixed(const Line<Eigen::Dynamic>& line) {
 
 template <int N, int M>
 StickSet<N, M> fixed(const StickSet<>& set) {
-  StickSet<N, M> result{
-      set.sticking, set.flow, set.velocity, set.from_position, set.from_velocity, set.from_force, set.coupling, {}, {}};
+  StickSet<N, M> result{set.sticking,
+                        set.flow,
+                        set.velocity,
+                        set.from_position,
+                        set.from_velocity,
+                        set.from_force,
+                        set.fine,
+                        set.stiff,
+                        set.coupling,
+                        {},
+                        {}};
   for (const auto& line : set.sliding) result.sliding.push_back(fixed<N>(line));
   for (const auto& facet : set.facets) {
     result.facets.push_back(

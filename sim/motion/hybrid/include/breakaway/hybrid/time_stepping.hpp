@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,7 @@ struct SteppingScheme {
   Eigen::MatrixXd to_v;            // n x m: velocities by impulses, (M + h theta C + h^2 theta^2 K)^-1 W
   Eigen::MatrixXd coupling;        // m x m: W^T to_v
   bool friction_holds_all;         // the directions span all coordinates
+  Eigen::MatrixXd unheld;          // n x k: an orthonormal basis of the motions that no direction brakes
   bool nearly_dependent;           // of the directions, so that sweeps over them hardly converge
 };
 
@@ -105,6 +107,8 @@ class TimeStepping {
     return on;
   }
 
+  // Says whether nothing but rounding pushes the motions that no direction brakes.
+  bool unheld_rest(const Vector& q) const;
   void note_events(const Vector& before, Outcome<N>& outcome, std::vector<Event>& log) const;
 
   static constexpr int max_sweeps = 1000;  // beyond it the problem is solved at once
@@ -119,6 +123,8 @@ class TimeStepping {
   Impulses limit_Ns_, own_mass_kg_, sliding_free_;
   Eigen::Matrix<double, M, N> sliding_from_v_, sliding_from_q_;  // of the end of the step without friction
   bool friction_holds_all_, nearly_dependent_;
+  Eigen::MatrixXd unheld_, stiffness_;  // see SteppingScheme
+  Eigen::VectorXd force_N_;
 };
 
 template <int N, int M>
@@ -148,6 +154,9 @@ TimeStepping<N, M>::TimeStepping(const LinearMachine<N, M>& machine, TimeSteppin
   sliding_free_ = rubbing.directions.transpose() * free_;
   friction_holds_all_ = scheme.friction_holds_all;
   nearly_dependent_ = scheme.nearly_dependent;
+  unheld_ = scheme.unheld;
+  stiffness_ = rubbing.stiffness;
+  force_N_ = stability::constant_force(rubbing);
 }
 
 template <int N, int M>
@@ -155,8 +164,9 @@ void TimeStepping<N, M>::step(MachineState<N>& state, Memory& memory) const {
   Vector v = from_v_ * state.v + from_q_ * state.q + free_;
   solve(sliding_from_v_ * state.v + sliding_from_q_ * state.q + sliding_free_, memory);
   v += to_v_ * memory.impulse_Ns;
-  // Where friction holds every coordinate, sticking leaves no speed, not even one of rounding.
-  if (memory.sticks && friction_holds_all_) v.setZero();
+  // Where friction holds every coordinate, sticking leaves no speed, not even one of rounding; and what stands and is
+  // not pushed stands on.
+  if (memory.sticks && (friction_holds_all_ || (state.v.isZero(0) && unheld_rest(state.q)))) v.setZero();
   state.q += before_s_ * state.v + after_s_ * v;
   state.v = v;
   state.time_s += step_s_;
@@ -219,6 +229,16 @@ void TimeStepping<N, M>::solve_at_once(const Impulses& sliding_m_s, Memory& memo
   Eigen::VectorXd impulse_Ns = memory.impulse_Ns;
   memory.sticks = solve_impulses(coupling_, limit_Ns_, sliding_m_s, impulse_Ns);
   memory.impulse_Ns = impulse_Ns;
+}
+
+template <int N, int M>
+bool TimeStepping<N, M>::unheld_rest(const Vector& q) const {
+  const Eigen::VectorXd force_N = force_N_ - stiffness_ * q;
+  const Eigen::VectorXd terms_N = force_N_.cwiseAbs() + stiffness_.cwiseAbs() * q.cwiseAbs();
+  const double rounding = 8 * std::numeric_limits<double>::epsilon();
+  return ((unheld_.transpose() * force_N).array().abs() <=
+          rounding * (unheld_.cwiseAbs().transpose() * terms_N).array())
+      .all();
 }
 
 template <int N, int M>

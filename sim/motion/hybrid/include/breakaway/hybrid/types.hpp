@@ -38,6 +38,7 @@ struct Outcome {
   double settling_time_s = 0;  // when rest began, if at_rest; else the time of `end`
   std::uint64_t steps = 0;     // closed-form segments, or time steps
   std::uint64_t events = 0;    // entries of the log
+  double work = 0;             // that the event-driven method took from its Budget
 };
 
 // Says what is known about the future of a state without integrating it: captured or lost if proved, else undecided. It

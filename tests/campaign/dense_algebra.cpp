@@ -1,4 +1,4 @@
-#include "quad_algebra.hpp"
+#include "dense_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,21 +7,21 @@
 namespace breakaway::campaign {
 namespace {
 
-constexpr double dependent = 1e-24;
-
 // Removes what `basis` spans, twice: once is not enough for rounding.
-Vector left_of(Vector column, const std::vector<Vector>& basis) {
+template <class Real>
+Vector<Real> left_of(Vector<Real> column, const std::vector<Vector<Real>>& basis) {
   for (int pass = 0; pass < 2; ++pass) {
-    for (const Vector& b : basis) add_scaled(column, -dot(b, column), b);
+    for (const Vector<Real>& b : basis) add_scaled(column, -dot(b, column), b);
   }
   return column;
 }
 
-bool extend(std::vector<Vector>& basis, const Vector& column) {
+template <class Real>
+bool extend(std::vector<Vector<Real>>& basis, const Vector<Real>& column) {
   const Real before = norm(column);
-  Vector rest = left_of(column, basis);
+  Vector<Real> rest = left_of(column, basis);
   const Real after = norm(rest);
-  if (!(after > Real(dependent) * before)) return false;
+  if (!(after > Real(10 * Rounding<Real>::noise) * before)) return false;
   rest = left_of(std::move(rest), basis);
   const Real size = norm(rest);
   for (Real& x : rest) x /= size;
@@ -31,57 +31,37 @@ bool extend(std::vector<Vector>& basis, const Vector& column) {
 
 }  // namespace
 
-Real square_root(Real x) {
-  if (!(x > 0)) return 0;
-  Real root = std::sqrt(static_cast<long double>(x));
-  for (int i = 0; i < 2; ++i) root = (root + x / root) / 2;
-  return root;
-}
-
-Real dot(const Vector& a, const Vector& b) {
-  Real sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-Real norm(const Vector& a) { return square_root(dot(a, a)); }
-
-Real largest(const Vector& a) {
-  Real most = 0;
-  for (const Real x : a) most = larger(most, magnitude(x));
-  return most;
-}
-
-void add_scaled(Vector& to, Real factor, const Vector& from) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
-}
-
-Vector operator-(Vector a) {
-  for (Real& x : a) x = -x;
-  return a;
-}
-
-Matrix Matrix::identity(std::size_t size) {
-  Matrix result(size, size);
+template <class Real>
+Matrix<Real> Matrix<Real>::identity(std::size_t size) {
+  Matrix<Real> result(size, size);
   for (std::size_t i = 0; i < size; ++i) result(i, i) = 1;
   return result;
 }
 
-Vector Matrix::column(std::size_t j) const {
-  Vector result(rows_);
+template <class Real>
+Vector<Real> Matrix<Real>::column(std::size_t j) const {
+  Vector<Real> result(rows_);
   for (std::size_t i = 0; i < rows_; ++i) result[i] = (*this)(i, j);
   return result;
 }
 
-Matrix Matrix::transposed() const {
-  Matrix result(columns_, rows_);
+template <class Real>
+Vector<Real> Matrix<Real>::row(std::size_t i) const {
+  const auto begin = entries_.begin() + static_cast<std::ptrdiff_t>(i * columns_);
+  return {begin, begin + static_cast<std::ptrdiff_t>(columns_)};
+}
+
+template <class Real>
+Matrix<Real> Matrix<Real>::transposed() const {
+  Matrix<Real> result(columns_, rows_);
   for (std::size_t i = 0; i < rows_; ++i) {
     for (std::size_t j = 0; j < columns_; ++j) result(j, i) = (*this)(i, j);
   }
   return result;
 }
 
-Real Matrix::row_norm() const {
+template <class Real>
+Real Matrix<Real>::row_norm() const {
   Real most = 0;
   for (std::size_t i = 0; i < rows_; ++i) {
     Real sum = 0;
@@ -91,10 +71,9 @@ Real Matrix::row_norm() const {
   return most;
 }
 
-Real Matrix::peak() const { return largest(entries_); }
-
-Matrix operator*(const Matrix& a, const Matrix& b) {
-  Matrix result(a.rows(), b.columns());
+template <class Real>
+Matrix<Real> operator*(const Matrix<Real>& a, const Matrix<Real>& b) {
+  Matrix<Real> result(a.rows(), b.columns());
   for (std::size_t i = 0; i < a.rows(); ++i) {
     for (std::size_t k = 0; k < a.columns(); ++k) {
       const Real factor = a(i, k);
@@ -105,23 +84,17 @@ Matrix operator*(const Matrix& a, const Matrix& b) {
   return result;
 }
 
-Vector operator*(const Matrix& a, const Vector& x) {
-  Vector result(a.rows());
-  for (std::size_t i = 0; i < a.rows(); ++i) {
-    for (std::size_t j = 0; j < a.columns(); ++j) result[i] += a(i, j) * x[j];
-  }
-  return result;
-}
-
-Matrix from_columns(const std::vector<Vector>& columns, std::size_t rows) {
-  Matrix result(rows, columns.size());
+template <class Real>
+Matrix<Real> from_columns(const std::vector<Vector<Real>>& columns, std::size_t rows) {
+  Matrix<Real> result(rows, columns.size());
   for (std::size_t j = 0; j < columns.size(); ++j) {
     for (std::size_t i = 0; i < rows; ++i) result(i, j) = columns[j][i];
   }
   return result;
 }
 
-Vector solve(Matrix a, Vector b) {
+template <class Real>
+Vector<Real> solve(Matrix<Real> a, Vector<Real> b) {
   const std::size_t n = b.size();
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t best = k;
@@ -145,9 +118,10 @@ Vector solve(Matrix a, Vector b) {
   return b;
 }
 
-Matrix inverse_cholesky_factor(const Matrix& a) {
+template <class Real>
+Matrix<Real> inverse_cholesky_factor(const Matrix<Real>& a) {
   const std::size_t n = a.rows();
-  Matrix factor(n, n), inverse(n, n);
+  Matrix<Real> factor(n, n), inverse(n, n);
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t i = j; i < n; ++i) {
       Real sum = a(i, j);
@@ -165,9 +139,10 @@ Matrix inverse_cholesky_factor(const Matrix& a) {
   return inverse;
 }
 
-Split split_space(const std::vector<Vector>& columns, std::size_t dimension) {
-  std::vector<Vector> basis;
-  for (const Vector& column : columns) {
+template <class Real>
+Split<Real> split_space(const std::vector<Vector<Real>>& columns, std::size_t dimension) {
+  std::vector<Vector<Real>> basis;
+  for (const Vector<Real>& column : columns) {
     if (basis.size() < dimension) extend(basis, column);
   }
   const std::size_t rank = basis.size();
@@ -175,17 +150,32 @@ Split split_space(const std::vector<Vector>& columns, std::size_t dimension) {
   std::vector<std::pair<Real, std::size_t>> order;
   for (std::size_t i = 0; i < dimension; ++i) {
     Real spanned = 0;
-    for (const Vector& b : basis) spanned += b[i] * b[i];
+    for (const Vector<Real>& b : basis) spanned += b[i] * b[i];
     order.emplace_back(spanned, i);
   }
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [spanned, i] : order) {
-    Vector unit(dimension);
+    Vector<Real> unit(dimension);
     unit[i] = 1;
     if (basis.size() < dimension) extend(basis, unit);
   }
   const auto middle = basis.begin() + static_cast<std::ptrdiff_t>(rank);
-  return {from_columns({basis.begin(), middle}, dimension), from_columns({middle, basis.end()}, dimension)};
+  const std::vector<Vector<Real>> within{basis.begin(), middle}, beside{middle, basis.end()};
+  return {from_columns(within, dimension), from_columns(beside, dimension)};
 }
+
+template class Matrix<Fast>;
+template Matrix<Fast> operator*(const Matrix<Fast>&, const Matrix<Fast>&);
+template Matrix<Fast> from_columns(const std::vector<Vector<Fast>>&, std::size_t);
+template Vector<Fast> solve(Matrix<Fast>, Vector<Fast>);
+template Matrix<Fast> inverse_cholesky_factor(const Matrix<Fast>&);
+template Split<Fast> split_space(const std::vector<Vector<Fast>>&, std::size_t);
+
+template class Matrix<Quad>;
+template Matrix<Quad> operator*(const Matrix<Quad>&, const Matrix<Quad>&);
+template Matrix<Quad> from_columns(const std::vector<Vector<Quad>>&, std::size_t);
+template Vector<Quad> solve(Matrix<Quad>, Vector<Quad>);
+template Matrix<Quad> inverse_cholesky_factor(const Matrix<Quad>&);
+template Split<Quad> split_space(const std::vector<Vector<Quad>>&, std::size_t);
 
 }  // namespace breakaway::campaign

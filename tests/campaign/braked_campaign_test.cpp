@@ -1,0 +1,120 @@
+// Random axes under the coast "brake", each certified one run under every kind of friction that its bounds allow, with
+// the truth anywhere inside what was told.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string_view>
+
+#include "random_braked_axis.hpp"
+
+namespace breakaway::campaign {
+namespace {
+
+struct Tally {
+  long certified = 0, runs = 0, most_kicks = 0;
+  double furthest_counts = 0;
+};
+
+void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, Random& r, Tally& tally) {
+  const double q = c.encoder_resolution_m;
+  const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
+  const auto p = parameters(c, tolerance_m);
+  const law::K3Table<float> unused;
+  for (int kind = 0; kind < kinds; ++kind) {
+    const testing::TrueAxis truth{r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s),
+                                  r.inside({-c.load_N, c.load_N}), c.latency_periods};
+    const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
+    const Friction friction =
+        friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind), std::max(3 * design.floor_m, q));
+    // Nobody waits longer than for the most kicks, each with the longest proof of rest.
+    const int allowed = design::most_kicks(c, design, std::fabs(start_m), tolerance_m) + 20;
+    const double longest_s = (allowed + 20) * c.period_s * (2 * design.kicks.either_way_periods + 1500) + 20;
+    const auto end = testing::run_kicked_axis<float>(p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 4,
+                                                     50, r.between(-0.5, 0.5));
+    const int certified = design::most_kicks(c, design, std::max(end.first_kick_m, tolerance_m), tolerance_m);
+    ++tally.runs;
+    tally.most_kicks = std::max<long>(tally.most_kicks, end.kicks);
+    tally.furthest_counts = std::max(tally.furthest_counts, end.beyond_m / q);
+    const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind);
+    EXPECT_EQ(end.fault, law::ControlFault::none) << where << ": " << to_string(end.fault);
+    EXPECT_TRUE(end.held) << where << ": " << end.kicks << " kicks, error " << end.error_m;
+    EXPECT_FALSE(end.moving_in_hold) << where;
+    EXPECT_LE(std::fabs(end.error_m), (tolerance_m + q / 2) * (1 + 1e-6)) << where;
+    EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
+    EXPECT_LE(end.kicks, certified) << where;
+  }
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
+  const long axes = asked_for("BREAKAWAY_BRAKED_AXES", 60);
+  Tally tally;
+  for (long number = 0; number < axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number)};
+    const BrakedClass c = random_axes(r);
+    const auto design = design::design_braked_kicks<float>(c);
+    if (!design.possible()) continue;
+    const int kicks = design::most_kicks(c, design, design.reach_m, design.least_tolerance_m);
+    if (kicks == 0 || kicks > law::AxisController<float>::most_kicks) continue;
+    ++tally.certified;
+    run(number, c, design, r, tally);
+  }
+  std::printf("%ld of %ld axes certified, %ld runs, at most %ld kicks, at most %.3f counts beyond\n", tally.certified,
+              axes, tally.runs, tally.most_kicks, tally.furthest_counts);
+  EXPECT_GE(tally.certified, axes * 9 / 10);
+}
+
+// Each thing that is told is right or off by up to 2 times, as often as not.
+struct Wrong {
+  testing::TrueAxis axis;
+  law::FrictionBounds<double> friction;
+
+  Wrong(const BrakedClass& c, Random& r) {
+    const auto off = [&](double value) { return r.share() < 0.5 ? value : value * std::pow(2, r.between(-1, 1)); };
+    axis.mass_kg = off(r.inside(c.mass_kg));
+    axis.force_gain = off(r.inside(c.force_gain));
+    axis.lag_s = c.lag_s.most > 0 ? off(r.inside(c.lag_s)) : r.share() < 0.5 ? 0 : c.period_s * r.between(0, 2);
+    axis.latency_periods = static_cast<int>(std::lround(off(c.latency_periods + 1) - 1));
+    friction = {off(c.friction.lower_N), off(c.friction.upper_N)};
+    if (friction.lower_N > friction.upper_N) std::swap(friction.lower_N, friction.upper_N);
+    axis.load_N = off(r.inside({-c.load_N, c.load_N}));
+    if (c.load_N == 0 && r.share() < 0.3) axis.load_N = r.between(-0.5, 0.5) * c.friction.lower_N;
+  }
+};
+
+TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
+  const long runs = asked_for("BREAKAWAY_TOLD_WRONG", 100);
+  std::map<std::string_view, long> ends;
+  constexpr int most_kicks = law::AxisController<float>::most_kicks;
+  long kicks = 0;
+  const law::K3Table<float> unused;
+  for (long number = 0; number < runs; ++number) {
+    Random r{static_cast<std::uint64_t>(number) + 1'000'000};
+    const BrakedClass c = random_axes(r);
+    const auto design = design::design_braked_kicks<float>(c);
+    if (!design.possible()) continue;
+    const double tolerance_m = design.least_tolerance_m * r.between(1, 3);
+    const Wrong truth{c, r};
+    BrakedClass true_class = c;
+    true_class.friction = truth.friction;
+    const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
+    const int kind = static_cast<int>(kinds * r.share());
+    const Friction friction = friction_of_kind(kind, true_class, static_cast<std::uint64_t>(number),
+                                               std::max(3 * design.floor_m, c.encoder_resolution_m));
+    const double longest_s = 300 * c.period_s * (2 * design.kicks.patient_periods + 1500) + 100;
+    const auto end = testing::run_kicked_axis<float>(parameters(c, tolerance_m), unused, design.kicks, truth.axis,
+                                                     friction, start_m, 0, longest_s, 4, 50, r.between(-0.5, 0.5));
+    ++ends[end.held ? "held" : to_string(end.fault)];
+    kicks = std::max<long>(kicks, end.kicks);
+    EXPECT_TRUE(end.held || end.fault != law::ControlFault::none)
+        << "run " << number << ", friction " << kind << ": error " << end.error_m << " after " << end.kicks << " kicks";
+    EXPECT_LE(end.kicks - end.far_kicks, most_kicks)
+        << "run " << number << ", friction " << kind << ": " << to_string(end.fault);
+  }
+  for (const auto& [name, count] : ends) std::printf("%s: %ld\n", name.data(), count);
+  std::printf("at most %ld kicks\n", kicks);
+}
+
+}  // namespace
+}  // namespace breakaway::campaign

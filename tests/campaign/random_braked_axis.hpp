@@ -1,0 +1,161 @@
+// Random axes under the coast "brake", and every kind of friction that their bounds allow.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <random>
+
+#include "../kicked_axis.hpp"
+
+namespace breakaway::campaign {
+
+using design::BrakedClass;
+using design::Interval;
+using testing::Friction;
+using testing::Moment;
+
+constexpr int kinds = 12;  // of friction
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : bits_{seed} {}
+  double share() { return std::uniform_real_distribution<>{0, 1}(bits_); }
+  double between(double low, double high) { return low + (high - low) * share(); }
+  double decades(double low, double high) { return low * std::pow(high / low, share()); }
+  // An end of the interval as often as something between.
+  double inside(const Interval& i) {
+    const double choice = share();
+    return choice < 0.3 ? i.least : choice < 0.6 ? i.most : between(i.least, i.most);
+  }
+  template <std::size_t N>
+  double one_of(const std::array<double, N>& values) {
+    return values[static_cast<std::size_t>(share() * N)];
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+inline BrakedClass random_axes(Random& r) {
+  BrakedClass c;
+  const double m = r.decades(1e-2, 1e3), B = r.decades(0.1, 1e3),
+               A = r.share() < 0.1 ? 0.999 * B : B * r.between(0.1, 1);
+  c.friction = {A, B};
+  c.period_s = 1e-3 * r.one_of<7>({0.1, 0.25, 0.5, 1, 2, 4, 10});
+  c.encoder_resolution_m = r.decades(1e-8, 1e-4);
+  c.max_force_N = B * (1.5 + 20 * std::pow(r.share(), 2));
+  c.force_step_N = c.max_force_N / r.one_of<7>({2000, 2000, 1000, 400, 100, 50, 20});
+  c.latency_periods = static_cast<int>(r.between(0, 4));
+  const auto about = [&](double value, double most_share) {
+    const double share = r.share() < 0.5 ? 0 : most_share * r.share();
+    return Interval{value * (1 - share), value * (1 + share)};
+  };
+  c.mass_kg = about(m, 0.1);
+  c.force_gain = about(1, 0.1);
+  c.lag_s = about(r.share() < 0.3 ? 0 : c.period_s * r.between(0, 5), 0.2);
+  c.load_N = r.share() < 0.6 ? 0 : r.between(0, 0.5 * A);
+  return c;
+}
+
+inline law::AxisParameters<float> parameters(const BrakedClass& c, double tolerance_m) {
+  law::AxisParameters<float> p;
+  const auto m = static_cast<float>((c.mass_kg.least + c.mass_kg.most) / 2);
+  p.mass_kg = m;
+  p.stiffness_N_per_m = 100 * m;  // not used
+  p.approach_damping_Ns_per_m = 15 * m;
+  p.kick_damping_Ns_per_m = 25 * m;
+  p.friction = {static_cast<float>(c.friction.lower_N), static_cast<float>(c.friction.upper_N)};
+  p.max_force_N = static_cast<float>(c.max_force_N);
+  p.max_approach_speed_m_s = 10;
+  p.position_tolerance_m = static_cast<float>(tolerance_m);
+  p.encoder_resolution_m = static_cast<float>(c.encoder_resolution_m);
+  p.period_s = static_cast<float>(c.period_s);
+  p.latency_periods = static_cast<std::uint8_t>(c.latency_periods);
+  p.coast = law::Coast::brake;
+  return p;
+}
+
+// A friction that changes when the axis slips, by a plan that its last stop has drawn: low or high all the way, high to
+// break away and low from then on, or either first and the other later. That is the adversary who decides kick by kick.
+class Adversary {
+ public:
+  Adversary(double low_N, double high_N, double period_s, std::uint64_t seed)
+      : low_N_{low_N}, high_N_{high_N}, period_s_{period_s}, random_{seed} {}
+  double operator()(const Moment& now) {
+    if (now.slips_now && !slipped_) {
+      plan_ = static_cast<int>(5 * random_.share());
+      since_s_ = now.t_s;
+    }
+    slipped_ = now.slips_now;
+    const bool early = now.t_s - since_s_ < 2 * period_s_;
+    const bool high = plan_ == 1 || (plan_ == 2 && now.slips_now) || (plan_ == 3 && !early) || (plan_ == 4 && early);
+    return high ? high_N_ : low_N_;
+  }
+
+ private:
+  double low_N_, high_N_, period_s_;
+  Random random_;
+  double since_s_ = 0;
+  int plan_ = 0;
+  bool slipped_ = false;
+};
+
+inline double hashed_share(double cell, std::uint64_t seed) {
+  std::uint64_t h = static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) * 0x9E3779B97F4A7C15U + seed;
+  h = (h ^ (h >> 31)) * 0xBF58476D1CE4E5B9U;
+  return static_cast<double>((h ^ (h >> 29)) & 0xFFFFU) / 65535;
+}
+
+inline Friction friction_of_kind(int kind, const BrakedClass& c, std::uint64_t seed, double length_m) {
+  const double A = c.friction.lower_N, B = c.friction.upper_N, T = c.period_s;
+  const auto r = std::make_shared<Random>(seed);
+  const double middle = r->between(A, B), phase = r->between(0, 6);
+  const auto drawn = [=] { return r->inside({A, B}); };
+  switch (kind) {
+    case 0:
+      return [=](const Moment&) { return A; };
+    case 1:
+      return [=](const Moment&) { return B; };
+    case 2:
+      return [=](const Moment&) { return middle; };
+    case 3:
+      return [=](const Moment& now) { return now.slips_now ? B : A; };
+    case 4:
+      return [=](const Moment& now) { return A + (B - A) * std::exp(-std::fabs(now.velocity_m_s) / 0.02); };
+    case 5:
+      return [=](const Moment& now) { return A + (B - A) * (0.5 + 0.5 * std::sin(now.position_m / length_m + phase)); };
+    case 6:
+      return [=](const Moment& now) { return A + (B - A) * hashed_share(std::floor(now.position_m / length_m), seed); };
+    case 7:
+      return [=](const Moment& now) { return (now.velocity_m_s == 0 ? now.force_N : now.velocity_m_s) > 0 ? A : B; };
+    case 8:
+      return [=, next_s = 0.0, level = middle](const Moment& now) mutable {
+        if (now.t_s >= next_s) next_s = now.t_s + T * r->decades(0.1, 100), level = drawn();
+        return level;
+      };
+    case 9:
+      return [=, level = middle, slipped = false](const Moment& now) mutable {
+        if (now.slips_now && !slipped) level = drawn();
+        slipped = now.slips_now;
+        return level;
+      };
+    case 10:
+      return Adversary{A, B, T, seed};
+    default:
+      return [=](const Moment& now) {
+        const bool closing = now.position_m * now.velocity_m_s < 0;
+        return now.slips_now || (closing && std::fabs(now.position_m) > 4 * length_m) ? B : A;
+      };
+  }
+}
+
+// A number from the environment.
+inline long asked_for(const char* variable, long otherwise) {
+  const char* asked = std::getenv(variable);
+  return asked != nullptr ? std::atol(asked) : otherwise;
+}
+
+}  // namespace breakaway::campaign

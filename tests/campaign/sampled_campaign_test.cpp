@@ -1,0 +1,93 @@
+// Random axes with random gains under the coast "pd", each certified one run under every kind of friction that its
+// bounds allow: the law of [I] as it is sampled, delayed and read by counts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/report.hpp"
+#include "random_braked_axis.hpp"
+
+namespace breakaway::campaign {
+namespace {
+
+design::AxisDesign random_design(Random& r) {
+  const BrakedClass c = random_axes(r);
+  design::AxisDesign a;
+  a.mass_kg = c.mass_kg.most;
+  a.friction = c.friction;
+  a.max_force_N = c.max_force_N;
+  a.period_s = c.period_s;
+  a.encoder_resolution_m = c.encoder_resolution_m;
+  a.latency_ticks = c.latency_periods;
+  a.current_loop_lag_s = r.share() < 0.5 ? 0 : 0.25 * r.share() * c.period_s;
+  a.kick_damping_Ns_per_m = r.between(0.01, 0.25) * a.mass_kg / ((a.latency_ticks + 1) * a.period_s);
+  const double zeta = 1.02 + 2 * r.share();
+  a.stiffness_N_per_m = std::pow(a.kick_damping_Ns_per_m / (2 * zeta), 2) / a.mass_kg;
+  a.approach_damping_Ns_per_m = 2 * std::sqrt(a.stiffness_N_per_m * a.mass_kg) * r.between(0.3, 0.95);
+  const double floor_m = design::accuracy_floor_m(a.mass_kg, a.friction, a.period_s);
+  a.position_tolerance_m = std::max(floor_m, a.encoder_resolution_m) * r.between(1.01, 3);
+  return a;
+}
+
+law::AxisParameters<float> parameters_of(const design::AxisDesign& a) {
+  law::AxisParameters<float> p;
+  p.mass_kg = static_cast<float>(a.mass_kg);
+  p.stiffness_N_per_m = static_cast<float>(a.stiffness_N_per_m);
+  p.approach_damping_Ns_per_m = static_cast<float>(a.approach_damping_Ns_per_m);
+  p.kick_damping_Ns_per_m = static_cast<float>(a.kick_damping_Ns_per_m);
+  p.friction = {static_cast<float>(a.friction.lower_N), static_cast<float>(a.friction.upper_N)};
+  p.max_force_N = static_cast<float>(a.max_force_N);
+  p.max_approach_speed_m_s = 10;
+  p.position_tolerance_m = static_cast<float>(a.position_tolerance_m);
+  p.encoder_resolution_m = static_cast<float>(a.encoder_resolution_m);
+  p.period_s = static_cast<float>(a.period_s);
+  p.latency_periods = static_cast<std::uint8_t>(a.latency_ticks);
+  return p;
+}
+
+// Whole kicks of the slowest mode, and the waits for rest.
+double patience_s(const design::AxisDesign& a) {
+  const double slow_s = a.approach_damping_Ns_per_m / a.stiffness_N_per_m;
+  const double rest_s = std::sqrt(2 * a.encoder_resolution_m * a.mass_kg / a.friction.lower_N);
+  return 20 * slow_s + 200 * (10 * a.mass_kg / a.kick_damping_Ns_per_m + 30 * a.period_s + 2 * rest_s);
+}
+
+void run(long number, const design::AxisDesign& a, Random& r) {
+  const auto p = parameters_of(a);
+  const auto built = design::build_k3_table<float>(
+      {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+  BrakedClass bounds;
+  bounds.friction = a.friction;
+  bounds.period_s = a.period_s;
+  const double floor_m = design::accuracy_floor_m(a.mass_kg, a.friction, a.period_s), q = a.encoder_resolution_m;
+  for (int kind = 0; kind < kinds; ++kind) {
+    const testing::TrueAxis truth{a.mass_kg, 1, a.current_loop_lag_s, 0, a.latency_ticks};
+    const double away_m = std::min(std::max(floor_m, q) * std::pow(10, 1 + 3 * r.share()), 1.0);
+    const double start_m = r.share() < 0.5 ? away_m : -away_m;
+    const Friction friction =
+        friction_of_kind(kind, bounds, static_cast<std::uint64_t>(number * kinds + kind), std::max(3 * floor_m, q));
+    const auto end = testing::run_kicked_axis<float>(p, built.table, {}, truth, friction, start_m, 0, patience_s(a), 4,
+                                                     100, r.between(-0.5, 0.5));
+    EXPECT_TRUE(end.held) << "axis " << number << ", friction " << kind << ": " << to_string(end.fault);
+    EXPECT_LE(std::fabs(end.error_m), (a.position_tolerance_m + q / 2) * (1 + 1e-6))
+        << "axis " << number << ", friction " << kind;
+  }
+}
+
+TEST(SampledCampaign, EveryCertifiedAxisSettles) {
+  const long axes = asked_for("BREAKAWAY_SAMPLED_AXES", 60);
+  long certified = 0;
+  for (long number = 0; number < axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number) + 2'000'000};
+    const design::AxisDesign a = random_design(r);
+    if (!design::design_axis(a).certified) continue;
+    ++certified;
+    run(number, a, r);
+  }
+  std::printf("%ld of %ld axes certified, %ld runs\n", certified, axes, certified * kinds);
+  EXPECT_GE(certified, axes / 4);
+}
+
+}  // namespace
+}  // namespace breakaway::campaign
