@@ -163,6 +163,15 @@ def latencies(text):
     return int(match[1]), int(match[2]), float(match[5])
 
 
+def require_keeps_up(drive):
+    """The emulated drives answered within the period, so that what a node saw was the bus and not a slow emulator."""
+    require(drive.terminate() == 0, f"the drive failed:\n{drive.output()}")
+    match = re.search(r"busy for at most ([\d.e+-]+) ms at a time", drive.output())
+    require(match, f"does not say how long it was busy:\n{drive.output()}")
+    require(float(match[1]) < 1e3 * PERIOD_S, f"the emulated drives were busy for {match[1]} ms at a time")
+    return float(match[1])
+
+
 def refuses(b, command, *texts):
     started = b.start(*command)
     code, output = started.end(), started.output()

@@ -53,8 +53,10 @@ class LiveDrives {
   // Until `stop` is set by a signal that interrupts ppoll under `mask`, or `duration` is over.
   void run(const volatile std::sig_atomic_t& stop, const sigset_t& mask, hal::Duration duration) {
     while (stop == 0 && passed() < hal::Time{duration}) {
+      const hal::Time woken = passed();
       receive();
       for (Axis& axis : axes_) axis.advance_to(passed());
+      longest_work_ = std::max(longest_work_, passed() - woken);
       wait(mask, duration);
     }
     for (Axis& axis : axes_) axis.drive.advance_mechanism_to(passed());
@@ -67,6 +69,7 @@ class LiveDrives {
                  axis.mechanism.axis->state().position_m, axis.mechanism.axis->state().sticking ? "at rest" : "moving",
                  axis.drive.largest_force_N(last_), axis.lost);
     }
+    fmt::print("busy for at most {:.3g} ms at a time\n", 1e3 * hal::seconds(longest_work_));
   }
 
  private:
@@ -132,6 +135,7 @@ class LiveDrives {
   socketcan::KernelSocket& socket_;
   hal::Time start_ = monotonic_now();
   hal::Time last_{};
+  hal::Duration longest_work_{};  // between two waits: in it no frame is answered
   std::deque<Axis> axes_;
 };
 

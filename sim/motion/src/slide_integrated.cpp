@@ -87,14 +87,14 @@ class TravelEquation {
     const double force_N = std::abs(force.constant_N) + std::abs(force.stiffness_N_per_m * offset_m_) +
                            std::abs(force.damping_Ns_per_m * start.velocity_m_s) + std::abs(transient_N_);
     const double time_rounding_s = std::numeric_limits<double>::epsilon() * std::abs(start.time_s);
-    resolution_m_s2_ = (rounding * (force_N + bounds.upper_N) +
-                        (bounds.upper_N - bounds.lower_N) * time_rounding_s / friction.time_scale_s()) /
-                       mass_kg;
+    double steepest_N_per_s = (bounds.upper_N - bounds.lower_N) / friction.time_scale_s();
+    if (transient_N_ != 0) steepest_N_per_s += std::abs(transient_N_) / force.time_constant_s;
+    resolution_m_s2_ = (rounding * (force_N + bounds.upper_N) + steepest_N_per_s * time_rounding_s) / mass_kg;
     greatest_acceleration_m_s2_ = (force_N + bounds.upper_N) / mass_kg;
   }
 
   // Rounding leaves an acceleration uncertain by this, because of the forces that it is the difference of, and of time
-  // in the friction law.
+  // in the friction law and in the transient.
   double resolution_m_s2() const { return resolution_m_s2_; }
 
   double acceleration(double tau_s, double distance_m, double speed_m_s) const {
@@ -283,8 +283,10 @@ class Flight {
     const Trial trial = equation_.changes_little(y_[speed], step)
                             ? trial_step_of_friction(equation_, tau_s_, y_, step, part_tolerance * tolerance_)
                             : trial_step(equation_, tau_s_, y_, step, tolerance_);
+    // A rising push that breaks the axis away may lie below friction by rounding when motion begins: that is no rest.
     const double least = equation_.least();
-    const bool may_rest = !outlasts_ && least < 0 && y_[speed] + step * least <= 0;
+    const bool brakes = least < -equation_.resolution_m_s2();
+    const bool may_rest = !outlasts_ && brakes && y_[speed] + step * least <= 0;
     if (!trial.converged || may_rest || trial.y[speed] <= 0) {
       step_s = trial.converged ? 0.5 * step : std::min(trial.suggested_s, 0.7 * step);
       return false;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "breakaway/model/shapes.hpp"
+#include "breakaway/motion/work_budget.hpp"
 
 namespace breakaway::motion {
 namespace {
@@ -151,6 +152,27 @@ TEST(Slide, BreaksAwayWhenTheTransientCrossesTheStaticLevel) {
   EXPECT_EQ(slide.friction_force_N(), -2);
   // From rest with 4 - 2 N, then 5 - 2 N less a transient of 1 N.
   expect_close(slide.state().velocity_m_s, 3 * 0.1 + 0.5 * std::expm1(-0.2), 0.2, 5e-11);  // the tie delays it
+}
+
+// A clock that is some seconds on rounds the instant of breaking away, and with it a steep push, to either side of
+// friction. To stick there again and again cost a thousand times the motion itself.
+TEST(Slide, BreaksAwayOnceUnderASteepPushHoweverTheClockRounds) {
+  std::mt19937_64 random(20261122);
+  std::uniform_real_distribution<double> from_s(0, 100), transient_N(-80, -21);
+  for (int i = 0; i < 200; ++i) {
+    const SlideState rest{from_s(random), 0, 0};
+    const double missing_N = transient_N(random);
+    Slide slide(8, {{12, 20}, model::shape::stribeck(0.5)}, rest);
+    WorkBudget work({.duration_s = rest.time_s + 1}, "the axis", "", "");
+    slide.limit_work(&work);
+    const model::AppliedForce steep{
+        .constant_N = 20 - missing_N, .transient_N = missing_N - 10, .time_constant_s = 1e-4, .start_s = rest.time_s};
+    slide.advance_to(rest.time_s + 7e-4, steep);
+    EXPECT_EQ(slide.counters().slips, 1U);
+    EXPECT_EQ(slide.counters().sticks, 0U);
+    EXPECT_GT(slide.state().velocity_m_s, 0);
+    EXPECT_LT(work.spent(), 700);
+  }
 }
 
 TEST(Slide, SticksOnATieAndSlipsAboveIt) {
