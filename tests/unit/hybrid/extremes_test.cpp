@@ -181,6 +181,59 @@ TEST(Extremes, FreeMassStopsInClosedForm) {
   EXPECT_NEAR(r.outcome.end.q[0] - 1e6, 18, 1e-9);  // of 1e6
 }
 
+// Masses of 1 kg without springs, which dampers, constant forces and one direction of 0.25 N act on. While it slides,
+// each speed goes to that at which its damper takes its force, however slowly the sum in the direction gets to zero.
+struct DampedMasses {
+  Eigen::Vector3d damping, force_N, direction, v;
+
+  LinearMachine<> machine() const {
+    LinearMachine<> result = independent(Eigen::Vector3d::Ones(), damping, Eigen::Vector3d::Zero(), one(0.25));
+    result.directions = direction;
+    result.force_N = force_N;
+    return result;
+  }
+  Eigen::Vector3d sliding_velocity(double t) const {
+    const double sign = direction.dot(v) > 0 ? 1 : -1;
+    const Eigen::Vector3d last = (force_N - 0.25 * sign * direction).cwiseQuotient(damping);
+    return last + (-damping * t).array().exp().matrix().cwiseProduct(v - last);
+  }
+  // Says when the direction stops, between two instants.
+  double stop_s(double moving_s, double stopped_s) const {
+    const double sign = direction.dot(v) > 0 ? 1 : -1;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle_s = (moving_s + stopped_s) / 2;
+      (sign * direction.dot(sliding_velocity(middle_s)) > 0 ? moving_s : stopped_s) = middle_s;
+    }
+    return stopped_s;
+  }
+};
+
+TEST(Extremes, ASpeedThatDriftsSlowlyToZeroStops) {
+  const struct {
+    DampedMasses masses;
+    double before_s, behind_s;
+  } cases[] = {{{{2.25, 3, 2}, {-0.25, -0.25, -0.75}, {2, 1.5, 1.5}, {-1.5, 1.75, -1.5}}, 3.3, 3.5},
+               {{{3, 1.5, 4}, {0, 0.75, 2}, {-1, 1, -0.5}, {1.75, 1.75, -0.75}}, 2.9, 3.1},
+               {{{2.75, 1.75, 3}, {1.25, -1, -2}, {1.5, -0.5, 1}, {1.75, -1.75, 1.75}}, 2.1, 2.3}};
+  for (const auto& c : cases) {
+    const Trace r = run(c.masses.machine(), Eigen::Vector3d::Zero(), c.masses.v, 20);
+    ASSERT_FALSE(r.log.empty());
+    EXPECT_NEAR(r.log.front().time_s, c.masses.stop_s(c.before_s, c.behind_s), 1e-13);
+  }
+}
+
+// The direction stops where the constant forces equal its friction, and dampers that are all alike leave it so: it may
+// stick or slide without speed, and either is followed at the pace at which the others move.
+TEST(Extremes, AForceThatEqualsFrictionForEverIsFollowedInFewSteps) {
+  const DampedMasses masses{{1.5, 1.5, 1.5}, {1.25, 0.75, -0.5}, {-0.5, 1, -1.5}, {1.25, 1.25, 0.75}};
+  const double stop_s = masses.stop_s(0.2, 0.3);
+  const Eigen::Vector3d last = (masses.force_N - 0.25 * masses.direction) / 1.5;
+  const Trace r = run(masses.machine(), Eigen::Vector3d::Zero(), masses.v, 20);
+  const Eigen::Vector3d v = last + std::exp(-1.5 * (20 - stop_s)) * (masses.sliding_velocity(stop_s) - last);
+  EXPECT_LT((r.outcome.end.v - v).norm(), 1e-14);
+  EXPECT_LT(r.outcome.work, 1e6);
+}
+
 TEST(Extremes, SingularAndNearlySingularStiffness) {
   for (const double k : {0.0, 1e-300, 1e-30, 1e-15, -1e-15}) {
     LinearMachine<> machine = two_masses();

@@ -46,14 +46,15 @@ Line<Eigen::Dynamic> make_line(const Flow& flow, Eigen::Index coordinates, const
   for (const Block& block : flow.blocks()) {
     const ExtendedMatrix part = a.block(block.first, block.first, block.size, block.size);
     const ExtendedMatrix slope = first.middleCols(block.first, block.size);
-    if (const auto inverse = twofold::inverse_if_regular(part)) {
-      settled.middleCols(block.first, block.size) = slope * *inverse;
-    } else if (slope.cwiseAbs().maxCoeff() > Extended(0)) {
-      line.drifts = true;
-    }
+    const auto inverse = twofold::inverse_if_regular(part);
+    if (inverse) settled.middleCols(block.first, block.size) = slope * *inverse;
     flow.bound(block, second, Flow::Horizon::window, line.second_bound.data());
     flow.bound(block, third, Flow::Horizon::window, line.third_bound.data());
     flow.bound(block, settled, Flow::Horizon::ever, line.settled_bound.data());
+    if (!inverse && slope.cwiseAbs().maxCoeff() > Extended(0)) {
+      line.drifts = true;
+      line.settled_bound.segment(block.first, block.size).setConstant(HUGE_VAL);
+    }
   }
   line.integral = padded(integral, 1, width);
   line.now = padded(now, 1, width);

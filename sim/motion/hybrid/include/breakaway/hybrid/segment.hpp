@@ -181,6 +181,7 @@ class Segment {
     return is_below(1, sum(watch), slope(watch));
   }
   bool set_departures();
+  [[gnu::noinline]] void depart_again();
   [[gnu::noinline]] double departure_s(const Watch<N>& watch) const;
   void advance_derivative(ExtendedMatrix& row, Row& bound) const;
   // Steps that are shorter than this are not for want of time, but because a quantity is next to zero.
@@ -241,6 +242,17 @@ bool Segment<N, M>::set_departures() {
     watch.departs_s = std::min(departs_s, window_s);
   }
   return true;
+}
+
+// A quantity that stays zero as far as rounding can tell is looked at again at its slow pace: proved steps would be as
+// short as its rounding. A direction that slides without speed, held to its very limit by a constant force, is one.
+template <int N, int M>
+void Segment<N, M>::depart_again() {
+  for (Watch<N>& watch : watches_) {
+    const Sum now = sum(watch);
+    if (elapsed_s_ < watch.departs_s || now.value > 8 * rounding(now) || departure_s(watch) != 0) continue;
+    watch.departs_s = elapsed_s_ + std::min(slow_pace(watch, rounding(now)), set_->flow.window_s());
+  }
 }
 
 // A quantity that is zero leaves it as the first of its derivatives says that is not zero, too: at a start from rest
@@ -311,8 +323,9 @@ double Segment<N, M>::slow_phase_s(double left_s, int steps) const {
   return phase_s > 0 ? std::min(phase_s, left_s) : left_s;
 }
 
-// The longest step with c > 0 for any number of fastest blocks that are bounded by their amplitudes. Where the second
-// derivative is too coarse a bound for a quantity that has just left zero, higher ones tell more.
+// The longest step with c > 0 for any number of fastest blocks that are bounded by their amplitudes. One in which the
+// quantity drifts has no such bound, and neither it nor a slower one is taken out. Where the second derivative is too
+// coarse a bound for a quantity that has just left zero, higher ones tell more.
 template <int N, int M>
 double Segment<N, M>::slow_step(const Watch<N>& watch, double c, double first, double second) const {
   const Line<N>& line = *watch.line;
@@ -320,7 +333,6 @@ double Segment<N, M>::slow_step(const Watch<N>& watch, double c, double first, d
   const bool just_left = elapsed_s_ * set_->flow.fastest() < 1;
   if (just_left && first >= 0 && longest < short_step_s()) longest = std::max(longest, departure_s(watch));
   for (const Block& block : set_->flow.blocks()) {
-    if (block.speed == 0) break;
     c -= watch.sign * part(block, line.settled, x_) + part(block, line.settled_bound, amplitude_);
     if (!(c > 0)) break;
     first -= watch.sign * part(block, line.first, x_);
@@ -335,7 +347,7 @@ double Segment<N, M>::slow_step(const Watch<N>& watch, double c, double first, d
 template <int N, int M>
 typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget& budget) {
   if (!set_departures()) return Ending::event;
-  const double window_s = set_->flow.window_s(), work = work_of_a_step();
+  const double window_s = set_->flow.window_s(), short_s = short_step_s(), work = work_of_a_step();
   for (int step = 1;; ++step) {
     budget.spend(work);
     const double left_s = duration_s - elapsed_s_;
@@ -369,6 +381,8 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
       return Ending::forever;
     }
     if (!(motion < never)) refuse_growth();
+    if (proof.free_s < short_s) [[unlikely]]
+      depart_again();
     const double least = 1e-15 * elapsed_s_;  // where rounding eats the proof, the crossing is here
     move(std::max(proof.free_s, least));
     measure_amplitudes();

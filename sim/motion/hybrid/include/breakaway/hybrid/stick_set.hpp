@@ -39,8 +39,8 @@ struct Line {
   Row integral, now, first, second, third;
   Row second_bound, third_bound;  // derivative <= bound . amplitudes, for window_s()
   Row settled;                    // first = settled A: the value is constant + settled . x
-  Row settled_bound;
-  bool drifts = false;  // no such row: the value grows without end
+  Row settled_bound;              // infinite in a block in which there is no such row
+  bool drifts = false;            // there is one: the value grows without end
 };
 
 // One pair of opposite faces of the set of forces that the sticking directions can bear: |r| <= limit_N with
