@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "breakaway/hybrid/dense_block.hpp"
 
@@ -44,6 +46,18 @@ TEST(InvariantBlocks, CutEveryTimeScaleOfAStiffMachineApart) {
   const Matrix slow = blocks.generator.bottomRightCorner(2, 2);
   EXPECT_NEAR(static_cast<double>(slow(0, 0) * slow(1, 1) - slow(0, 1) * slow(1, 0)), 3, 1e-14);
   EXPECT_NEAR(static_cast<double>(slow(0, 0) + slow(1, 1)), -0.5, 1e-14);
+}
+
+// Beside 1 kg a light mass moves slowly in three ways, which in the metric of momentum look like two.
+TEST(InvariantBlocks, TellTheSlowMotionsOfALightMassApart) {
+  const double light_kg = 1e-12;
+  const Eigen::Matrix2d to_unit_mass = Eigen::Vector2d{1 / std::sqrt(light_kg), 1}.asDiagonal();
+  const Eigen::Matrix2d damping = (Eigen::Matrix2d{} << 1.875, 0.1875, 0.1875, 0.625).finished();
+  const Eigen::Matrix2d stiffness = (Eigen::Matrix2d{} << 10.75, -1.875, -1.875, 1.625).finished();
+  const Matrix a = companion(to_unit_mass * damping * to_unit_mass, to_unit_mass * stiffness * to_unit_mass);
+  const InvariantBlocks blocks = invariant_blocks(a);
+  EXPECT_EQ(blocks.sizes, (std::vector<Eigen::Index>{1, 1, 2}));
+  EXPECT_LT(largest_entry(blocks.generator.bottomRightCorner(3, 3)), 20);
 }
 
 TEST(InvariantBlocks, RestoreTheMatrix) {

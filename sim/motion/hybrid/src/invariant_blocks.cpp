@@ -142,6 +142,23 @@ std::vector<Index> gaps(const Matrix& form) {
   return result;
 }
 
+// How far the entries that couple the blocks exceed the eigenvalues: what cannot be cut apart is followed in a dense
+// block, which loses as many digits.
+double departure_from_normal(const Matrix& form) {
+  double fastest = 0;
+  for (Index at = 0; at < form.rows(); at += block_size(form, at)) fastest = std::max(fastest, magnitude(form, at));
+  return fastest > 0 ? largest_entry(form) / fastest : 1;
+}
+
+// Slow motions of light masses look alike in the metric of their momentum: coordinates of one length then couple far
+// faster than anything moves, and nothing told of their growth would hold for longer than that coupling takes. Lengths
+// in proportion to how the coordinates move together take it away.
+void balance_what_looks_alike(Ordered& part) {
+  if (departure_from_normal(part.form) <= most_coupling) return;
+  const Matrix scales = balance(part.form);
+  part.basis.array().rowwise() *= scales.col(0).transpose().array();
+}
+
 // The invariant subspace that the columns span, with a Schur form of its own in a metric of its own time.
 Ordered rescaled(const Matrix& form, const Matrix& basis, double time_s) {
   const Index k = basis.rows() / 2;
@@ -167,14 +184,6 @@ Index nearest(const Matrix& form, Index first, Index size) {
     least = std::min(least, distance);
   }
   return found;
-}
-
-// How far the entries that couple the blocks exceed the eigenvalues. Slow motions of light masses look alike in the
-// metric of their momentum: however far apart their eigenvalues are, a dense block of them would lose as many digits.
-double departure_from_normal(const Matrix& form) {
-  double fastest = 0;
-  for (Index at = 0; at < form.rows(); at += block_size(form, at)) fastest = std::max(fastest, magnitude(form, at));
-  return fastest > 0 ? largest_entry(form) / fastest : 1;
 }
 
 // Bavely and Stewart's loop: a block grows by its nearest eigenvalue until it can be cut off.
@@ -287,6 +296,7 @@ InvariantBlocks invariant_blocks(const Matrix& a) {
     }
     if (fastest > no_time_scale * magnitude(whole.form, 0)) time_s = std::ldexp(1.0, -std::ilogb(fastest));
     Ordered part = rescaled(whole.form.block(first, first, size, size), whole.basis.middleCols(first, size), time_s);
+    balance_what_looks_alike(part);
     for (const Index block : cut_clusters(part)) result.sizes.push_back(block);
     result.basis.middleCols(first, size) = part.basis;
     result.generator.block(first, first, size, size) = part.form;
