@@ -235,6 +235,16 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
   return p;
 }
 
+// A certificate takes in all that is said of a machine, or there is none.
+std::vector<Check> class_checks(const AxisDesign& axis) {
+  constexpr const char* name = "machine_is_within_the_class";
+  const std::string source = "what is stated of the machine against what the other checks take in";
+  if (axis.outside.empty()) return {{name, true, true, 0, source, "nothing that is stated is outside the class"}};
+  std::vector<Check> checks;
+  for (const std::string& what : axis.outside) checks.push_back({name, true, false, -1, source, what});
+  return checks;
+}
+
 // What [I] assumes is for information where another coast ends the kicks.
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report,
                               const std::optional<BrakedDesign<float>>& braked) {
@@ -324,6 +334,7 @@ DesignReport design_axis(const AxisDesign& axis) {
   std::optional<BrakedDesign<float>> braked;
   if (axis.braked) braked = design_braked_kicks<float>(*axis.braked);
   report.checks = all_checks(axis, report, braked);
+  for (Check& check : class_checks(axis)) report.checks.push_back(std::move(check));
   if (braked && braked->possible()) report.braked = promise(axis, *braked);
   for (const Check& check : report.checks) {
     if (check.required && !check.holds) report.reasons.push_back(check.name + ": " + check.reason);

@@ -9,6 +9,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "surroundings.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -61,7 +62,8 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .latency_ticks = p.latency_periods,
           .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
           .position_tolerance_m = accuracy_m(node, axis),
-          .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt};
+          .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
+          .outside = outside_class(node, axis)};
 }
 
 std::vector<design::DesignReport> examine(const Node& node) try {
@@ -74,6 +76,14 @@ std::vector<design::DesignReport> examine(const Node& node) try {
   return reports;
 } catch (const InputError& error) {
   throw error.file().empty() ? error.in_file(node.file) : error;
+}
+
+std::string why_not_certified(const Node& node, const Axis& axis) try {
+  const design::DesignReport report = design::design_axis(axis_design(node, axis));
+  require_room_for_kicks(node, axis, report);
+  return report.certified ? std::string{} : report.reasons.front();
+} catch (const InputError& error) {
+  return error.what();
 }
 
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports) {

@@ -8,6 +8,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "read_told.hpp"
+#include "surroundings.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -259,6 +260,14 @@ std::vector<Key> AxisTables::rows() {
           optional("uncertainty", keep(uncertainty_))};
 }
 
+void AxisTables::look_around(Surroundings& surroundings) const {
+  const auto look = [&](const std::optional<Section>& section, std::string_view table) {
+    if (section) look_at(*section, table, surroundings);
+  };
+  look(plant_, "plant"), look(friction_, "friction"), look(controller_, "controller"), look(drive_, "drive");
+  look(limits_, "limits"), look(told_, "told"), look(uncertainty_, "uncertainty");
+}
+
 // The next axis of the node. A table that is missing is missed only after those before it were read, so that a
 // misspelt key in the first table is what an unfinished file is told of.
 Axis AxisTables::read(const Section& parent, std::string name, const Node& node, const FileRows& others) const {
@@ -287,6 +296,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
                 sampled);
   if (limits_) check_limits(*limits_, axis, node);
   check_targets(*controller_, axis);
+  look_around(axis.surroundings);
   return axis;
 }
 

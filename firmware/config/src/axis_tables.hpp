@@ -26,6 +26,9 @@ class AxisTables {
   Axis read(const Section& parent, std::string name, const Node& node, const FileRows& others) const;
 
  private:
+  // What the tables say that only a certificate must know.
+  void look_around(Surroundings& surroundings) const;
+
   std::optional<Section> plant_, friction_, controller_, drive_, limits_, told_, uncertainty_;
 };
 

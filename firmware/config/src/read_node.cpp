@@ -12,6 +12,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "surroundings.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -128,7 +129,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
                                 keep_table("run", run)};
   const Key entries = optional("axis", tables([](const Section&) {}));
-  for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told"})
+  for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty"})
     if (root.has("axis") && root.has(part))
       root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
   root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root + of_machines_alone());
@@ -142,6 +143,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
+  look_at_root(root, node);
   return node;
 }
 

@@ -158,6 +158,33 @@ Section Section::nested(const toml::table& inner, std::string_view key) const {
   return {inner, file_, path_.empty() ? std::string{key} : fmt::format("{}.{}", path_, key)};
 }
 
+std::vector<std::string_view> Section::keys() const {
+  std::vector<std::string_view> names;
+  for (const auto& [key, node] : *table_) names.push_back(key.str());
+  return names;
+}
+
+std::vector<double> Section::numbers_at(std::string_view key) const {
+  std::vector<double> all;
+  if (const toml::array* array = (*table_)[key].as_array(); array != nullptr)
+    for (const toml::node& entry : *array)
+      if (const auto value = entry.value<double>()) all.push_back(*value);
+  return all;
+}
+
+std::optional<Section> Section::table_at(std::string_view key) const {
+  const toml::table* inner = (*table_)[key].as_table();
+  return inner != nullptr ? std::optional{nested(*inner, key)} : std::nullopt;
+}
+
+std::vector<Section> Section::tables_at(std::string_view key) const {
+  std::vector<Section> entries;
+  if (const toml::array* array = (*table_)[key].as_array(); array != nullptr)
+    for (const toml::node& entry : *array)
+      if (entry.is_table()) entries.push_back(nested(*entry.as_table(), key));
+  return entries;
+}
+
 void Section::fail(std::string_view key, const std::string& what) const {
   const toml::node* at = table_->get(key);
   const auto line = (at != nullptr ? at : table_)->source().begin.line;

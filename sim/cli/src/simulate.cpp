@@ -7,6 +7,7 @@
 #include <optional>
 #include <variant>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/report/accuracy_json.hpp"
@@ -73,10 +74,17 @@ void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
              accuracy->error_estimate_m, accuracy->asked_m);
 }
 
+void print_certificate(const config::Node& node, const config::Axis& axis) {
+  if (!axis.controller.impulsive) return;
+  const std::string why_not = config::why_not_certified(node, axis);
+  fmt::print("  certificate    {}\n", why_not.empty() ? "yes" : "none: " + why_not);
+}
+
 void print_figures(const Scenario& s, const Result& r) {
-  for (const AxisResult& axis : r.axes) {
-    if (s.axes() > 1) fmt::print("  axis {}\n", axis.name);
-    print_axis(axis, r.duration_s);
+  for (std::size_t i = 0; i < r.axes.size(); ++i) {
+    if (s.axes() > 1) fmt::print("  axis {}\n", r.axes[i].name);
+    print_axis(r.axes[i], r.duration_s);
+    print_certificate(s.node, s.node.axes[i]);
   }
   if (r.loop) {
     fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,

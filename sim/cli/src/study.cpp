@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
@@ -91,6 +92,14 @@ void print_told(const std::vector<Study>& studies) {
   }
 }
 
+// What the runs below are to be held against.
+void print_certificate(const Study& study) {
+  const config::Node& node = study.scenario.node;
+  if (node.axes.front().controller.pid) return;
+  const std::string why_not = config::why_not_certified(node, node.axes.front());
+  fmt::print("{}: {}\n", study.file, why_not.empty() ? "certified" : "not certified: " + why_not);
+}
+
 void print_table(const std::vector<Study>& studies, const StudyOptions& options) {
   const config::Node& node = studies.front().scenario.node;
   const config::Axis& axis = node.axes.front();
@@ -99,6 +108,7 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
       "{})\n",
       config::truth_of(axis).bounds.lower_N, config::truth_of(axis).bounds.upper_N, options.random_laws, options.seed);
   print_told(studies);
+  for (const Study& study : studies) print_certificate(study);
   fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
              studies.front().scenario.run->settle_time_s, config::max_force_N(axis));
   fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled",
@@ -127,6 +137,8 @@ void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row
   json.member("scenario", study.file);
   if (const std::string told = config::told_otherwise(study.scenario.node.axes.front()); !told.empty())
     json.member("told", told);
+  if (study.scenario.node.axes.front().controller.impulsive)
+    json.member("certified", config::why_not_certified(study.scenario.node, study.scenario.node.axes.front()).empty());
   json.member("position_m", row.start.position_m);
   json.member("velocity_m_s", row.start.velocity_m_s);
   json.member("settled", settled_runs(row));

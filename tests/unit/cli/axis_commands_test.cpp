@@ -47,6 +47,22 @@ TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
   expect_refused("simulate " + with("max_force_N = 50", "max_force_N = 4"), {"axis.toml", "max_force_N", "4", "4.5"});
 }
 
+TEST_F(Command, SaysTheSameOfACertificateWhicheverIsAsked) {
+  const std::vector<std::pair<std::string, std::string>> scenes{{"can_axis.toml", ""},
+                                                                {"presliding_axis.toml", "[plant] presliding: "},
+                                                                {"worn_axis.toml", "[plant] backlash: "}};
+  for (const auto& [file, reason] : scenes) {
+    const Ended design = run("design " + scenarios + file), motion = run("simulate " + scenarios + file);
+    const Ended study = run("study --laws 0 --start -0.01 0 " + scenarios + file);
+    EXPECT_EQ(design.exit_code, reason.empty() ? 0 : 1) << file;
+    for (const Ended* ended : {&design, &motion, &study})
+      EXPECT_NE(ended->out.find(reason.empty() ? "certifi" : reason), std::string::npos) << file << ended->out;
+    EXPECT_NE(motion.out.find(reason.empty() ? "certificate    yes" : "certificate    none"), std::string::npos)
+        << file;
+    EXPECT_NE(study.out.find(reason.empty() ? ": certified" : ": not certified"), std::string::npos) << file;
+  }
+}
+
 TEST_F(Command, NamesTheMissingPartOfAScenario) {
   const std::string axis =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n"

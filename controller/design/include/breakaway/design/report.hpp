@@ -27,6 +27,7 @@ struct AxisDesign {
   double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
   std::optional<BrakedClass> braked{};      // the axes it stands for, where the coast is "brake"
+  std::vector<std::string> outside{};       // what is known of the machine and no check covers, a sentence each
 };
 
 // What a certificate of the coast "brake" says in figures.

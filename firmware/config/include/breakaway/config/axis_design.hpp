@@ -2,6 +2,7 @@
 // before it starts.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "breakaway/config/node.hpp"
@@ -15,6 +16,9 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis);
 // Examines every axis, in the order of the file. Throws InputError as axis_design(), and when the axes do not fit the
 // bus.
 std::vector<design::DesignReport> examine(const Node& node);
+
+// Says why one axis of the node is not certified: the first reason; nothing where it is.
+std::string why_not_certified(const Node& node, const Axis& axis);
 
 // Throws InputError with the axis and the first reason unless every axis is certified.
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports);

@@ -109,6 +109,23 @@ struct Truth {
   double force_per_torque_N_per_Nm = 1;
 };
 
+// What the file says of the world of an axis, as far as its certificate must know it. A node is not told of it.
+struct Surroundings {
+  double force_N = 0;           // the most that acts beside the drive's force and friction, ripple apart
+  double ripple = 0;            // share of the drive's force by which it varies along the travel
+  double drift = 0;             // share of itself by which friction swells and falls
+  double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
+  double feedback_delay_s = 0;  // from SYNC to the drive's answer, at most
+  bool one_mass = true;         // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
+  std::vector<std::string> uncertified;  // what no certificate takes in, each in a sentence with its remedy
+};
+
+// The same of the bus.
+struct BusSurroundings {
+  double loss_probability = 0;
+  double least_delay_s = 0, most_delay_s = 0;  // of a frame
+};
+
 // What the node is told of an axis. Where the file has a table [told], that is what stands here, and the truth beside
 // it is for the simulation.
 struct Axis {
@@ -121,6 +138,7 @@ struct Axis {
   Limits limits;
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   std::optional<Truth> truth;        // where the file has [told]
+  Surroundings surroundings;
 };
 
 struct Loop {
@@ -135,8 +153,9 @@ struct Node {
   std::string title;
   std::optional<Loop> loop;               // absent: the ideal law, which nothing samples
   std::optional<std::uint32_t> bit_rate;  // of the bus; present where there is a drive
-  double settle_tolerance_m = 0;          // [run]: within which true error an axis counts as settled; 0: see below
-  std::vector<Axis> axes;                 // at least one
+  BusSurroundings bus_surroundings;
+  double settle_tolerance_m = 0;  // [run]: within which true error an axis counts as settled; 0: see below
+  std::vector<Axis> axes;         // at least one
 
   double period_s() const { return loop ? std::chrono::duration<double>(loop->period).count() : 0; }
 };

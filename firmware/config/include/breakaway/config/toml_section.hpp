@@ -110,6 +110,13 @@ class Section {
   // Returns the text under `key` if there is any, for a key that decides which other keys are valid.
   std::optional<std::string_view> word(std::string_view key) const { return (*table_)[key].value<std::string_view>(); }
 
+  // These look at what another reader checks, without a word about it: nothing where there is no such thing.
+  std::vector<std::string_view> keys() const;
+  std::optional<double> number_at(std::string_view key) const { return (*table_)[key].value<double>(); }
+  std::vector<double> numbers_at(std::string_view key) const;
+  std::optional<Section> table_at(std::string_view key) const;
+  std::vector<Section> tables_at(std::string_view key) const;
+
   // Throws InputError with the place of `key` here, or of the section if it is absent.
   [[noreturn]] void fail(std::string_view key, const std::string& what) const;
 

@@ -1,0 +1,282 @@
+#include "surroundings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/certificate_keys.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using law::Coast;
+
+constexpr double rounding = 1e-9;  // relative: a bound that is set to the very number holds it
+
+std::string place(std::string_view table, std::string_view key) {
+  return table.empty() ? fmt::format("[{}]", key) : fmt::format("[{}] {}", table, key);
+}
+
+// A number that a certificate must know. Nothing else counts as no number: another reader refuses it.
+double magnitude(const Section& section, std::string_view key) { return std::abs(section.number_at(key).value_or(0)); }
+double nested_magnitude(const Section& section, std::string_view table, std::string_view key) {
+  const auto inner = section.table_at(table);
+  return inner ? magnitude(*inner, key) : 0;
+}
+
+// How steeply a friction law rises and falls with speed, at its steepest, where 1 is from bound to bound.
+struct Slope {
+  double rise_per_m_s = 0, fall_per_m_s = 0;
+};
+
+Slope slope_of(const Section& law);
+
+Slope falls_over(double speed_m_s, double steepest) { return {0, speed_m_s > 0 ? steepest / speed_m_s : unlimited}; }
+
+Slope of_static_kinetic(const Section& law) {
+  const double at_rest = law.number_at("static_value").value_or(1),
+               sliding = law.number_at("kinetic_value").value_or(0);
+  return {sliding > at_rest ? unlimited : 0, sliding < at_rest ? unlimited : 0};
+}
+
+// Of what lies in [0, 1], a product is at most as steep as the sum.
+Slope of_parts(const Section& law, bool greatest) {
+  Slope all;
+  for (const Section& part : law.tables_at("parts")) {
+    const auto [rise, fall] = slope_of(part);
+    all.rise_per_m_s = greatest ? std::max(all.rise_per_m_s, rise) : all.rise_per_m_s + rise;
+    all.fall_per_m_s = greatest ? std::max(all.fall_per_m_s, fall) : all.fall_per_m_s + fall;
+  }
+  return all;
+}
+
+Slope of_mean(const Section& law) {
+  const std::vector<Section> parts = law.tables_at("parts");
+  std::vector<double> weights = law.numbers_at("weights");
+  weights.resize(parts.size(), weights.empty() ? 1.0 : 0.0);
+  Slope all;
+  double sum = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (weights[i] == 0) continue;
+    const auto [rise, fall] = slope_of(parts[i]);
+    all.rise_per_m_s += weights[i] * rise;
+    all.fall_per_m_s += weights[i] * fall;
+    sum += weights[i];
+  }
+  return sum > 0 ? Slope{all.rise_per_m_s / sum, all.fall_per_m_s / sum} : Slope{};
+}
+
+// What this does not know may be as steep as it likes.
+Slope slope_of(const Section& law) {
+  const std::string_view kind = law.word("kind").value_or("");
+  for (const std::string_view level :
+       {"constant", "sine_in_time", "sine_in_position", "position_table", "random_dwell"})
+    if (kind == level) return {};
+  const double speed_m_s = magnitude(law, "velocity_m_s");
+  if (kind == "stribeck") return falls_over(speed_m_s, 1);
+  if (kind == "stribeck_gaussian") return falls_over(speed_m_s, std::numbers::sqrt2 * std::exp(-0.5));
+  if (kind == "static_kinetic") return of_static_kinetic(law);
+  if (kind == "mean") return of_mean(law);
+  if (kind == "product") return of_parts(law, false);
+  if (kind == "maximum" || kind == "minimum") return of_parts(law, true);
+  if (const auto part = law.table_at("part"); kind == "complement" && part) {
+    const auto [rise, fall] = slope_of(*part);
+    return {fall, rise};
+  }
+  return {unlimited, unlimited};
+}
+
+void look_at_bounded(const Section& section, std::string_view table, std::string_view key, Surroundings& to) {
+  if (key == "force_N") to.force_N += magnitude(section, key);
+  if (key == "cogging") to.force_N += nested_magnitude(section, key, "amplitude_N");
+  if (key == "ripple") to.ripple = nested_magnitude(section, key, "share");
+  if (key == "drift") to.drift = nested_magnitude(section, key, "share");
+  if (key == "tpdo_delay_max_s") to.feedback_delay_s = magnitude(section, key);
+  if (const auto law = section.table_at(key); table == "friction" && law) to.rise_per_m_s = slope_of(*law).rise_per_m_s;
+}
+
+// An encoder without an error is one that the file says nothing of.
+bool is_nothing(const Section& section, std::string_view key) {
+  const auto inner = section.table_at(key);
+  if (!inner) return false;
+  if (key == "encoder_error") return magnitude(*inner, "noise_m") == 0 && magnitude(*inner, "interpolation_m") == 0;
+  return key == "backlash" && magnitude(*inner, "gap_m") == 0;
+}
+
+// The sentences of the keys that are refused, and of those that nobody has thought of.
+void look_at_keys(const Section& section, std::string_view table, const std::function<void(std::string_view)>& bounded,
+                  std::vector<std::string>& refused) {
+  const auto rows = certificate_keys();
+  for (const std::string_view key : section.keys()) {
+    const auto row = std::ranges::find_if(
+        rows, [&](const CertificateKey& known) { return known.table == table && known.key == key; });
+    if (row == rows.end())
+      refused.push_back(fmt::format("{}: no certificate takes it in; leave it out", place(table, key)));
+    else if (row->standing == Standing::refused && !is_nothing(section, key))
+      refused.push_back(fmt::format("{}: {}", place(table, key), row->remedy));
+    else if (row->standing == Standing::bounded)
+      bounded(key);
+  }
+}
+
+void look_at_node(const Section& section, std::string_view table, Node& node) {
+  std::vector<std::string> refused;
+  look_at_keys(
+      section, table, [](std::string_view) {}, refused);
+  for (Axis& axis : node.axes) {
+    auto& all = axis.surroundings.uncertified;
+    all.insert(all.end(), refused.begin(), refused.end());
+  }
+}
+
+void look_at_bus(const Section& section, Node& node) {
+  BusSurroundings& bus = node.bus_surroundings;
+  bus.loss_probability = magnitude(section, "loss_probability");
+  bus.least_delay_s = magnitude(section, "delay_min_s");
+  bus.most_delay_s = std::max(bus.least_delay_s, magnitude(section, "delay_max_s"));
+  look_at_node(section, "bus", node);
+}
+
+// Gathers sentences about one axis.
+class Outside {
+ public:
+  Outside(const Node& node, const Axis& axis)
+      : node_{node}, axis_{axis}, all_{axis.surroundings.uncertified}, gains_{*axis.controller.impulsive} {}
+
+  std::vector<std::string> sentences() && {
+    forces();
+    if (axis_.surroundings.one_mass) friction(), told();
+    law();
+    bus();
+    return std::move(all_);
+  }
+
+ private:
+  bool braked() const { return gains_.coast == Coast::brake; }
+
+  template <class... Values>
+  void add(fmt::format_string<Values...> text, Values&&... values) {
+    all_.push_back(fmt::format(text, std::forward<Values>(values)...));
+  }
+
+  void forces() {
+    const Surroundings& s = axis_.surroundings;
+    // Without a drive nothing bounds the force that ripples.
+    const double ripple_N = s.ripple > 0 ? s.ripple * max_force_N(axis_) : 0;
+    const double beside_N = s.force_N + ripple_N;
+    if (beside_N == 0) return;
+    if (!braked())
+      add("[plant] has {:.6g} N act beside the drive's force, of which the coast \"pd\" knows nothing; take coast = "
+          "\"brake\" with [uncertainty] force_N = {:.6g}",
+          beside_N, beside_N);
+    else if (beside_N > axis_.uncertainty.force_N * (1 + rounding))
+      add("[plant] has {:.6g} N act beside the drive's force (force_N, cogging, and the ripple of the greatest force), "
+          "above [uncertainty] force_N = {:.6g}; raise that",
+          beside_N, axis_.uncertainty.force_N);
+  }
+
+  void friction() {
+    const Surroundings& s = axis_.surroundings;
+    const law::FrictionBounds<double> truth = truth_of(axis_).bounds, told = axis_.friction.bounds;
+    const double least_N = truth.lower_N * (1 - s.drift), most_N = truth.upper_N * (1 + s.drift);
+    if (least_N < told.lower_N * (1 - rounding) || most_N > told.upper_N * (1 + rounding))
+      add("friction may be between {:.6g} and {:.6g} N, outside the {:.6g} to {:.6g} N that the controller is told; "
+          "tell it [told] friction_lower_N and friction_upper_N that hold it",
+          least_N, most_N, told.lower_N, told.upper_N);
+    const double rise = s.rise_per_m_s > 0 ? s.rise_per_m_s * (truth.upper_N - truth.lower_N) * (1 + s.drift) : 0;
+    if (!braked() && rise > axis_.friction.smooth_slope_Ns_per_m * (1 + rounding))
+      add("[friction] law rises with speed, by {:.6g} N s/m at its steepest, and the approach under the coast \"pd\" "
+          "may "
+          "creep for ever where smooth_slope_Ns_per_m = {:.6g} is less; state it there, or take coast = \"brake\"",
+          rise, axis_.friction.smooth_slope_Ns_per_m);
+    if (braked() && axis_.friction.smooth_slope_Ns_per_m != 0)
+      add("[friction] smooth_slope_Ns_per_m = {:.6g} is a force beside the dry friction, which the coast \"brake\" "
+          "does "
+          "not know; widen the bounds so that they hold it at the greatest speed, and leave it out",
+          axis_.friction.smooth_slope_Ns_per_m);
+  }
+
+  // That `truth` is within what the controller is told; u: relative, either way.
+  void within(std::string_view name, double told, double u, double truth) {
+    const double share = braked() ? u : 0;
+    if (truth >= told * (1 - share) * (1 - rounding) && truth <= told * (1 + share) * (1 + rounding)) return;
+    add("[told] {} = {:.6g} is truly {:.6g}, {}; tell the truth, or take coast = \"brake\" with an [uncertainty] that "
+        "holds it",
+        name, told, truth,
+        share > 0 ? fmt::format("beyond the [uncertainty] of {:g}", share)
+                  : std::string{"and nothing allows for that"});
+  }
+
+  void told() {
+    if (!axis_.truth) return;
+    within("mass_kg", axis_.mass_kg, axis_.uncertainty.mass, axis_.truth->mass_kg);
+    if (axis_.drive)
+      within("force_gain", 1, axis_.uncertainty.force_gain,
+             axis_.truth->force_per_torque_N_per_Nm / axis_.drive->force_per_torque_N_per_Nm);
+    if (axis_.latency_periods != 1)
+      add("[told] latency_periods = {} is truly 1, and nothing allows for that; tell the truth", axis_.latency_periods);
+  }
+
+  void law() {
+    const Uncertainty& u = axis_.uncertainty;
+    if (!braked() && (u.mass > 0 || u.force_gain > 0 || u.force_N > 0 || u.current_loop_time_constant > 0))
+      add("[uncertainty] is stated, and the coast \"pd\" is certified for the very numbers of the file only; take "
+          "coast "
+          "= \"brake\"");
+    if (gains_.kick == Kick::naive)
+      add("[controller] kick = \"naive\" goes too far, and is there to compare with; take \"two_phase\"");
+  }
+
+  void bus() {
+    const BusSurroundings& b = node_.bus_surroundings;
+    if (b.loss_probability > 0)
+      add("[bus] loss_probability = {:g} has commands lost, each of which makes a kick longer or shorter; a "
+          "certificate "
+          "needs 0",
+          b.loss_probability);
+    if (b.most_delay_s > b.least_delay_s)
+      add("[bus] delay_max_s = {:g} is above delay_min_s, so that a kick may be longer or shorter than its periods; "
+          "make "
+          "them equal",
+          b.most_delay_s);
+    if (!node_.loop || !node_.bit_rate) return;
+    const auto needed_us =
+        canopen::bus_budget(static_cast<unsigned>(node_.axes.size()), node_.loop->period, *node_.bit_rate).needed_us;
+    const double round_s = 2 * b.least_delay_s + axis_.surroundings.feedback_delay_s;
+    if (round_s > 0 && round_s + 1e-6 * needed_us > node_.period_s())
+      add("[bus] and [drive] delay a reading by {:.6g} s beside the {} us of its frames, so that it comes too late for "
+          "its "
+          "period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
+          round_s, needed_us);
+  }
+
+  const Node& node_;
+  const Axis& axis_;
+  std::vector<std::string> all_;
+  const ImpulsiveGains& gains_;
+};
+
+}  // namespace
+
+void look_at(const Section& section, std::string_view table, Surroundings& to) {
+  look_at_keys(
+      section, table, [&](std::string_view key) { look_at_bounded(section, table, key, to); }, to.uncertified);
+  if (section.has("load") || section.has("machine")) to.one_mass = false;
+}
+
+void look_at_root(const Section& root, Node& node) {
+  look_at_node(root, "", node);
+  for (const std::string_view table : {"loop", "run"})
+    if (const auto section = root.table_at(table)) look_at_node(*section, table, node);
+  if (const auto section = root.table_at("bus")) look_at_bus(*section, node);
+}
+
+std::vector<std::string> outside_class(const Node& node, const Axis& axis) { return Outside{node, axis}.sentences(); }
+
+}  // namespace breakaway::config

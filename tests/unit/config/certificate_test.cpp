@@ -1,0 +1,270 @@
+// A certificate takes in everything that a file says, or is refused.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <initializer_list>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/certificate_keys.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "two_axes.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using breakaway::testing::refusal;
+using testing::with;
+
+// Every table of an axis, with a line that more can be put behind.
+const std::string scene = R"(
+[loop]
+period_s = 0.001
+[bus]
+bit_rate = 1_000_000
+[plant]
+mass_kg = 1
+[friction]
+lower_N = 2.5
+upper_N = 4.5
+[told]
+[uncertainty]
+mass = 0.02
+force_gain = 0.02
+force_N = 0.3
+current_loop_time_constant = 0.2
+[controller]
+k1_N_per_m = 400
+k21_Ns_per_m = 32
+k22_Ns_per_m = 60
+kick = "two_phase"
+coast = "brake"
+max_force_N = 48
+max_approach_speed_m_s = 5
+position_tolerance_m = 5e-6
+target_m = 0
+[limits]
+position_m = 1
+speed_m_s = 20
+force_N = 60
+following_error_m = 2
+[drive]
+rated_torque_Nm = 0.5
+max_torque_per_mille = 2000
+force_per_torque_N_per_Nm = 50
+encoder_resolution_m = 1e-6
+current_loop_time_constant_s = 1e-4
+[run]
+duration_s = 1
+)";
+
+std::string joined(std::initializer_list<std::string_view> parts) {
+  std::string all;
+  for (const std::string_view part : parts) all += part;
+  return all;
+}
+
+// More lines in a table.
+std::string more(const std::string& table, const std::string& lines, const std::string& text = scene) {
+  return with(text, joined({table, "\n"}), joined({table, "\n", lines, "\n"}));
+}
+
+std::string under_pd(std::string text = scene) {
+  text = with(text, "coast = \"brake\"", "coast = \"pd\"");
+  for (const char* line :
+       {"mass = 0.02\n", "force_gain = 0.02\n", "force_N = 0.3\n", "current_loop_time_constant = 0.2\n"})
+    text = with(text, line, "");
+  return text;
+}
+
+// Why the axis is not certified; empty where it is. The simulation must be able to read what the node reads.
+std::string why_not(const std::string& text) {
+  const Node node = scenario::parse_scenario(text, "axis.toml").node;
+  const Node alone = parse_node(text, "axis.toml");
+  const auto report = examine(node).front();
+  EXPECT_EQ(report.reasons, examine(alone).front().reasons);
+  return report.certified ? "" : report.reasons.front();
+}
+
+void expect_refused(const std::string& text, const std::string& named) {
+  EXPECT_NE(why_not(text).find(named), std::string::npos) << named << ": " << why_not(text);
+}
+
+TEST(Certificate, IsGivenToTheSceneThatTheseTestsSpoil) {
+  EXPECT_EQ(why_not(scene), "");
+  EXPECT_EQ(why_not(under_pd()), "");
+}
+
+TEST(Certificate, RefusesByNameWhatIsNoRigidAxisOnFrictionThatHolds) {
+  const std::string load = "load = { mass_kg = 1, stiffness_N_per_m = 1e6 }";
+  for (const std::string& text : {scene, under_pd()}) {
+    expect_refused(more("[plant]", load, text), "[plant] load: ");
+    expect_refused(more("[plant]", joined({load, "\nbacklash = { gap_m = 1e-5 }"}), text), "[plant] backlash: ");
+    expect_refused(more("[plant]", "presliding = { stiffness_N_per_m = 1e7 }", text), "[plant] presliding: ");
+    expect_refused(more("[plant]", "encoder_error = { noise_m = 1e-7 }", text), "[plant] encoder_error: ");
+    EXPECT_EQ(why_not(more("[plant]", "encoder_error = { noise_m = 0 }", text)), "");
+  }
+}
+
+TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
+  EXPECT_EQ(why_not(more("[plant]", "force_N = -0.3")), "");
+  expect_refused(more("[plant]", "force_N = -0.31"), "raise that");
+  EXPECT_EQ(why_not(more("[plant]", "force_N = 0.1\ncogging = { amplitude_N = 0.2, period_m = 1e-3 }")), "");
+  expect_refused(more("[plant]", "force_N = 0.1\ncogging = { amplitude_N = 0.21, period_m = 1e-3 }"), "0.31 N act");
+  EXPECT_EQ(why_not(more("[plant]", "ripple = { share = 0.006, period_m = 1e-3 }")), "");
+  expect_refused(more("[plant]", "ripple = { share = 0.007, period_m = 1e-3 }"), "0.336 N act");
+  expect_refused(more("[plant]", "force_N = 0.01", under_pd()), "the coast \"pd\" knows nothing");
+}
+
+TEST(Certificate, HoldsFrictionAgainstTheBoundsThatTheControllerIsTold) {
+  const std::string drift = more("[plant]", "drift = { share = 0.1, period_s = 3 }");
+  expect_refused(drift, "friction may be between 2.25 and 4.95 N");
+  EXPECT_EQ(why_not(more("[told]", "friction_lower_N = 2.25\nfriction_upper_N = 4.95", drift)), "");
+  expect_refused(more("[told]", "friction_lower_N = 2.6"), "outside the 2.6 to 4.5 N");
+}
+
+TEST(Certificate, HoldsWhatIsToldAgainstTheTruth) {
+  EXPECT_EQ(why_not(more("[told]", "mass_kg = 1.01")), "");
+  expect_refused(more("[told]", "mass_kg = 1.03"), "[told] mass_kg = 1.03 is truly 1");
+  EXPECT_EQ(why_not(more("[told]", "force_gain = 0.99")), "");
+  expect_refused(more("[told]", "force_gain = 1.05"), "[told] force_gain = 1");
+  expect_refused(more("[told]", "latency_periods = 2"), "[told] latency_periods = 2");
+  expect_refused(more("[told]", "mass_kg = 1.001", under_pd()), "nothing allows for that");
+}
+
+TEST(Certificate, OfTheCoastPdRefusesFrictionThatRisesWithSpeedUnlessItsSlopeIsStated) {
+  const std::string rising = "law = { kind = \"complement\", part = { kind = \"stribeck\", velocity_m_s = 0.5 } }";
+  expect_refused(more("[friction]", rising, under_pd()), "by 4 N s/m at its steepest");
+  EXPECT_EQ(why_not(more("[friction]", joined({rising, "\nsmooth_slope_Ns_per_m = 4"}), under_pd())), "");
+  EXPECT_EQ(why_not(more("[friction]", rising)), "") << "under the brake friction is free inside its bounds";
+  const std::string falling =
+      "law = { kind = \"mean\", parts = [{ kind = \"stribeck\", velocity_m_s = 2 }, { kind = "
+      "\"sine_in_time\", angular_frequency_rad_s = 4 }] }";
+  EXPECT_EQ(why_not(more("[friction]", falling, under_pd())), "");
+  const std::string jump = "law = { kind = \"static_kinetic\", static_value = 0, kinetic_value = 1 }";
+  expect_refused(more("[friction]", jump, under_pd()), "rises with speed");
+  expect_refused(more("[friction]", "smooth_slope_Ns_per_m = 4"), "the coast \"brake\" does not know");
+}
+
+TEST(Certificate, RefusesKeysThatTheCoastIgnores) {
+  expect_refused(with(scene, "\"brake\"", "\"pd\""), "[uncertainty] is stated");
+  for (const std::string& text : {scene, under_pd()})
+    expect_refused(with(text, "\"two_phase\"", "\"naive\""), "kick = \"naive\"");
+}
+
+TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
+  expect_refused(more("[bus]", "loss_probability = 0.001"), "loss_probability");
+  expect_refused(more("[bus]", "delay_max_s = 1e-5"), "delay_max_s");
+  EXPECT_EQ(why_not(more("[bus]", "delay_min_s = 1e-5\ndelay_max_s = 1e-5")), "");
+  EXPECT_EQ(why_not(more("[drive]", "tpdo_delay_max_s = 4e-4")), "");
+  expect_refused(more("[drive]", "tpdo_delay_max_s = 9e-4"), "too late for its period");
+}
+
+std::string source(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream{BREAKAWAY_SOURCE_DIR "/" + file}.rdbuf();
+  return text.str();
+}
+
+TEST(Certificate, KnowsEveryKeyThatAReaderOfAxesKnows) {
+  std::string text;
+  for (const char* file : {"firmware/config/src/axis_tables.cpp", "firmware/config/src/read_node.cpp",
+                           "firmware/config/src/read_told.cpp", "sim/scenario/src/read_scenario.cpp"})
+    text += source(file);
+  std::set<std::string, std::less<>> known;
+  for (const CertificateKey& key : certificate_keys()) {
+    known.emplace(key.key);
+    EXPECT_NE(text.find(joined({"\"", key.key, "\""})), std::string::npos) << key.key << " is no key any more";
+    EXPECT_EQ(key.standing == Standing::refused, !key.remedy.empty()) << key.key;
+  }
+  const std::regex row{R"re((?:optional|required|keep_table)\(\s*"(\w+)")re"};
+  int rows = 0;
+  for (std::sregex_iterator match{text.begin(), text.end(), row}, end; match != end; ++match, ++rows)
+    EXPECT_TRUE(known.contains((*match)[1].str())) << (*match)[1] << ": say where the certificate stands to it";
+  EXPECT_GE(rows, 60);
+}
+
+// Everything that is certified of an axis, or why nothing is.
+std::string certificate(const std::string& text) {
+  std::ostringstream out;
+  out.precision(12);
+  const std::string error = refusal([&] {
+    const Node node = parse_node(text, "axis.toml");
+    const design::DesignReport report = examine(node).front();
+    for (const design::Check& check : report.checks) out << check.name << check.holds << check.margin << check.reason;
+    for (const std::string& condition : report.conditions) out << condition;
+    if (report.braked) out << report.braked->promise << report.braked->peak_speed_m_s << report.braked->hand_over_m;
+  });
+  return error + out.str();
+}
+
+TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
+  const std::map<std::string, std::pair<std::string, std::string>> changes{
+      {"plant.mass_kg", {"mass_kg = 1\n", "mass_kg = 1.1\n"}},
+      {"friction.lower_N", {"lower_N = 2.5", "lower_N = 2.4"}},
+      {"friction.upper_N", {"upper_N = 4.5", "upper_N = 4.6"}},
+      {"friction.mu_lower", {"lower_N = 2.5\nupper_N = 4.5", "mu_lower = 0.2\nmu_upper = 0.4\ngravity_m_s2 = 9.81"}},
+      {"friction.mu_upper", {"lower_N = 2.5\nupper_N = 4.5", "mu_lower = 0.25\nmu_upper = 0.5\ngravity_m_s2 = 9.81"}},
+      {"friction.gravity_m_s2", {"lower_N = 2.5\nupper_N = 4.5", "mu_lower = 0.25\nmu_upper = 0.45\ngravity_m_s2 = 9"}},
+      {"friction.smooth_slope_Ns_per_m", {"lower_N = 2.5", "lower_N = 2.5\nsmooth_slope_Ns_per_m = 1"}},
+      {"controller.kind", {"k1_N_per_m = 400", "kind = \"pid\"\nk1_N_per_m = 400"}},
+      {"controller.k1_N_per_m", {"k1_N_per_m = 400", "k1_N_per_m = 410"}},
+      {"controller.k21_Ns_per_m", {"k21_Ns_per_m = 32", "k21_Ns_per_m = 31"}},
+      {"controller.k22_Ns_per_m", {"k22_Ns_per_m = 60", "k22_Ns_per_m = 61"}},
+      {"controller.kick", {"\"two_phase\"", "\"naive\""}},
+      {"controller.coast", {"\"brake\"", "\"pd\""}},
+      {"controller.max_force_N", {"max_force_N = 48", "max_force_N = 45"}},
+      {"controller.max_approach_speed_m_s", {"speed_m_s = 5", "speed_m_s = 25"}},
+      {"controller.position_tolerance_m", {"position_tolerance_m = 5e-6", "position_tolerance_m = 6e-6"}},
+      {"controller.target_m", {"target_m = 0", "target_m = 2"}},
+      {"controller.targets", {"target_m = 0", "targets = [{ time_s = 1, position_m = 2 }]"}},
+      {"drive.rated_torque_Nm", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.6"}},
+      {"drive.max_torque_per_mille", {"max_torque_per_mille = 2000", "max_torque_per_mille = 1000"}},
+      {"drive.force_per_torque_N_per_Nm", {"force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 55"}},
+      {"drive.peak_force_N", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.5\npeak_force_N = 40"}},
+      {"drive.encoder_resolution_m", {"resolution_m = 1e-6", "resolution_m = 2e-6"}},
+      {"drive.current_loop_time_constant_s", {"constant_s = 1e-4", "constant_s = 2e-4"}},
+      {"limits.position_m", {"target_m = 0\n[limits]\nposition_m = 1", "target_m = 0.9\n[limits]\nposition_m = 0.8"}},
+      {"limits.position_min_m",
+       {"target_m = 0\n[limits]\nposition_m = 1", "target_m = 0.9\n[limits]\nposition_min_m = 1"}},
+      {"limits.position_max_m",
+       {"target_m = 0\n[limits]\nposition_m = 1", "target_m = 0.9\n[limits]\nposition_max_m = 0.8"}},
+      {"limits.speed_m_s", {"speed_m_s = 20", "speed_m_s = 1e-3"}},
+      {"limits.force_N", {"force_N = 60", "force_N = 40"}},
+      {"limits.following_error_m", {"following_error_m = 2", "following_error_m = 1e-6"}},
+      {"told.mass_kg", {"[told]", "[told]\nmass_kg = 1.01"}},
+      {"told.force_gain", {"[told]", "[told]\nforce_gain = 1.01"}},
+      {"told.friction_lower_N", {"[told]", "[told]\nfriction_lower_N = 2.4"}},
+      {"told.friction_upper_N", {"[told]", "[told]\nfriction_upper_N = 4.6"}},
+      {"told.latency_periods", {"[told]", "[told]\nlatency_periods = 3"}},
+      {"uncertainty.mass", {"mass = 0.02", "mass = 0.03"}},
+      {"uncertainty.force_gain", {"force_gain = 0.02", "force_gain = 0.03"}},
+      {"uncertainty.force_N", {"force_N = 0.3", "force_N = 0.4"}},
+      {"uncertainty.current_loop_time_constant", {"constant = 0.2", "constant = 0.3"}},
+      {"loop.period_s", {"period_s = 0.001", "period_s = 0.002"}},
+      {"bus.bit_rate", {"1_000_000", "125_000"}},
+      {"run.settle_tolerance_m", {"position_tolerance_m = 5e-6", "# none"}},
+  };
+  const std::string plain = certificate(scene);
+  for (const CertificateKey& key : certificate_keys()) {
+    if (key.standing != Standing::counted || key.table.empty() || key.table == "axis") continue;
+    const std::string name = joined({key.table, ".", key.key});
+    ASSERT_TRUE(changes.contains(name)) << name << ": say how the certificate changes with it";
+    std::string text = scene;
+    if (name == "run.settle_tolerance_m")
+      text = with(text, "duration_s = 1", "settle_tolerance_m = 9e-6\nduration_s = 1");
+    const auto& [from, to] = changes.at(name);
+    EXPECT_NE(certificate(with(text, from, to)), plain) << name;
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::config
