@@ -64,31 +64,30 @@ int KickClass::cut_periods(double force_N, int periods) const {
   return n;
 }
 
-double KickClass::most_travel_m(double force_N, int periods, int cut_periods) const {
-  const double gain = axes_.force_gain.most;
-  const double whole_cut_N = cut_N(force_N, periods, cut_periods);
-  const double cut = listed() ? rounded_down_N(whole_cut_N * (1 - cut_rounding))
-                              : whole_cut_N - axes_.force_step_N * (1 + cut_rounding);
-  return travel_m({.start_N = gain * brake_N_,
+double KickClass::travel_at(const Corner& corner, double force_N, int periods, int cut_periods, double cut_N) const {
+  const double gain = corner.force_gain;
+  return travel_m({.start_N = gain * corner.start_N,
                    .pulse_N = gain * force_N,
                    .pulse_periods = periods,
-                   .cut_N = gain * cut,
+                   .cut_N = gain * cut_N,
                    .cut_periods = cut_periods,
                    .brake_N = gain * brake_N_},
-                  {axes_.mass_kg.least, least_friction_N_, axes_.lag_s.least, axes_.period_s});
+                  {corner.mass_kg, corner.friction_N, corner.lag_s, axes_.period_s});
+}
+
+double KickClass::most_travel_m(double force_N, int periods, int cut_periods) const {
+  const Corner furthest{axes_.force_gain.most, axes_.mass_kg.least, least_friction_N_, axes_.lag_s.least, brake_N_};
+  const double whole_cut_N = cut_N(force_N, periods, cut_periods);
+  const double weakest_cut_N = listed() ? rounded_down_N(whole_cut_N * (1 - cut_rounding))
+                                        : whole_cut_N - axes_.force_step_N * (1 + cut_rounding);
+  return travel_at(furthest, force_N, periods, cut_periods, weakest_cut_N);
 }
 
 double KickClass::least_travel_m(double force_N, int periods, int cut_periods) const {
-  const double gain = axes_.force_gain.least;
+  const Corner nearest{axes_.force_gain.least, axes_.mass_kg.most, most_friction_N_, axes_.lag_s.most, preload_N_};
   const double whole_cut_N = cut_N(force_N, periods, cut_periods);
-  const double cut = listed() ? rounded_down_N(whole_cut_N * (1 + cut_rounding)) : whole_cut_N;
-  return travel_m({.start_N = gain * preload_N_,
-                   .pulse_N = gain * force_N,
-                   .pulse_periods = periods,
-                   .cut_N = gain * cut,
-                   .cut_periods = cut_periods,
-                   .brake_N = gain * brake_N_},
-                  {axes_.mass_kg.most, most_friction_N_, axes_.lag_s.most, axes_.period_s});
+  const double strongest_cut_N = listed() ? rounded_down_N(whole_cut_N * (1 + cut_rounding)) : whole_cut_N;
+  return travel_at(nearest, force_N, periods, cut_periods, strongest_cut_N);
 }
 
 // Without lag the travel is tau^2 (F - A) (F + b) / (2 m (A + b)), which is a good start with a lag.

@@ -32,6 +32,13 @@ class KickClass {
   double needed_N(int periods) const;
 
  private:
+  // An axis at an end of the class, and the force from which its pulse starts.
+  struct Corner {
+    double force_gain, mass_kg, friction_N, lag_s, start_N;
+  };
+
+  double travel_at(const Corner& corner, double force_N, int periods, int cut_periods, double cut_N) const;
+
   static constexpr double most_listed_steps = 64;
 
   BrakedClass axes_;
