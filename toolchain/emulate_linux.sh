@@ -51,7 +51,7 @@ install_peers() {
 [[ -e $peers/ready ]] || install_peers
 
 code=0
-toolchain/guest.sh --bitrate 1000000 --timeout 600 env NODE_PATH="$peers/node_modules" \
+toolchain/guest.sh --bitrate 1000000 --timeout 1200 env NODE_PATH="$peers/node_modules" \
   python3 -B tests/guest/linux_node.py "$host" "$@" || code=$?
 if ((code != 0)); then
   printf 'linux: FAILED (exit code %d)\n' "$code" >&2
