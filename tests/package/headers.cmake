@@ -12,7 +12,7 @@ function(package_compile_test name leaf code)
   add_test(NAME ${name} COMMAND_EXPAND_LISTS
     COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wconversion -Werror ${ARGN}
             "-I$<JOIN:${folders},;-I>" "$<$<IN_LIST:${eigen_folder},${folders}>:-isystem;${eigen_folder}>" "${file}")
-  set_tests_properties(${name} PROPERTIES LABELS package TIMEOUT 120)
+  set_tests_properties(${name} PROPERTIES LABELS package TIMEOUT 600)
 endfunction()
 
 # The public headers of a leaf as they are included.
