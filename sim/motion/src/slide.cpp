@@ -185,6 +185,7 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
   }
   const auto excess_N = [&](double tau_s) {
     const double time_s = time_.after(tau_s);
+    spend(time_s, 1);
     const double pushes_N = force_.at_N(time_s, state_.position_m, 0);
     direction = pushes_N < 0 ? -1 : 1;
     return std::abs(pushes_N) - widened(friction_.breakaway_N(time_s, state_.position_m, direction));
@@ -193,7 +194,6 @@ double Slide::scan_for_breakaway(double duration_s, int& direction) {
   while (start_s < duration_s) {
     const double end_s = std::min(start_s + window_s, duration_s);
     const double end_N = excess_N(end_s);
-    spend(time_.after(end_s), 1);
     const double wait_s =
         motion::first_excess(excess_N, {start_s, start_N}, {end_s, end_N}, steepest_N_per_s, scan_depth);
     if (wait_s < never) {

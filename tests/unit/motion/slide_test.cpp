@@ -263,6 +263,19 @@ TEST(Slide, FindsTheShortWindowInWhichASineLawLetsItGo) {
   EXPECT_EQ(below.counters().slips, 0u);
 }
 
+TEST(Slide, CountsTheWorkOfASearchForAShortWindow) {
+  const auto work_under = [](double push_N) {
+    Slide slide(1, {{2, 4}, model::shape::sine_in_time(1)}, {});
+    WorkBudget work({.duration_s = 10}, "the axis", "", "");
+    slide.limit_work(&work);
+    slide.advance_to(6, {.constant_N = push_N});
+    EXPECT_TRUE(slide.sticking());
+    return work.spent();
+  };
+  // The level falls to 2 N at 3 pi / 2 s.
+  EXPECT_GT(work_under(2 - 1e-9), work_under(1.9) + 100);
+}
+
 TEST(Slide, SwitchesAPiecewiseConstantLawExactlyAtItsTimes) {
   const FrictionLaw law({1, 2}, model::shape::random_dwell({.seed = 4}));
   FrictionLaw replay = law;
