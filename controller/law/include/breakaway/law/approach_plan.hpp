@@ -23,6 +23,7 @@
 #include <limits>
 
 #include "breakaway/law/braked_kicks.hpp"
+#include "breakaway/law/control_types.hpp"
 
 namespace breakaway::law {
 
@@ -98,11 +99,12 @@ class ApproachPlan {
   void remember(Scalar force_N, Scalar command_N) noexcept {
     const Scalar mean_N = command_N + (last_force_N_ - force_N) * a_->lag_s * per_period_;
     last_force_N_ = force_N;
-    Scalar net_N = 0;
-    if (velocity_ > 0 || mean_N > a_->friction_N) net_N = mean_N - a_->friction_N;
-    if (velocity_ < 0 || mean_N < -a_->friction_N) net_N = mean_N + a_->friction_N;
+    // Friction opposes motion, whichever way the force acts; at rest it holds what it can.
+    Scalar friction_N = limited(mean_N, a_->friction_N);
+    if (velocity_ > 0) friction_N = a_->friction_N;
+    if (velocity_ < 0) friction_N = -a_->friction_N;
     newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
-    accelerations_[newest_] = net_N * per_mass_;
+    accelerations_[newest_] = (mean_N - friction_N) * per_mass_;
   }
   Scalar acceleration(std::size_t periods_ago) const noexcept {
     const std::size_t place = newest_ + periods_ago;
