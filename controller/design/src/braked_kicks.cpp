@@ -112,10 +112,14 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
   const double theta_N = axes.lag_s.most > 0 ? 0.1 * kicks.held_N() : -b, holding_N = (b + kicks.held_N()) / 2;
   const auto [still, either_way, settling] = waits(axes, kicks, theta_N, holding_N);
   rest_is_seen = std::max(still, either_way) + settling < longest_count / 2;
-  return {.brake_N = static_cast<Real>(b),
-          .force_step_N = static_cast<Real>(axes.force_step_N),
-          .preload_N = static_cast<Real>(kicks.preload_N()),
-          .resting_force_N = static_cast<Real>(theta_N),
+  // The very number that the controller commands, which compares its force with it: whole steps, rounded once.
+  const auto step_N = static_cast<Real>(axes.force_step_N);
+  const Real brake_N = static_cast<Real>(std::round(b / axes.force_step_N)) * step_N;
+  const auto exact = [&](double force_N) { return force_N == -b ? -brake_N : static_cast<Real>(force_N); };
+  return {.brake_N = brake_N,
+          .force_step_N = step_N,
+          .preload_N = exact(kicks.preload_N()),
+          .resting_force_N = exact(theta_N),
           .holding_force_N = static_cast<Real>(holding_N),
           .fast_lag = share_left<Real>(axes.period_s, axes.lag_s.least, Real{0}),
           .slow_lag = share_left<Real>(axes.period_s, axes.lag_s.most, Real{1}),

@@ -215,6 +215,21 @@ TEST(KickCycle, NamesAnAxisThatItsBrakeDrivesBack) {
   float position_m = -1e-3F;
   for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) {
     if (!axis.show(position_m).kicked) continue;
+// A brake of so many steps is not the same number in double, in float, and as steps times a float.
+TEST(KickCycle, SeesRestUnderTheBrakeWhateverTheStepOfForce) {
+  for (const double step_N : {0.025, 0.03, 0.12, 0.3, 0.0478, 0.0613}) {
+    design::BrakedClass c = axes(0);
+    c.force_step_N = step_N;
+    const auto kicks = design::design_braked_kicks<float>(c).kicks;
+    AxisController<float> controller{braked_axis(), no_k3, kicks};
+    while (controller.kicks() == 0) controller.update({-1e-4F});
+    int braked = 0;
+    for (; controller.kicks() == 1 && braked < 100; ++braked) controller.update({-1e-4F});
+    // One more for each of the latency, the period that the first reading ends, and the pulse.
+    EXPECT_LE(braked, kicks.still_periods + 3) << step_N;
+  }
+}
+
     axis.show(position_m + 4e-4F);
     axis.show(position_m += 2e-4F);
   }
