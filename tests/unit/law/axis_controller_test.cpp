@@ -134,6 +134,25 @@ TEST_F(AxisControllerTest, GivesUpByNameWhenTheErrorGrowsKickAfterKick) {
   EXPECT_EQ(controller.fault(), ControlFault::diverging);
 }
 
+TEST_F(AxisControllerTest, GivesUpByNameWhenNoKickLeadsNearer) {
+  int kicks = 0;
+  for (int i = 0; i < 20'000 && controller.fault() == ControlFault::none; ++i) {
+    if (controller.update({kicks % 2 == 0 ? -1e-4F : 1e-4F}).kicked) ++kicks;
+  }
+  EXPECT_EQ(controller.fault(), ControlFault::hunting);
+  EXPECT_NEAR(kicks, AxisController<float>::most_kicks, 2);
+}
+
+// What is pushed out of its hold now and then is brought back each time, however often that is.
+TEST_F(AxisControllerTest, DoesNotTakePushesForHunting) {
+  for (int push = 0; push < 300; ++push) {
+    stand_still(0, 500);
+    ASSERT_EQ(controller.mode(), Mode::hold) << "after " << push << " pushes: " << to_string(controller.fault());
+    first_kick(5e-6F);
+    first_kick(4e-6F);
+  }
+}
+
 TEST_F(AxisControllerTest, LatchesAFaultOnAMeasurementThatIsNoNumber) {
   for (const float bad :
        {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {

@@ -118,6 +118,8 @@ class AxisController {
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
   static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
   static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
+  // Under the coast "pd"; under the brake it is longer, because a proof of rest may take longer there.
+  static constexpr std::int32_t long_hold_periods = 400;
 
   bool exact() const noexcept { return !(p_.encoder_resolution_m > 0); }
   bool ideal() const noexcept { return !(p_.period_s > 0); }
@@ -141,7 +143,10 @@ class AxisController {
   ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
     if (sighted_ < 100) ++sighted_;
     if (mode_ == Mode::hold) {
-      if (!beyond_tolerance(x)) return output(feedback(x, v));
+      if (!beyond_tolerance(x)) {
+        note_holding(long_hold_periods);
+        return output(feedback(x, v));
+      }
       mode_ = std::abs(x) > p_.stick_radius_upper_m() ? Mode::approach : Mode::coast;
       sighted_ = 0;
     }
@@ -171,11 +176,15 @@ class AxisController {
     return cycle_.overdue() ? fail(ControlFault::drifting) : give(0);
   }
 
-  // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
   ControlOutput<Scalar> keep_holding() noexcept {
-    if (held_ <= 8 * braked_->patient_periods) ++held_;
-    if (held_ == 8 * braked_->patient_periods) forget_kicks();
+    note_holding(8 * braked_->patient_periods);
     return give(0);
+  }
+
+  // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
+  void note_holding(std::int32_t long_hold) noexcept {
+    if (held_ > long_hold) return;
+    if (++held_ == long_hold) forget_kicks();
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
@@ -254,6 +263,7 @@ class AxisController {
 
   ControlOutput<Scalar> enter_hold(Scalar x, Scalar v) noexcept {
     mode_ = Mode::hold;
+    held_ = 0;
     judge_last_kick(x);
     return output(feedback(x, v));
   }
