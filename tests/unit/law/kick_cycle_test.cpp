@@ -39,6 +39,28 @@ AxisParameters<float> braked_axis() {
 
 const K3Table<float> no_k3{};
 
+TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
+  using Kicks = BrakedKicks<float>;
+  using Approach = BrakedApproach<float>;
+  const Kicks sound = design::design_braked_kicks<float>(axes(1e-3)).kicks;
+  EXPECT_TRUE(are_usable(sound));
+  for (float Kicks::*const number :
+       {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N, &Kicks::holding_force_N,
+        &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::coast_per_N, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
+    Kicks spoiled = sound;
+    spoiled.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+  for (float Approach::*const number :
+       {&Approach::mass_kg, &Approach::friction_N, &Approach::hard_m_s2, &Approach::gentle_m_s2,
+        &Approach::switch_speed_m_s, &Approach::switch_distance_m, &Approach::short_of_target_m, &Approach::response_s,
+        &Approach::lag_s, &Approach::correction}) {
+    Kicks spoiled = sound;
+    spoiled.approach.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+}
+
 // An axis that shows a position and records what it is told.
 class Scripted {
  public:

@@ -64,8 +64,9 @@ constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
                       k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N &&
                       k.least_seen_N < k.most_seen_N;
   const bool waits = k.still_periods > 0 && k.either_way_periods > 0 && k.patient_periods > 0;
-  const bool approach = a.mass_kg > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 && a.response_s > 0 && a.correction > 0 &&
-                        a.correction <= 1 && a.short_of_target_m >= 0;
+  const bool approach = a.mass_kg > 0 && a.friction_N > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 &&
+                        a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
+                        a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1;
   return lags && forces && waits && approach && k.coast_per_N > 0 && k.table.count > 0 &&
          k.table.count <= KickTable<Scalar>::most_entries;
 }
