@@ -25,21 +25,30 @@ std::string braked(const std::string& lines = {}) {
 }
 
 TEST(Uncertainty, WidensTheAxesThatKicksAreMadeFor) {
-  const Node node =
-      parse_node(braked("mass = 0.1\nforce_gain = 0.05\nforce_N = 0.2\ncurrent_loop_time_constant = 0.2"), "node.toml");
+  const std::string lines = "mass = 0.1\nforce_gain = 0.05\nforce_N = 0.2\ncurrent_loop_time_constant = 0.2";
+  const Node node = parse_node(
+      with(braked(lines), "[axis.drive]\n", "[axis.drive]\ncurrent_loop_time_constant_s = 5e-4\n"), "node.toml");
   const design::BrakedClass c = braked_class(node, node.axes[0]);
-  const double mass_kg = node.axes[0].mass_kg;
+  const double mass_kg = node.axes[0].mass_kg, lag_s = 5e-4;
   EXPECT_DOUBLE_EQ(c.mass_kg.least, 0.9 * mass_kg);
   EXPECT_DOUBLE_EQ(c.mass_kg.most, 1.1 * mass_kg);
   EXPECT_DOUBLE_EQ(c.force_gain.least, 0.95);
+  EXPECT_DOUBLE_EQ(c.force_gain.most, 1.05);
   EXPECT_EQ(c.load_N, 0.2);
-  EXPECT_DOUBLE_EQ(c.lag_s.most, 1.2 * node.axes[0].drive->current_loop_time_constant_s);
+  EXPECT_DOUBLE_EQ(c.lag_s.least, 0.8 * lag_s);
+  EXPECT_DOUBLE_EQ(c.lag_s.most, 1.2 * lag_s);
 }
 
 TEST(Uncertainty, IsRefusedByNameWhereNothingHoldsTheAxis) {
   const std::string error = refusal([] { parse_node(braked("force_N = 100"), "node.toml"); });
   EXPECT_NE(error.find("force_N"), std::string::npos);
   EXPECT_NE(error.find("feed a known force forward"), std::string::npos);
+}
+
+TEST(Uncertainty, IsNamedBesideSeveralAxes) {
+  const std::string beside = with(two_axes, "[run]\n", "[uncertainty]\nmass = 0.1\n[run]\n");
+  EXPECT_NE(refusal([&] { parse_node(beside, "node.toml"); }).find("uncertainty stands beside [[axis]]"),
+            std::string::npos);
 }
 
 TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
@@ -57,7 +66,12 @@ TEST(Brake, NeedsALoopAndADrive) {
   const std::string ideal =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"
       "k21_Ns_per_m = 0.8\nk22_Ns_per_m = 3\ncoast = \"brake\"\n";
-  EXPECT_NE(refusal([&] { parse_node(ideal, "node.toml"); }).find("coast"), std::string::npos);
+  EXPECT_NE(refusal([&] { parse_node(ideal, "node.toml"); }).find("give the axis a [drive]"), std::string::npos);
+  const std::string drive =
+      "[drive]\nrated_torque_Nm = 0.5\nmax_torque_per_mille = 2000\nforce_per_torque_N_per_Nm = 50\n"
+      "encoder_resolution_m = 1e-6\n";
+  EXPECT_NE(refusal([&] { parse_node(ideal + drive, "node.toml"); }).find("which takes whole periods of a [loop]"),
+            std::string::npos);
 }
 
 }  // namespace

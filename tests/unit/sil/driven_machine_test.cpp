@@ -218,8 +218,6 @@ TEST(DrivenMachine, StandsUntilTheLastBrakeOpens) {
   EXPECT_GT(machine.state().q[0], 0.05);
 }
 
-// Two drives of one machine are asked one after the other; the first must not move on under what the second did
-// before.
 TEST(DrivenMachine, RefusesByItsNameAMachineThatFliesApart) {
   CoupledMachine machine = one_mass(1, 1);
   machine.machine.stiffness(0, 0) = -1e8;
@@ -252,6 +250,8 @@ TEST(DrivenMachine, HasOneBudgetForTheWholeRun) {
   EXPECT_GT(period, 5);
 }
 
+// Two drives of one machine are asked one after the other; the first must not move on under what the second did
+// before.
 TEST(MachineAxis, KnowsTheForceOfTheOtherDriveSinceItChanged) {
   const auto machine = std::make_shared<DrivenMachine>(one_mass(1, 3), std::vector{axis_at(0, 1, 0), axis_at(0, 1, 0)});
   MachineAxis one{machine, 0, Mounting::straight}, other{machine, 1, Mounting::inverted};
