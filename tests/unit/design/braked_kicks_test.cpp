@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <random>
+#include <string>
 
 #include "breakaway/design/k3.hpp"
 
@@ -47,6 +50,30 @@ TEST(BrakedKicks, HaveTheFloorsOfTheClosedFormAndOfThePrototype) {
     EXPECT_LE(design.floor_m, 1.05 * f.most_m)
         << f.period_s << " s, lag " << f.lag_s << " s, " << f.force_step_N << " N";
   }
+}
+
+// The table "Floor in um" of the README, to the digits that it shows.
+TEST(BrakedKicks, HaveTheFloorsThatTheReadmeShows) {
+  std::ifstream file{BREAKAWAY_SOURCE_DIR "/controller/design/README.md"};
+  constexpr double steps_N[] = {0.025, 0.5, 2, 5, 20};
+  int rows = 0;
+  for (std::string line; std::getline(file, line);) {
+    double period_ms = 0, lag_ms = 0;
+    char shown[5][16] = {};
+    if (std::sscanf(line.c_str(), "| %lf ms | %lf%*[ ms]| %15s | %15s | %15s | %15s | %15s |", &period_ms, &lag_ms,
+                    shown[0], shown[1], shown[2], shown[3], shown[4]) != 7)
+      continue;
+    ++rows;
+    for (int i = 0; i < 5; ++i) {
+      const std::string text = shown[i];
+      const auto point = text.find('.');
+      const double digits = point == std::string::npos ? 0 : static_cast<double>(text.size() - point - 1);
+      const double floor_um =
+          1e6 * design_braked_kicks<float>(example(period_ms / 1e3, lag_ms / 1e3, steps_N[i])).floor_m;
+      EXPECT_NEAR(floor_um, std::stod(text), 0.51 * std::pow(10, -digits)) << line << ", column " << i;
+    }
+  }
+  EXPECT_EQ(rows, 7);
 }
 
 TEST(BrakedKicks, HaveTheClosedFormOfTheFloorWithoutLag) {
