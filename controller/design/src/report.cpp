@@ -181,7 +181,7 @@ std::vector<Check> checks_of_pd(const AxisDesign& axis, const DesignReport& repo
   return checks;
 }
 
-// The four conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
+// The five conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
 std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const double least_N = c.friction.lower_N - c.load_N, brake_N = static_cast<double>(design.kicks.brake_N);

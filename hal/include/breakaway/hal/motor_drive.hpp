@@ -123,8 +123,8 @@ concept MotorDrive = requires(D& drive, const D& constant, Scalar force_N, std::
   // Never blocks; for the loop's thread.
   { drive.set_datum_counts(counts) } noexcept -> std::same_as<void>;
 
-  // Asks for force. A drive that is in fault, unusable or disobeys a stop ignores it; a wish that was granted ends when the drive stops
-  // by itself, so that nothing is energised again without a new request.
+  // Asks for force. A drive that is in fault, is unusable or disobeys a stop ignores it; a wish that was granted ends
+  // when the drive stops by itself, so that nothing is energised again without a new request.
   // Returns at once and never blocks; for the loop's thread.
   { drive.request_enable() } noexcept -> std::same_as<void>;
 

@@ -66,7 +66,7 @@ class KickCycle {
   // The drive makes no force.
   void forget_force() noexcept { interval_ = {}; }
 
-  // Takes the newest position. To be called once a period before force_N(), where there is a reading.
+  // Takes the newest position. To be called once a period before next_steps(), where there is a reading.
   void see(Scalar position_m) noexcept {
     const Scalar moved_m = position_m - anchor_m_;
     if (!anchored_ || moved_m > half_count_m_ || moved_m < -half_count_m_) {
