@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 #include "breakaway/study/friction_study.hpp"
@@ -55,6 +56,18 @@ TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
     }
     EXPECT_LE(worst_settling_time_s(rows[i]), worst_s[i]);
   }
+}
+
+// What is certified must not be stopped for a force that its slow current loop still has.
+TEST(BrakedAxis, SettlesBehindACurrentLoopOfTwentyPeriods) {
+  auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  axis.node.axes[0].drive->current_loop_time_constant_s = 0.02;
+  axis.node.axes[0].controller.position_tolerance_m = 9e-5;
+  axis.node.settle_tolerance_m = 1e-4;
+  ASSERT_TRUE(config::examine(axis.node).front().certified);
+  const auto result = sil::run_loop_scenario(axis, {});
+  EXPECT_TRUE(result.axes[0].faults.empty()) << result.axes[0].faults[0].name;
+  EXPECT_TRUE(result.axes[0].settled);
 }
 
 TEST(BrakedAxis, SaysWhichFrictionItsKicksShowWhenItWasToldAnother) {

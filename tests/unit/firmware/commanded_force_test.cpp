@@ -44,6 +44,36 @@ TEST(CommandedForce, AllowsReportsThatComeLate) {
   }
 }
 
+// The same behind a slow current loop, as the coast "brake" allows it.
+TEST(CommandedForce, AllowsReportsOfASlowCurrentLoopThatComeLate) {
+  for (const float lag_periods : {0.2F, 4.0F, 16.0F, 20.0F, 100.0F}) {
+    std::mt19937_64 random{13};
+    const float left = std::exp(-1 / lag_periods);
+    CommandedForce<float> force{max_force_N, left};
+    std::array<float, 4> past{};
+    float command_N = 0, answer_N = 0;
+    for (std::size_t period = 0; period < 20'000; ++period) {
+      if (random() % 64 == 0) command_N = (random() % 2 == 0 ? -1.0F : 1.0F) * static_cast<float>(random() % 51);
+      force.command(command_N);
+      answer_N = command_N + (answer_N - command_N) * left;
+      past[period % 4] = answer_N;
+      force.report(past[(period + 1) % 4], step_N);
+      ASSERT_FALSE(force.exceeded()) << lag_periods << " in period " << period;
+    }
+  }
+}
+
+TEST(CommandedForce, SeesAForceThatADriveWithASlowCurrentLoopKeeps) {
+  CommandedForce<float> force{max_force_N, 0.99F};
+  force.command(50);
+  int periods = 0;
+  for (; !force.exceeded() && periods < 1000; ++periods) {
+    force.command(0);
+    force.report(50, step_N);
+  }
+  EXPECT_LE(periods, 30);
+}
+
 TEST(CommandedForce, AllowsLessForceThanCommanded) {
   CommandedForce<float> force{max_force_N};
   for (int period = 0; period < 100; ++period) {

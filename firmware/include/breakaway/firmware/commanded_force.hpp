@@ -2,11 +2,12 @@
 //
 // A drive that keeps an old torque, adds an offset of its own (60B2h) or scales the target by something else gives
 // force that nobody asked for. What it may report is bounded from the commands alone: by their hull with zero, whose
-// borders fall back to the newest command with a time constant of 16 periods. The answer of a current loop of first
-// order that is no slower than that never leaves the hull, because each of its steps goes a part of the way to the
-// command and the border goes a smaller one. A delay and noise do leave it, for as long as they last: so the force is
-// wrong when ten fresh samples in a row lie beyond the hull by more than a twentieth of the axis' limit and a step of
-// the report. Less force than commanded is no danger, and is not looked at.
+// borders fall back to the newest command with a time constant of 16 periods, or of twice that of the slowest current
+// loop that the axis may have. The answer of a loop of first order never leaves the hull, because each of its steps
+// goes a part of the way to the command and the border goes a smaller one. One that comes d periods late does, for less
+// than 2 d samples, and so does noise, for as long as it lasts: so the force is wrong when ten fresh samples in a row
+// lie beyond the hull by more than a twentieth of the axis' limit and a step of the report. Less force than commanded
+// is no danger, and is not looked at.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +20,10 @@ class CommandedForce {
  public:
   static constexpr int patience = 10;  // fresh samples in a row
 
-  // max_force_N: the axis' limit; infinite where nothing is to be watched.
-  constexpr explicit CommandedForce(Scalar max_force_N) noexcept : tolerance_N_{max_force_N / 20} {}
+  // max_force_N: the axis' limit; infinite where nothing is to be watched. slow_lag, in [0, 1): the share of a change
+  // of force that is left after a period behind the slowest current loop.
+  constexpr explicit CommandedForce(Scalar max_force_N, Scalar slow_lag = 0) noexcept
+      : tolerance_N_{max_force_N / 20}, fall_{std::min(Scalar{1} / 16, (1 - slow_lag) / 2)} {}
 
   // The axis starts from rest without force.
   void restart() noexcept { lowest_N_ = highest_N_ = Scalar{0}, beyond_ = 0; }
@@ -28,8 +31,8 @@ class CommandedForce {
   // Takes the command of a period; what is not a number is zero force.
   void command(Scalar force_N) noexcept {
     const Scalar told_N = std::isnan(force_N) ? Scalar{0} : force_N;
-    highest_N_ = std::max({told_N, Scalar{0}, highest_N_ + (told_N - highest_N_) / 16});
-    lowest_N_ = std::min({told_N, Scalar{0}, lowest_N_ + (told_N - lowest_N_) / 16});
+    highest_N_ = std::max({told_N, Scalar{0}, highest_N_ + (told_N - highest_N_) * fall_});
+    lowest_N_ = std::min({told_N, Scalar{0}, lowest_N_ + (told_N - lowest_N_) * fall_});
   }
 
   // Takes a fresh report; `step_N` is the least difference that it can show.
@@ -43,6 +46,7 @@ class CommandedForce {
 
  private:
   Scalar tolerance_N_;
+  Scalar fall_;  // share of the way to the newest command that a border goes in a period
   Scalar lowest_N_{0}, highest_N_{0};
   int beyond_ = 0;
 };

@@ -235,6 +235,7 @@ class ControlLoop {
       model.friction_upper_N = c.parameters().friction.upper_N;
       model.encoder_resolution_m = c.parameters().encoder_resolution_m;
     }
+    if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();
     return model;
   }
 

@@ -108,6 +108,7 @@ struct AxisLimits {
 template <class Scalar>
 struct AxisModel {
   Scalar max_force_N = AxisLimits<Scalar>::unlimited;  // that its law commands
+  Scalar slow_lag = 0;  // share of a change of force that is left after a period behind its slowest current loop
   Scalar mass_kg = 1;
   Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
   Scalar encoder_resolution_m = 1;
@@ -126,7 +127,7 @@ class Supervisor {
  public:
   constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
       : limits_{limits},
-        commanded_{model.max_force_N},
+        commanded_{model.max_force_N, model.slow_lag},
         motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m} {
     // A drive reports whole steps of force, which are the limit but for rounding.
     limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();

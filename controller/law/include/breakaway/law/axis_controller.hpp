@@ -113,6 +113,9 @@ class AxisController {
   Scalar period_s() const noexcept { return p_.period_s; }
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
   Scalar max_force_N() const noexcept { return p_.max_force_N; }
+  // Share of a change of force that is left after a period behind the slowest current loop that the kicks are made for.
+  // The coast "pd" is for loops that have followed by then.
+  Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }
 
  private:
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
