@@ -276,7 +276,8 @@ TEST(DriveInterop, LostFramesDelayTheSetUpButDoNotSpoilIt) {
       bench.drive.request_enable();
       bench.run_for(100ms);
     }
-    EXPECT_EQ(bench.feedback.state, DriveState::enabled) << "seed " << seed;
+    EXPECT_EQ(bench.feedback.state, DriveState::enabled)
+        << "seed " << seed << " error code " << std::hex << bench.feedback.fault_code;
   }
 }
 

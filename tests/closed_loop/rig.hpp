@@ -9,6 +9,8 @@
 #include <memory>
 #include <vector>
 
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/firmware/control_loop.hpp"
@@ -29,6 +31,8 @@ struct RigConfig {
   hal::Duration period = 1ms;
   virtual_bus::VirtualBusConfig bus{};
   double start_m = -0.1;
+  Real max_force_N = 50;
+  double current_loop_time_constant_s = 1e-4;
   model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
@@ -61,7 +65,11 @@ class Rig {
     p.position_tolerance_m = p.accuracy_floor_m();
     return p;
   }
-  law::AxisParameters<Real> parameters() const { return parameters_for(config_.period); }
+  law::AxisParameters<Real> parameters() const {
+    law::AxisParameters<Real> p = parameters_for(config_.period);
+    p.max_force_N = config_.max_force_N;
+    return p;
+  }
 
   // The simulated world up to the next step; then the flashed step itself; then the brakes of axes that start with it
   // open.
@@ -100,6 +108,16 @@ class Rig {
     return largest;
   }
 
+  // What another tool on the bus writes into the drive of the only axis.
+  void write_to_drive(std::uint16_t index, std::uint8_t subindex, std::uint32_t value, std::uint8_t bytes) {
+    hal::CanFrame frame{.id = canopen::sdo_request_cob_id(1), .size = 8, .data = {}};
+    frame.data[0] = static_cast<std::uint8_t>(0x23U | (4U - bytes) << 2);
+    canopen::store_little_endian(frame.data, index, 1);
+    frame.data[3] = subindex;
+    canopen::store_little_endian(frame.data, value, 4);
+    drive(0).on_frame(frame, now_);
+  }
+
   Loop& loop() { return loop_; }
   Loop::AxisId id(std::size_t axis) const { return ids_[axis]; }
   drive_emulator::DriveEmulator& drive(std::size_t axis) { return *drives_[axis]; }
@@ -123,7 +141,7 @@ class Rig {
     emulated.rated_torque_mNm = 500;
     emulated.max_torque_per_mille = 2000;
     emulated.force_per_torque_N_per_Nm = 50;
-    emulated.current_loop_time_constant_s = 1e-4;
+    emulated.current_loop_time_constant_s = config_.current_loop_time_constant_s;
     emulated.supported_modes = config_.supported_modes;
     drives_.push_back(&network_.add_drive(emulated, *mechanisms_.back()));
 

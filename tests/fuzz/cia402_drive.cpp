@@ -38,6 +38,16 @@ std::uint32_t proper_value(FuzzedDataProvider& input, std::uint16_t index) {
       return cia402::supports_cyclic_torque;
     case object::mode_display:
       return static_cast<std::uint32_t>(cia402::Mode::cyclic_torque);
+    case object::statusword:
+      return input.ConsumeProbability<float>() < 0.9F ? 0x0240 : input.ConsumeIntegral<std::uint16_t>();
+    case object::sync_cob_id:
+      return canopen::sync_cob_id;
+    case object::torque_offset:
+    case object::quick_stop_option:
+    case object::shutdown_option:
+    case object::disable_option:
+    case object::fault_reaction_option:
+      return input.ConsumeProbability<float>() < 0.99F ? 0 : 2;
     case object::rated_torque:
       return input.ConsumeBool() ? 500 : input.ConsumeIntegral<std::uint32_t>();
     default:

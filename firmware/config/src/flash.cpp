@@ -31,7 +31,8 @@ firmware::LoopConfig loop_config(const Node& node) {
                       .bit_rate = *node.bit_rate,
                       .node_id = node.loop->node_id,
                       .heartbeat_period = node.loop->heartbeat_period},
-          .fault_scope = node.loop->fault_scope};
+          .fault_scope = node.loop->fault_scope,
+          .command_timeout = node.loop->command_timeout};
 }
 
 template <class Real>
@@ -39,6 +40,7 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
   const Drive& d = *axis.drive;
   return {.node_id = d.node_id,
           .force_per_torque_N_per_Nm = static_cast<Real>(d.force_per_torque_N_per_Nm),
+          .rated_torque_mNm = d.rated_torque_mNm,
           .heartbeat_period = d.heartbeat_period,
           .heartbeat_timeout = d.heartbeat_timeout,
           .sdo_timeout = d.sdo_timeout,

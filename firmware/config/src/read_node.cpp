@@ -26,10 +26,17 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
           required("period_s", duration_s(loop.period, {1e-5, 1})),
           optional("node_id", integer([&](std::int64_t n) { loop.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
           optional("heartbeat_period_s", duration_s(loop.heartbeat_period, heartbeat)),
+          optional("command_timeout_s", duration_s(loop.command_timeout, {1e-2, 60})),
           optional("fault_stops",
                    choice(loop.fault_scope, {{"axis", FaultScope::axis}, {"all", FaultScope::all_axes}})),
       } +
       std::move(others));
+  if (!section.has("heartbeat_period_s")) loop.heartbeat_period = std::max(loop.heartbeat_period, 2 * loop.period);
+  if (loop.heartbeat_period < 2 * loop.period)
+    section.fail("heartbeat_period_s",
+                 fmt::format("is {}, below two periods: a heartbeat takes the place of a frame that sets a drive up; "
+                             "raise it to {} at least",
+                             hal::seconds(loop.heartbeat_period), hal::seconds(2 * loop.period)));
   return loop;
 }
 

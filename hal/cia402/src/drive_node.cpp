@@ -4,27 +4,29 @@
 #include <array>
 
 #include "breakaway/canopen/bytes.hpp"
-#include "breakaway/canopen/sdo_abort.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/state.hpp"
+#include "breakaway/cia402/torque_scale.hpp"
 
 namespace breakaway::cia402 {
 namespace {
 
 using canopen::NmtCommand;
 using canopen::NmtState;
-using canopen::SdoAbort;
 using canopen::SdoResult;
 
 constexpr SetupStep read_mode{.kind = SetupStep::Kind::read, .index = object::mode_display};
+constexpr SetupStep read_statusword{.kind = SetupStep::Kind::read, .index = object::statusword};
 constexpr SetupStep read_error_code{.kind = SetupStep::Kind::read, .index = object::error_code};
 constexpr SetupStep write_mode{.kind = SetupStep::Kind::write,
                                .index = object::mode,
                                .size = 1,
                                .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
 
-// The drive lacks the object, or has it fixed.
-bool is_missing(SdoAbort code) noexcept {
-  return code == SdoAbort::no_such_object || code == SdoAbort::no_such_subindex || code == SdoAbort::read_only;
+// Bit 31 of 1005h says nothing; bit 30 is that of another producer of SYNC.
+constexpr std::uint32_t meant_bits(std::uint16_t index) noexcept {
+  return index == object::sync_cob_id ? ~canopen::cob_id_invalid : ~std::uint32_t{0};
 }
 
 }  // namespace
@@ -47,10 +49,14 @@ bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
 
 void DriveNode::update(hal::Time now) noexcept {
   if (!config_valid_) return;
-  if (!since_) since_ = now;
+  if (!since_) {
+    since_ = now;
+    switch_off();
+  }
   heartbeat_.update(now);
   if (heartbeat_.take_boot_up()) {
     if (known_) ++reboots_;
+    rating_ = {};
     begin_configuration(now);
   }
   switch (phase_) {
@@ -91,9 +97,22 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
   const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
   const bool at_once = heard && !last_command_;
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
-  nmt_command_ = heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication;
+  tell_while_waiting(heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication, now);
+}
+
+void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
+  nmt_command_ = command;
   last_command_ = now;
   heartbeat_.forget_state();
+  switch_off();
+}
+
+// Not every drive leaves Operation enabled with NMT operational, and until it says that it did its heartbeat may take
+// its time. Nobody waits for the answer.
+void DriveNode::switch_off() noexcept {
+  constexpr std::array<std::uint8_t, 2> disable_voltage{};
+  sdo_.cancel();
+  static_cast<void>(sdo_.start_write(object::controlword, 0, disable_voltage));
 }
 
 void DriveNode::begin_configuration(hal::Time now) noexcept {
@@ -106,7 +125,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   transfer_running_ = false;
   error_code_wanted_ = false;
   error_code_ = 0;
-  rating_ = {};
+  rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
   step_ = 0;
   attempts_ = 0;
 }
@@ -118,7 +137,7 @@ void DriveNode::configure(hal::Time now) noexcept {
   if (result == SdoResult::busy) return;
   transfer_running_ = false;
   const bool answered = result == SdoResult::done;
-  if (answered || (step.optional && result == SdoResult::aborted && is_missing(sdo_.abort_code())))
+  if (answered || (step.optional && result == SdoResult::aborted))
     on_step_done(step, answered, now);
   else
     on_step_failed(result, now);
@@ -128,20 +147,46 @@ void DriveNode::configure(hal::Time now) noexcept {
 void DriveNode::start_transfer(const SetupStep& step) noexcept {
   setup_object_ = {step.index, step.subindex};
   std::array<std::uint8_t, 4> bytes{};
-  canopen::store_little_endian(bytes, step.value);
-  const canopen::SdoStart started =
-      step.kind == SetupStep::Kind::read
-          ? sdo_.start_read(step.index, step.subindex)
-          : sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size));
+  canopen::store_little_endian(bytes, step.index == object::max_torque ? torque_limit_per_mille() : step.value);
+  const canopen::SdoStart started = step.kind == SetupStep::Kind::write
+                                        ? sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size))
+                                        : sdo_.start_read(step.index, step.subindex);
   transfer_running_ = started == canopen::SdoStart::started;
 }
 
 void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept {
+  attempts_ = 0;
+  if (step.kind == SetupStep::Kind::write) write_taken_ = answered;
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
+  if (answered && !holds(step)) refuse(SetupStatus::value_not_kept);
   if (phase_ == SetupPhase::refused) return;
   if (step.index == object::producer_heartbeat) heartbeat_.start(now);
-  attempts_ = 0;
-  if (++step_ == plan_.steps().size()) begin_start(now);
+  if (step.index == object::statusword && statusword_ && shows_force(*statusword_)) return;  // it is looked at again
+  const auto steps = plan_.steps();
+  do {
+    ++step_;
+  } while (step_ < steps.size() && is_needless(steps[step_]));
+  if (step_ == steps.size()) begin_start(now);
+}
+
+bool DriveNode::holds(const SetupStep& step) const noexcept {
+  if (step.kind != SetupStep::Kind::check && step.kind != SetupStep::Kind::confirm) return true;
+  const auto value = canopen::load_little_endian<std::uint32_t>(sdo_.data());
+  return ((value ^ step.value) & meant_bits(step.index)) == 0;
+}
+
+bool DriveNode::is_needless(const SetupStep& step) const noexcept {
+  if (step.kind == SetupStep::Kind::confirm) return !write_taken_;
+  return step.kind == SetupStep::Kind::write && step.index == object::max_torque &&
+         torque_limit_per_mille() >= rating_.max_torque_per_mille;
+}
+
+// The axis' limit in the drive's own unit, for a drive whose rating is known. What one step of force already exceeds is
+// refused later, with a reason of its own.
+std::uint16_t DriveNode::torque_limit_per_mille() const noexcept {
+  const TorqueScale<float> scale{rating_.rated_torque_mNm, rating_.max_torque_per_mille, force_per_torque_N_per_Nm_,
+                                 max_force_N_};
+  return static_cast<std::uint16_t>(std::max<std::int16_t>(scale.limit_per_mille(), 1));
 }
 
 void DriveNode::on_step_failed(SdoResult result, hal::Time now) noexcept {
@@ -167,16 +212,33 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
       rating_.rated_current_mA = value;
       break;
     case object::rated_torque:
-      rating_.rated_torque_mNm = value;
-      if (value == 0) refuse(SetupStatus::no_rated_torque);
+      on_rated_torque(value);
+      break;
+    case object::statusword:
+      statusword_ = static_cast<std::uint16_t>(value);
       break;
     case object::max_torque:
       rating_.max_torque_per_mille = static_cast<std::uint16_t>(value);
+      rating_.found_max_torque_per_mille = std::max(rating_.found_max_torque_per_mille, rating_.max_torque_per_mille);
       if (rating_.max_torque_per_mille == 0) refuse(SetupStatus::no_max_torque);
       break;
     default:
       break;
   }
+}
+
+// A factor of a thousand is somebody's unit; the hundredth is for figures that were rounded.
+void DriveNode::on_rated_torque(std::uint32_t rated_torque_mNm) noexcept {
+  rating_.rated_torque_mNm = rated_torque_mNm;
+  if (rated_torque_mNm == 0) return refuse(SetupStatus::no_rated_torque);
+  if (rated_torque_mNm_ == 0) return;
+  const auto agree = [](std::uint64_t a, std::uint64_t b) {
+    return std::max(a, b) - std::min(a, b) <= std::max<std::uint64_t>(std::max(a, b) / 100, 1);
+  };
+  const std::uint64_t shown = rated_torque_mNm, told = rated_torque_mNm_;
+  if (agree(shown, told)) return;
+  const bool other_unit = agree(shown, 1000 * told) || agree(1000 * shown, told);
+  refuse(other_unit ? SetupStatus::rated_torque_unit : SetupStatus::rated_torque_differs);
 }
 
 void DriveNode::begin_start(hal::Time now) noexcept {
@@ -187,7 +249,10 @@ void DriveNode::begin_start(hal::Time now) noexcept {
 }
 
 void DriveNode::start_node(hal::Time now) noexcept {
+  look(now);
   if (heartbeat_.state() == NmtState::operational) {
+    sdo_.cancel();
+    transfer_running_ = false;
     enter(SetupPhase::verifying_mode, now);
     last_mode_request_ = now;
     last_mode_poll_.reset();
@@ -197,6 +262,17 @@ void DriveNode::start_node(hal::Time now) noexcept {
   if (last_command_ && now - *last_command_ < heartbeat_timeout_) return;
   nmt_command_ = NmtCommand::start;
   last_command_ = now;
+}
+
+// Somebody else may switch the node on, and no PDO tells of it before the node is started.
+void DriveNode::look(hal::Time now) noexcept {
+  if (transfer_running_) {
+    const SdoResult result = sdo_.poll(now);
+    if (result == SdoResult::busy) return;
+    if (result == SdoResult::done) on_value_read(object::statusword);
+  }
+  start_transfer(read_statusword);
+  setup_object_ = {};  // the set-up does not stand there
 }
 
 bool DriveNode::stopped_operating(hal::Time now) noexcept {
@@ -249,7 +325,8 @@ void DriveNode::watch(hal::Time now) noexcept {
 }
 
 void DriveNode::force_stop(hal::Time now) noexcept {
-  if (!ready()) return;
+  if (!config_valid_ || forcing_stop()) return;
+  forced_while_operational_ = operational();
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   sdo_.cancel();

@@ -24,10 +24,9 @@ hal::Duration time_of(ForcedStop::Means means) noexcept {
 
 // A statusword of zeros, which says "Not ready to switch on", is no proof: so does an answer that was lost in a
 // gateway.
-bool shows_no_force(const canopen::SdoClient& sdo) noexcept {
-  if (sdo.data().size() < sizeof(std::uint16_t)) return false;
-  const std::optional<State> state = state_of(canopen::load_little_endian<std::uint16_t>(sdo.data()));
-  return state && is_without_force(*state);
+bool is_proof(const canopen::SdoClient& sdo) noexcept {
+  return sdo.data().size() >= sizeof(std::uint16_t) &&
+         shows_no_force(canopen::load_little_endian<std::uint16_t>(sdo.data()));
 }
 
 }  // namespace
@@ -42,7 +41,7 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
   if (result != canopen::SdoResult::busy) {
     const bool done = result == canopen::SdoResult::done;
     const Transfer finished = std::exchange(transfer_, Transfer::none);
-    if (finished == Transfer::read_statusword && done && shows_no_force(sdo)) return true;
+    if (finished == Transfer::read_statusword && done && is_proof(sdo)) return true;
     // A drive that refuses the controlword is asked for its state all the same.
     start(sdo, finished == Transfer::write_controlword ? Transfer::read_statusword : Transfer::write_controlword);
   }

@@ -1,8 +1,10 @@
 #include "breakaway/cia402/setup_plan.hpp"
 
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/pdo.hpp"
 #include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
+#include "breakaway/cia402/state.hpp"
 
 namespace breakaway::cia402 {
 namespace {
@@ -18,36 +20,74 @@ std::uint32_t whole_milliseconds(hal::Duration duration) noexcept {
 
 SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
                      const canopen::NetworkConfig& network) noexcept {
-  read(object::device_type, 0, must_exist);
-  read(object::supported_modes, 0, must_exist);
-  read(object::rated_current, 0, may_be_missing);
-  read(object::rated_torque, 0, must_exist);
-  read(object::max_torque, 0, may_be_missing);
+  take_force_off();
+  read_rating();
+  bound_force();
+  look();
 
   const std::uint32_t master = static_cast<std::uint32_t>(network.node_id) << 16;
   write(object::consumer_heartbeat, 1, 4, master | whole_milliseconds(heartbeat_timeout), may_be_missing);
   write(object::producer_heartbeat, 0, 2, whole_milliseconds(heartbeat_period), must_exist);
-
-  const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(network.period).count();
-  write(object::sync_period, 0, 4, static_cast<std::uint32_t>(period_us), may_be_missing);
-  const auto interpolation = interpolation_period(network.period).value_or(InterpolationPeriod{});
-  write(object::interpolation_period, 1, 1, interpolation.units, may_be_missing);
-  write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), may_be_missing);
+  add_clock(network);
 
   for (const canopen::PdoMapping& pdo : {command_pdo(node_id), feedback_pdo(node_id)}) {
     for (std::size_t i = 0; i < canopen::remap_step_count(pdo); ++i) {
       const canopen::ObjectWrite step = canopen::remap_step(pdo, i);
       write(step.index, step.subindex, step.size, step.value, must_exist);
     }
+    look();
   }
   // A drive that hears no command any more, because the cable is cut, say, must not hold its last torque until the
-  // heartbeat is missed. Two commands lost in a row are not yet a cut cable.
-  write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * network.period + std::chrono::microseconds{999}),
+  // heartbeat is missed. Two commands lost in a row are not yet a cut cable, and the one after them may come later
+  // than three periods by what bits are stuffed into it: so the deadline is longer, by the least that can be told.
+  write(object::rpdo1_parameter, 5, 2, whole_milliseconds(3 * network.period + std::chrono::milliseconds{1}),
         may_be_missing);
   // Losing the master is a malfunction: what the drive then does is not left to its vendor's default.
   write(object::abort_connection_option, 0, 2, 1, may_be_missing);
   write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), must_exist);
 }
+
+void SetupPlan::take_force_off() noexcept {
+  write(object::controlword, 0, 2, control::disable_voltage, may_be_missing);
+  write(object::target_torque, 0, 2, 0, may_be_missing);
+  look();
+}
+
+void SetupPlan::read_rating() noexcept {
+  read(object::device_type, 0, must_exist);
+  read(object::supported_modes, 0, must_exist);
+  read(object::rated_current, 0, may_be_missing);
+  read(object::rated_torque, 0, must_exist);
+  read(object::max_torque, 0, may_be_missing);
+}
+
+void SetupPlan::bound_force() noexcept {
+  // Force that is added to what is commanded.
+  write(object::torque_offset, 0, 2, 0, may_be_missing);
+  read_back(SetupStep::Kind::check);
+  // The value is the axis' limit, which takes the rating to know; DriveNode puts it in.
+  write(object::max_torque, 0, 2, 0, may_be_missing);
+  read(object::max_torque, 0, may_be_missing);
+  // However a stop begins, the drive function is switched off: a ramp would be force that nobody commanded.
+  for (const std::uint16_t option :
+       {object::quick_stop_option, object::shutdown_option, object::disable_option, object::fault_reaction_option}) {
+    write(option, 0, 2, disable_drive_function, may_be_missing);
+    read_back(SetupStep::Kind::confirm);
+  }
+}
+
+void SetupPlan::add_clock(const canopen::NetworkConfig& network) noexcept {
+  // A drive that listens for another SYNC would never act.
+  write(object::sync_cob_id, 0, 4, canopen::sync_cob_id, may_be_missing);
+  read_back(SetupStep::Kind::check);
+  const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(network.period).count();
+  write(object::sync_period, 0, 4, static_cast<std::uint32_t>(period_us), may_be_missing);
+  const auto interpolation = interpolation_period(network.period).value_or(InterpolationPeriod{});
+  write(object::interpolation_period, 1, 1, interpolation.units, may_be_missing);
+  write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), may_be_missing);
+}
+
+void SetupPlan::look() noexcept { read(object::statusword, 0, may_be_missing); }
 
 void SetupPlan::read(std::uint16_t index, std::uint8_t subindex, bool optional) noexcept {
   add({.kind = SetupStep::Kind::read, .optional = optional, .index = index, .subindex = subindex});
@@ -61,6 +101,13 @@ void SetupPlan::write(std::uint16_t index, std::uint8_t subindex, std::uint8_t s
        .subindex = subindex,
        .size = size,
        .value = value});
+}
+
+// Of what was written last.
+void SetupPlan::read_back(SetupStep::Kind kind) noexcept {
+  SetupStep step = steps_[count_ - 1];
+  step.kind = kind;
+  add(step);
 }
 
 void SetupPlan::add(const SetupStep& step) noexcept {

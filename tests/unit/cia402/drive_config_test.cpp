@@ -83,6 +83,10 @@ TYPED_TEST(DriveConfigTest, NamesTheFieldThatIsOutOfRange) {
   EXPECT_EQ(error_after([](G& g) { g.network.heartbeat_period = g.drive.heartbeat_timeout; }),
             DriveConfigError::heartbeat_timeout)
       << "the drive would miss every heartbeat of its master";
+  EXPECT_EQ(error_after([](G& g) { g.network.heartbeat_period = 2 * g.network.period - 1us; }),
+            DriveConfigError::master_heartbeat_period)
+      << "it would take the place of every other acyclic frame, or of all";
+  EXPECT_EQ(error_after([](G& g) { g.network.heartbeat_period = 2 * g.network.period; }), DriveConfigError::none);
   EXPECT_EQ(error_after([](G& g) { g.network.heartbeat_period = 0ms; }), DriveConfigError::none)
       << "a master without heartbeats is not supervised";
   EXPECT_EQ(error_after([](G& g) { g.drive.sdo_timeout = 0ms; }), DriveConfigError::sdo_timeout);

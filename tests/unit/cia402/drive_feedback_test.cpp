@@ -45,6 +45,31 @@ TEST_F(DriveTest, OffsetFromTheDatumIsExactAcrossTheEndOfTheRange) {
   }
 }
 
+TEST_F(DriveTest, TravelIsExactToTheCountAcrossTheEndOfTheRangeAndNotCountedAcrossAReboot) {
+  constexpr auto highest = std::numeric_limits<std::int32_t>::max();
+  constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
+  node.counts = 7'000'000;
+  set_up();
+  EXPECT_EQ(feedback.travel_m, 0) << "the first reading is no travel";
+  node.counts = highest - 3;
+  run_for(5ms);
+  struct Row {
+    std::int32_t counts;
+    float travel_m;
+  };
+  for (const Row& row : {Row{highest, 3e-6F}, Row{lowest, 1e-6F}, Row{lowest + 4, 4e-6F}, Row{highest, -5e-6F}}) {
+    node.counts = row.counts;
+    step();  // asks for it
+    step();
+    EXPECT_FLOAT_EQ(feedback.travel_m, row.travel_m) << row.counts;
+    step();
+    EXPECT_EQ(feedback.travel_m, 0);
+  }
+  node.counts = 0;
+  set_up();
+  EXPECT_EQ(feedback.travel_m, 0);
+}
+
 TEST_F(DriveTest, TellsWhatItSharesWithTheController) {
   EXPECT_EQ(drive.encoder_resolution_m(), scale.encoder_resolution_m);
   EXPECT_EQ(drive.max_force_N(), scale.max_force_N) << "until the drive's own limit is known";
@@ -80,6 +105,11 @@ TEST_F(InvertedDriveTest, ForceAndPositionChangeSignTogether) {
   EXPECT_FLOAT_EQ(feedback.position_m, -500e-6F);
   EXPECT_FLOAT_EQ(drive.feedback().position_offset_m, -100e-6F);
   EXPECT_FLOAT_EQ(feedback.force_N, -1.0F);
+  step(10.0F);
+  node.counts = 800;
+  step(10.0F);
+  step(10.0F);
+  EXPECT_FLOAT_EQ(feedback.travel_m, -300e-6F);
   step(10.0F);
   EXPECT_EQ(node.target, -200);
 }

@@ -97,6 +97,7 @@ class DriveTest : public testing::Test {
   void set_up() {
     node.boot();
     deliver();
+    step();
     run_until_state(DriveState::disabled);
     ASSERT_EQ(drive.setup_status(), SetupStatus::ready);
     EXPECT_EQ(drive.setup_object(), ObjectAddress{});

@@ -1,4 +1,8 @@
 // How a node is set up, and which drives are refused.
+#include <array>
+#include <optional>
+#include <utility>
+
 #include "drive_fixture.hpp"
 
 namespace breakaway::test {
@@ -8,10 +12,11 @@ TEST_F(DriveTest, SetsUpABootedNodeInTheProfilesOrder) {
   set_up();
   const auto key = ScriptedDrive::key;
   const std::vector<std::uint32_t> expected{
-      key(0x1016, 1), key(0x1017, 0), key(0x1006, 0), key(0x60C2, 1), key(0x60C2, 2), key(0x1400, 1),
-      key(0x1600, 0), key(0x1600, 1), key(0x1600, 2), key(0x1600, 0), key(0x1400, 2), key(0x1400, 1),
-      key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0),
-      key(0x1800, 2), key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
+      key(0x6040, 0), key(0x6071, 0), key(0x60B2, 0), key(0x6072, 0), key(0x605A, 0), key(0x605B, 0), key(0x605C, 0),
+      key(0x605E, 0), key(0x1016, 1), key(0x1017, 0), key(0x1005, 0), key(0x1006, 0), key(0x60C2, 1), key(0x60C2, 2),
+      key(0x1400, 1), key(0x1600, 0), key(0x1600, 1), key(0x1600, 2), key(0x1600, 0), key(0x1400, 2), key(0x1400, 1),
+      key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0), key(0x1800, 2),
+      key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
   EXPECT_EQ(node.written, expected);
   EXPECT_EQ(node.commands, (std::vector<NmtCommand>{NmtCommand::start}));
   EXPECT_EQ(node.objects[key(0x1600, 1)], 0x60400010U);
@@ -66,6 +71,8 @@ TEST_F(DriveTest, NodeThatVanishesDuringSetUpIsReportedAndAwaited) {
   run_for(300ms);
   EXPECT_EQ(drive.setup_status(), SetupStatus::no_answer);
   EXPECT_NE(drive.setup_object().index, 0) << "the object that was not answered";
+  run_for(3s);
+  EXPECT_NE(drive.setup_object().index, 0) << "whatever it is told meanwhile";
   EXPECT_EQ(feedback.state, DriveState::configuring);
   node.silent = false;
   set_up();
@@ -129,13 +136,13 @@ TEST_F(DriveTest, AnswerThatTheStandardForbidsIsReportedWithItsObject) {
   node.boot();
   deliver();
   node.silent = true;
-  step();  // asks for 1000h
+  step();  // writes 6040h
   drive.on_frame(
-      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x00, 0x10, 0x00}}, .time = now});
+      {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x40, 0x60, 0x00}}, .time = now});
   step();
   EXPECT_EQ(feedback.state, DriveState::unusable);
   EXPECT_EQ(drive.setup_status(), SetupStatus::protocol_error);
-  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x1000, 0}));
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6040, 0}));
 }
 
 TEST_F(DriveTest, OneThatRebootsAfterARefusalIsSetUpAnew) {
@@ -156,6 +163,114 @@ TEST_F(DriveTest, LacksWhatIsOptional) {
   set_up();
   EXPECT_FLOAT_EQ(drive.max_force_N(), 50.0F) << "not beyond the rated torque";
 }
+
+// Vendors abort with whatever code they like.
+TEST_F(DriveTest, WhatIsOptionalMayBeRefusedWithAnyAbortCode) {
+  int code = 0;
+  constexpr std::array codes{SdoAbort::device_state, SdoAbort::general_error, SdoAbort::local_control,
+                             SdoAbort::unsupported_access, SdoAbort::value_too_low};
+  for (const auto& [index, subindex] : {std::pair{0x1005, 0},
+                                        {0x1006, 0},
+                                        {0x1016, 1},
+                                        {0x60B2, 0},
+                                        {0x605A, 0},
+                                        {0x605B, 0},
+                                        {0x605C, 0},
+                                        {0x605E, 0},
+                                        {0x6007, 0},
+                                        {0x1400, 5},
+                                        {0x60C2, 1},
+                                        {0x60C2, 2},
+                                        {0x6071, 0},
+                                        {0x6075, 0}})
+    node.refused[ScriptedDrive::key(static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(subindex))] =
+        codes[static_cast<std::size_t>(code++) % codes.size()];
+  enable();
+  EXPECT_EQ(node.state, State::operation_enabled);
+}
+
+TEST_F(DriveTest, LowersTheDrivesTorqueLimitToTheAxisOwnAndNeverRaisesIt) {
+  set_up();
+  EXPECT_EQ(node.value_of(0x6072, 0), 1200U) << "60 N of 0.05 N a per mille";
+  EXPECT_FLOAT_EQ(drive.max_force_N(), 60.0F);
+  EXPECT_EQ(drive.rating().found_max_torque_per_mille, 2000) << "for whoever is to use the drive next";
+  node.objects[ScriptedDrive::key(0x6072, 0)] = 400;
+  set_up();
+  EXPECT_EQ(node.value_of(0x6072, 0), 400U);
+  EXPECT_FLOAT_EQ(drive.max_force_N(), 20.0F);
+  EXPECT_EQ(drive.rating().found_max_torque_per_mille, 400) << "it booted meanwhile";
+}
+
+TEST_F(DriveTest, TakesTheTorqueLimitThatTheDriveKeeps) {
+  node.refused[ScriptedDrive::key(0x6072, 0)] = SdoAbort::read_only;
+  set_up();
+  EXPECT_FLOAT_EQ(drive.max_force_N(), 50.0F) << "of a drive that does not say, its rated torque";
+}
+
+TEST_F(DriveTest, TakesAwayWhatAnotherToolLeftInTheDrive) {
+  const auto key = ScriptedDrive::key;
+  constexpr std::array<std::uint16_t, 6> cleared{0x60B2, 0x605A, 0x605B, 0x605C, 0x605E, 0x6071};
+  for (const std::uint16_t index : cleared) node.objects[key(index, 0)] = 3;
+  node.objects[key(0x1005, 0)] = 0x81;
+  set_up();
+  for (const std::uint16_t index : cleared) EXPECT_EQ(node.value_of(index, 0), 0U) << std::hex << index;
+  EXPECT_EQ(node.value_of(0x1005, 0), 0x80U);
+}
+
+class DriveThatKeeps : public DriveTest, public testing::WithParamInterface<std::pair<std::uint16_t, std::uint32_t>> {};
+
+// What is written is refused, and what is read is wrong.
+TEST_P(DriveThatKeeps, AValueThatAddsForceOrHearsAnotherSyncIsUnusableByName) {
+  const auto [index, value] = GetParam();
+  node.kept[ScriptedDrive::key(index, 0)] = value;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::value_not_kept);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{index, 0}));
+}
+INSTANTIATE_TEST_SUITE_P(Objects, DriveThatKeeps,
+                         testing::Values(std::pair{0x60B2, 600}, std::pair{0x1005, 0x81}, std::pair{0x1005, 0x40000080},
+                                         std::pair{0x605A, 6}, std::pair{0x605E, 2}));
+
+TEST_F(DriveTest, BitsOf1005hThatSayNothingAreNoReasonToRefuseADrive) {
+  node.kept[ScriptedDrive::key(0x1005, 0)] = 0x80000080;
+  set_up();
+}
+
+struct RatedTorque {
+  const char* label;
+  std::uint32_t told_mNm, shown_mNm;
+  std::optional<SetupStatus> refused;
+};
+class DriveWithARatedTorque : public DriveTest, public testing::WithParamInterface<RatedTorque> {
+ protected:
+  static DriveConfig<float> told() {
+    DriveConfig<float> changed = config;
+    changed.rated_torque_mNm = GetParam().told_mNm;
+    return changed;
+  }
+  DriveWithARatedTorque() : DriveTest{told()} {}
+};
+
+TEST_P(DriveWithARatedTorque, IsTakenWhereTheFileAgreesAndRefusedByNameElsewhere) {
+  node.objects[ScriptedDrive::key(0x6076, 0)] = GetParam().shown_mNm;
+  node.boot();
+  deliver();
+  run_until_state(GetParam().refused ? DriveState::unusable : DriveState::disabled);
+  EXPECT_EQ(drive.setup_status(), GetParam().refused.value_or(SetupStatus::ready));
+}
+INSTANTIATE_TEST_SUITE_P(Of, DriveWithARatedTorque,
+                         testing::Values(RatedTorque{"NothingTold", 0, 7, {}}, RatedTorque{"TheSame", 500, 500, {}},
+                                         RatedTorque{"ARoundedFigure", 500, 496, {}}, RatedTorque{"OneOff", 7, 8, {}},
+                                         RatedTorque{"More", 500, 520, SetupStatus::rated_torque_differs},
+                                         RatedTorque{"Less", 500, 480, SetupStatus::rated_torque_differs},
+                                         RatedTorque{"TenTimes", 500, 5000, SetupStatus::rated_torque_differs},
+                                         RatedTorque{"AThousandTimes", 500, 500'000, SetupStatus::rated_torque_unit},
+                                         RatedTorque{"AThousandth", 5000, 5, SetupStatus::rated_torque_unit},
+                                         RatedTorque{"TheMostThereIs", 4'294'968, 0xFFFFFFFF,
+                                                     SetupStatus::rated_torque_unit}),
+                         [](const auto& row) { return row.param.label; });
 
 TEST_F(DriveTest, ModeDisplayMayLagForSeconds) {
   node.objects[ScriptedDrive::key(0x6061, 0)] = 0xFF;

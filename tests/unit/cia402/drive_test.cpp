@@ -84,6 +84,80 @@ TEST_F(DriveTest, FaultIsLatchedNamedAndReset) {
   run_until_state(DriveState::enabled);
 }
 
+// Another tool may have changed the set-up, so that no reset would ever reach the drive.
+TEST_F(DriveTest, AResetSetsTheDriveUpAnewFirst) {
+  node.shows_the_mode_at_once = true;
+  const auto key = ScriptedDrive::key;
+  struct Tampering {
+    std::uint32_t object, value;
+  };
+  for (const auto& [object, value] :
+       {Tampering{key(0x1400, 1), 0x80000204}, Tampering{key(0x1800, 1), 0x80000184}, Tampering{key(0x1005, 0), 0x81},
+        Tampering{key(0x60B2, 0), 600}, Tampering{key(0x6061, 0), 1}}) {
+    enable();
+    node.state = State::fault;
+    run_until_state(DriveState::fault);
+    node.objects[object] = value;
+    run_for(20ms);
+    drive.reset_fault();
+    run_until_state(DriveState::configuring);
+    run_until_state(DriveState::disabled);
+    EXPECT_NE(node.objects[object], value);
+    run_for(50ms);
+    EXPECT_EQ(feedback.state, DriveState::disabled) << "not enabled without a request";
+    drive.request_enable();
+    run_until_state(DriveState::enabled);
+    drive.request_stop();
+    node.state = State::switch_on_disabled;
+    run_for(10ms);
+  }
+}
+
+TEST_F(DriveTest, AResetOfADriveThatIsEnabledOrOnItsWayChangesNothing) {
+  enable();
+  node.written.clear();
+  drive.reset_fault();
+  run_for(100ms);
+  EXPECT_EQ(feedback.state, DriveState::enabled);
+  EXPECT_TRUE(node.written.empty());
+}
+
+TEST_F(DriveTest, AResetGivesARefusedDriveAnotherChance) {
+  node.refused[ScriptedDrive::key(0x1A00, 2)] = SdoAbort::not_mappable;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.refused.clear();
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::unusable);
+  drive.reset_fault();
+  run_until_state(DriveState::disabled);
+}
+
+TEST_F(DriveTest, AFaultWhoseCauseRemainsIsStillOneAfterTheReset) {
+  enable();
+  node.state = State::fault;
+  run_until_state(DriveState::fault);
+  node.follows_controlword = false;
+  drive.reset_fault();
+  run_until_state(DriveState::configuring);
+  run_until_state(DriveState::fault);
+  EXPECT_EQ(feedback.fault_code, 0);
+  run_until([&] { return feedback.fault_code == 0x2310; });
+}
+
+TEST_F(DriveTest, ADriveWhoseStateNoPdoTellsIsNotLedAnywhere) {
+  node.kept[ScriptedDrive::key(0x1800, 1)] = 0x80000184;  // its TPDO stays off
+  node.boot();
+  deliver();
+  run_until_state(DriveState::disabled);
+  drive.request_enable();
+  run_for(500ms);
+  EXPECT_EQ(feedback.state, DriveState::enabling);
+  EXPECT_EQ(node.controlword, 0);
+  EXPECT_EQ(node.state, State::switch_on_disabled);
+}
+
 TEST_F(DriveTest, FaultWithoutEmergencyIsAskedForItsCode) {
   enable();
   node.state = State::fault;

@@ -155,6 +155,58 @@ TEST_F(ForcedStopTest, ADriveThatSomebodyElseEnablesIsSwitchedOffAgain) {
   expect_recovery();
 }
 
+// Another tool left it with force, and it says nothing by itself.
+TEST_F(ForcedStopTest, ADriveThatIsFoundEnabledIsSwitchedOffAtOnce) {
+  node.nmt = NmtState::operational;
+  node.state = State::operation_enabled;
+  EXPECT_LE(time_until_without_force(), 3ms);
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(node.target, 0);
+}
+
+TEST_F(ForcedStopTest, ADriveThatIsFoundEnabledAndIgnoresItsControlwordIsForced) {
+  node.nmt = NmtState::operational;
+  node.state = State::operation_enabled;
+  node.follows_sdo_controlword = false;
+  node.objects[ScriptedDrive::key(0x1017, 0)] = 50;
+  node.commands.clear();
+  run_until([&] { return feedback.stop_not_obeyed; }, 200ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  EXPECT_LE(time_until_without_force(), ForcedStop::round_time);
+  EXPECT_TRUE(was_told(NmtCommand::reset_node));
+  node.follows_sdo_controlword = true;
+  expect_recovery();
+}
+
+// Whenever another tool switches it on while it is set up, its force does not last.
+TEST_F(ForcedStopTest, ADriveThatSomebodyElseEnablesWhileItIsSetUpIsSwitchedOffAgain) {
+  constexpr auto set_up_time = 200ms;
+  for (Duration onset{}; onset < set_up_time; onset += 3ms) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    node.boot();
+    deliver();
+    run_for(onset);
+    if (feedback.state == DriveState::disabled) return;  // the set-up is over
+    node.state = State::operation_enabled;
+    EXPECT_LE(time_until_without_force(), 50ms) << onset.count() << " ns into the set-up";
+    expect_recovery();
+  }
+  FAIL() << "the set-up was never over";
+}
+
+TEST_F(ForcedStopTest, ForceThatIsSeenDuringTheSetUpShowsAsStopping) {
+  node.boot();
+  deliver();
+  run_for(5ms);
+  node.state = State::operation_enabled;
+  node.follows_sdo_controlword = false;
+  run_until_state(DriveState::stopping);
+  EXPECT_FALSE(feedback.stop_not_obeyed) << "it is given the time of a stop";
+  run_for(25ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+}
+
 TEST_F(ForcedStopTest, AStatuswordInAPdoIsAProofToo) {
   enable_and_go_deaf();
   node.refused[ScriptedDrive::key(0x6041, 0)] = breakaway::canopen::SdoAbort::write_only;

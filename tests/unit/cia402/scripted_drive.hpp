@@ -26,6 +26,7 @@ class ScriptedDrive {
       {key(0x1000, 0), 0x00020192}, {key(0x6502, 0), 1U << 9}, {key(0x6075, 0), 5000},  {key(0x6076, 0), 1000},
       {key(0x6072, 0), 2000},       {key(0x6061, 0), 10},      {key(0x603F, 0), 0x2310}};
   std::map<std::uint32_t, canopen::SdoAbort> refused;  // writes and reads of these abort
+  std::map<std::uint32_t, std::uint32_t> kept;         // writes of these are taken and forgotten
   std::vector<std::uint32_t> written;                  // keys, in order
   std::vector<canopen::NmtCommand> commands;
   std::vector<hal::CanFrame> out;  // what it sends
@@ -36,6 +37,7 @@ class ScriptedDrive {
   unsigned sdo_requests_lost = 0;         // so many more are not heard
   bool follows_sdo_controlword = true;    // written to 6040h
   bool stops_in_pre_operational = false;  // by itself
+  bool shows_the_mode_at_once = false;    // 6061h follows 6060h; otherwise it is what stands in `objects`
   std::int32_t counts = 0;
   std::int16_t torque = 0;
   std::uint16_t controlword = 0;
@@ -60,8 +62,13 @@ class ScriptedDrive {
     if (frame.id == canopen::nmt_cob_id && frame.data[1] == node_)
       on_nmt(static_cast<canopen::NmtCommand>(frame.data[0]));
     if (frame.id == canopen::sdo_request_cob_id(node_)) on_sdo(frame);
-    if (frame.id == canopen::rpdo_cob_id(1, node_) && nmt == canopen::NmtState::operational) on_rpdo(frame);
-    if (canopen::is_sync(frame) && nmt == canopen::NmtState::operational) send_tpdo();
+    if (nmt != canopen::NmtState::operational) return;
+    if (frame.id == canopen::rpdo_cob_id(1, node_) && is_valid(0x1400)) on_rpdo(frame);
+    if (frame.id == value_of(0x1005, 0).value_or(0x80) && is_valid(0x1800)) send_tpdo();
+  }
+  std::optional<std::uint32_t> value_of(std::uint16_t index, std::uint8_t subindex) const {
+    const auto found = objects.find(key(index, subindex));
+    return found == objects.end() ? std::nullopt : std::optional{found->second};
   }
   // Heartbeats at the period that was written to it.
   void advance_to(hal::Time now) {
@@ -72,6 +79,7 @@ class ScriptedDrive {
   }
 
  private:
+  bool is_valid(std::uint16_t pdo) const { return (value_of(pdo, 1).value_or(0) & canopen::cob_id_invalid) == 0; }
   void send(const hal::CanFrame& frame) {
     if (!silent) out.push_back(frame);
   }
@@ -96,6 +104,7 @@ class ScriptedDrive {
     std::optional<canopen::SdoAbort> error;
     if (refused.contains(object)) error = refused[object];
     objects[key(0x6041, 0)] = cia402::status_bits(state);
+    if (kept.contains(object)) objects[object] = kept[object];
     if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
     if (error) {
       answer.data[0] = 0x80;
@@ -105,7 +114,9 @@ class ScriptedDrive {
       canopen::store_little_endian(answer.data, objects[object], 4);
     } else {
       objects[object] = canopen::load_little_endian<std::uint32_t>(frame.data, 4);
+      if (kept.contains(object)) objects[object] = kept[object];
       written.push_back(object);
+      if (object == key(0x6060, 0) && shows_the_mode_at_once) objects[key(0x6061, 0)] = objects[object];
       if (object == key(0x6040, 0) && follows_sdo_controlword) follow(static_cast<std::uint16_t>(objects[object]));
       answer.data = {0x60, frame.data[1], frame.data[2], frame.data[3]};
     }

@@ -35,4 +35,22 @@ TEST(State, BitsOfAStateDecodeToIt) {
   }
 }
 
+TEST(State, SaysWhatMayKeepADriveFromBeingEnabled) {
+  EXPECT_EQ(what_keeps_disabled(0x0250), "Switch on disabled: STO, or no supply of the power stage?");
+  EXPECT_EQ(what_keeps_disabled(0x0231), "Ready to switch on: no supply of the power stage?");
+  for (const Row& row : rows)
+    EXPECT_TRUE(what_keeps_disabled(static_cast<std::uint16_t>(row.value)).starts_with(to_string(row.state)));
+  EXPECT_EQ(what_keeps_disabled(0x0001), "no state of CiA 402");
+}
+
+TEST(State, ShowsForceOrProvesThatThereIsNone) {
+  for (const Row& row : rows) {
+    const auto word = static_cast<std::uint16_t>(row.value);
+    EXPECT_EQ(shows_force(word), is_energised(row.state));
+    EXPECT_EQ(shows_no_force(word), is_without_force(row.state));
+  }
+  EXPECT_FALSE(shows_force(0x0001) || shows_no_force(0x0001)) << "no state, no proof";
+  EXPECT_FALSE(shows_force(0x0000) || shows_no_force(0x0000)) << "not ready: no proof";
+}
+
 }  // namespace

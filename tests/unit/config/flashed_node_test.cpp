@@ -99,9 +99,10 @@ std::size_t padding_of(const Whole&, const Members&...) {
 
 // Does not compile when a struct gets another member: then visit_numbers() needs another line, too.
 std::size_t padding_in(const LoopConfig& loop) {
-  const auto& [network, fault_scope] = loop;
+  const auto& [network, fault_scope, command_timeout] = loop;
   const auto& [period, bit_rate, node_id, heartbeat_period] = network;
-  return padding_of(loop, network, fault_scope) + padding_of(network, period, bit_rate, node_id, heartbeat_period);
+  return padding_of(loop, network, fault_scope, command_timeout) +
+         padding_of(network, period, bit_rate, node_id, heartbeat_period);
 }
 std::size_t padding_in(const law::AxisParameters<float>& law) {
   const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast] = law;
@@ -126,12 +127,12 @@ std::size_t padding_in(const law::BrakedKicks<float>& braked) {
 }
 std::size_t padding_in(const FlashedAxis<float>& axis) {
   const auto& [name, drive, limits, law, table, braked, certified] = axis;
-  const auto& [node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive;
+  const auto& [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive;
   const auto& [low, high, speed, limit_N, following, feedback_timeout] = limits;
   const auto& [root_max, nodes_per_root, nodes] = table;
   const auto& [value, slope] = nodes[0];
   return padding_of(axis, name, drive, limits, law, table, braked, certified) + padding_in(braked) +
-         padding_of(drive, node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted) +
+         padding_of(drive, node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted) +
          padding_of(limits, low, high, speed, limit_N, following, feedback_timeout) + padding_in(law) +
          padding_of(table, root_max, nodes_per_root, nodes) + nodes.size() * padding_of(nodes[0], value, slope);
 }

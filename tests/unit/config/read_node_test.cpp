@@ -87,6 +87,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadNode{"HeartbeatTimeoutShort",
                 with_line("drive", "heartbeat_timeout_s = 0.05"),
                 {"[axis.drive] heartbeat_timeout_s", "heartbeat_period_s", "raise"}},
+        BadNode{"HeartbeatInEveryPeriod",
+                with(two_axes, "[loop]\n", "[loop]\nheartbeat_period_s = 0.001\n"),
+                {"[loop] heartbeat_period_s", "is 0.001", "below two periods", "raise it to 0.002"}},
         BadNode{"HeartbeatSlowerThanTimeout",
                 with(two_axes, "[loop]\n", "[loop]\nheartbeat_period_s = 0.3\n"),
                 {"[axis.drive] heartbeat_timeout_s", "is 0.25", "heartbeat_period_s = 0.3", "raise"}},
@@ -120,9 +123,10 @@ TEST(ReadNode, ABusThatIsTooSlowIsRefusedWithTheLeastPeriodThatWouldDo) {
 TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
   // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
-  const auto [node_id, force, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive_of("");
+  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive_of("");
   EXPECT_EQ(node_id, 1);
   EXPECT_EQ(force, 50);
+  EXPECT_EQ(rated, 500U);
   EXPECT_EQ(heartbeat_period, 100ms);
   EXPECT_EQ(heartbeat_timeout, 250ms);
   EXPECT_EQ(sdo_timeout, 50ms);
@@ -140,13 +144,15 @@ TEST(ReadNode, EveryFieldOfTheLoopCanBeSet) {
   const auto loop_of = [](const std::string& line) {
     return certified_node(with(two_axes, "[loop]\n", "[loop]\n" + line + "\n")).loop;
   };
-  const auto [network, fault_scope] = loop_of("");
+  const auto [network, fault_scope, command_timeout] = loop_of("");
   const auto [period, bit_rate, node_id, heartbeat_period] = network;
   EXPECT_EQ(period, 1ms);
   EXPECT_EQ(bit_rate, 1'000'000U);
   EXPECT_EQ(node_id, 127);
   EXPECT_EQ(heartbeat_period, 50ms);
   EXPECT_EQ(fault_scope, firmware::FaultScope::axis);
+  EXPECT_EQ(command_timeout, 500ms);
+  EXPECT_EQ(loop_of("command_timeout_s = 0.1").command_timeout, 100ms);
   EXPECT_EQ(loop_of("node_id = 20").network.node_id, 20);
   EXPECT_EQ(loop_of("heartbeat_period_s = 0.02").network.heartbeat_period, 20ms);
   EXPECT_EQ(loop_of("fault_stops = \"all\"").fault_scope, firmware::FaultScope::all_axes);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "../explained_enum.hpp"
@@ -35,6 +37,15 @@ class ControlLoopTest : public ::testing::Test {
     probe.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
     step();
     ASSERT_TRUE(loop.status(axis).running);
+  }
+  // The drive obeyed its stop, and may be told to enable again.
+  void reset_once_without_force() {
+    probe.feedback.state = hal::DriveState::disabled;
+    step();
+    EXPECT_TRUE(loop.reset_fault(axis));
+  }
+  void run_for(hal::Duration duration) {
+    for (const hal::Time end = now + duration; now < end;) step();
   }
 };
 
@@ -97,10 +108,127 @@ TEST_F(ControlLoopTest, StopsTheDriveInTheStepThatSeesTheFault) {
   for (int i = 0; i < 10; ++i) step();
   EXPECT_EQ(probe.commands.size(), commands) << "latched";
   EXPECT_FALSE(loop.status(axis).running);
-  loop.reset_fault(axis);
+  reset_once_without_force();
   EXPECT_EQ(probe.resets, 1);
+  enable();
+}
+
+TEST_F(ControlLoopTest, RefusesAResetUntilTheDriveIsSeenWithoutForce) {
+  enable();
+  probe.heartbeat_lost = true;
   step();
-  EXPECT_TRUE(loop.status(axis).running);
+  probe.heartbeat_lost = false;
+  for (const auto state : {hal::DriveState::enabled, hal::DriveState::stopping}) {
+    probe.feedback.state = state;
+    step();
+    EXPECT_FALSE(loop.reset_fault(axis));
+    EXPECT_EQ(loop.status(axis).fault, AxisFault::heartbeat_lost);
+    EXPECT_EQ(probe.resets, 0);
+  }
+  for (const auto state : {hal::DriveState::disabled, hal::DriveState::configuring, hal::DriveState::fault}) {
+    probe.feedback.state = state;
+    step();
+    EXPECT_TRUE(loop.reset_fault(axis)) << "no force in this state";
+  }
+}
+
+TEST_F(ControlLoopTest, AResetWithoutAFaultDoesNotReachTheDrive) {
+  probe.feedback.state = hal::DriveState::disabled;
+  step();
+  EXPECT_TRUE(loop.reset_fault(axis));
+  EXPECT_EQ(probe.resets, 0);
+}
+
+TEST_F(ControlLoopTest, NamesADriveThatIsNeverEnabledAndTriesAgainAfterAReset) {
+  loop.request_enable(axis);
+  probe.feedback.state = hal::DriveState::enabling;
+  run_for(5s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "a power stage may take this long";
+  run_for(2ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
+  EXPECT_GE(probe.stops, 1) << "and it shall not be enabled unnamed, later";
+  const int enables = probe.enables;
+  reset_once_without_force();
+  step();
+  EXPECT_EQ(probe.enables, enables + 1);
+  probe.feedback.state = hal::DriveState::enabling;
+  run_for(4s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "the time begins anew";
+}
+
+TEST_F(ControlLoopTest, CountsTheTimeOfOneWishToEnable) {
+  loop.request_enable(axis);
+  for (int wish = 0; wish < 5; ++wish) {
+    probe.feedback.state = hal::DriveState::enabling;
+    run_for(4s);
+    probe.feedback.state = hal::DriveState::configuring;
+    step();
+  }
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  loop.request_stop(axis);
+  probe.feedback.state = hal::DriveState::enabling;
+  run_for(10s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "nobody waits for it";
+}
+
+TEST_F(ControlLoopTest, LimitsTheReportedForceToAFifthAboveTheLawsUnlessToldOtherwise) {
+  for (const float sign : {1.0F, -1.0F}) {
+    enable();
+    probe.feedback.force_N = sign * 59.9F;
+    step();
+    EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "a current loop overshoots";
+    probe.feedback.force_N = sign * 60.1F;
+    step();
+    EXPECT_EQ(loop.status(axis).fault, AxisFault::force_limit);
+    probe.feedback.force_N = 0;
+    reset_once_without_force();
+  }
+  DriveProbe other;
+  const auto told = *loop.add_axis({&other, 2}, {}, {.force_N = 55}).id;
+  loop.request_enable(told);
+  other.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+  other.feedback.sample_time = now;
+  step();
+  other.feedback.force_N = 55.1F;
+  other.feedback.sample_time = now;
+  step();
+  EXPECT_EQ(loop.status(told).fault, AxisFault::force_limit);
+}
+
+// Counts are modulo 2^32, and the way across the end of the range is the short one.
+TEST_F(ControlLoopTest, ATargetAcrossTheEndOfTheRangeIsAsFarAsItIs) {
+  constexpr auto highest = std::numeric_limits<std::int32_t>::max();
+  constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
+  loop.set_target_counts(axis, highest - 9);
+  const float before = loop.controller(axis).shifted;
+  loop.set_target_counts(axis, lowest + 10);
+  EXPECT_EQ(probe.datum, lowest + 10);
+  EXPECT_FLOAT_EQ(loop.controller(axis).last_shift, 20e-6F);
+  EXPECT_LT(std::abs(loop.controller(axis).shifted - before), 1e-3F);
+  loop.set_target_counts(axis, highest);
+  EXPECT_FLOAT_EQ(loop.controller(axis).last_shift, -11e-6F);
+}
+
+TEST_F(ControlLoopTest, TheErrorAllowedAcrossTheEndOfTheRangeIsThatOfTheTargetChange) {
+  auto limits = testing::moderate_limits();
+  limits.following_error_m = 0.01F;
+  DriveProbe other;
+  const auto id = *loop.add_axis({&other, 2}, {}, limits).id;
+  loop.set_target_counts(id, std::numeric_limits<std::int32_t>::max());
+  loop.request_enable(id);
+  other.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+  other.feedback.sample_time = now;
+  step();
+  ASSERT_TRUE(loop.status(id).running);
+  loop.set_target_counts(id, std::numeric_limits<std::int32_t>::min() + 999);
+  other.feedback.sample_time = now;
+  other.feedback.position_offset_m = -0.001F;
+  step();
+  EXPECT_EQ(loop.status(id).fault, AxisFault::none);
+  other.feedback.sample_time = now;
+  other.feedback.position_offset_m = -0.012F;
+  step();
+  EXPECT_EQ(loop.status(id).fault, AxisFault::following_error);
 }
 
 TEST_F(ControlLoopTest, NamesAStopThatIsNotObeyedAndRefusesAResetUntilItIs) {
@@ -157,7 +285,7 @@ TEST_F(ControlLoopTest, PassesEmergenciesOnOnce) {
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::emergency);
   EXPECT_EQ(loop.supervisor(axis).fault_code(), 0x2310);
-  loop.reset_fault(axis);
+  reset_once_without_force();
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "an old message is no new emergency";
 }

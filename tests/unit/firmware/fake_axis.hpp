@@ -92,13 +92,16 @@ struct FakeDrive {
 
 struct ProportionalLaw {
   float period = 1e-3F;
-  float shifted = 0, limit_N = 0;
+  float shifted = 0, last_shift = 0, limit_N = 0;
   int resets = 0;
   law::ControlFault fault_ = law::ControlFault::none;
   law::ControlOutput<float> update(const law::Measurement<float>& z) noexcept {
     return {z.fresh ? -10 * z.position_error_m : 0.0F, 0, law::Mode::approach, false};
   }
-  void shift_target(float shift_m) noexcept { shifted += shift_m; }
+  void shift_target(float shift_m) noexcept {
+    shifted += shift_m;
+    last_shift = shift_m;
+  }
   void reset() noexcept { ++resets; }
   void limit_force(float force_N) noexcept { limit_N = force_N; }
   float period_s() const noexcept { return period; }

@@ -5,24 +5,50 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 namespace breakaway::firmware {
 namespace {
 
 constexpr double mass_kg = 1, friction_upper_N = 4.5, resolution_m = 1e-6, step_s = 1e-3;
 
-int samples_until_missing(MotionUnderForce<double>& motion, double force_N, int most) {
+int samples_until_missing(MotionUnderForce<double>& motion, double force_N, int most, double period_s = step_s) {
   for (int sample = 1; sample <= most; ++sample) {
-    motion.sample(0.25, force_N, step_s);
+    motion.sample(0, force_N, period_s);
     if (motion.missing()) return sample;
   }
   return most;
 }
 
 TEST(MotionUnderForce, SeesAnEncoderThatStandsStillUnderFullForce) {
-  for (const double force_N : {50.0, -50.0}) {
-    MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
-    EXPECT_LE(samples_until_missing(motion, force_N, 1000), MotionUnderForce<double>::least_samples + 1);
+  struct Row {
+    double period_s;
+    int samples;
+  };
+  for (const auto& [period_s, samples] : {Row{2.5e-4, 40}, Row{1e-3, 10}, Row{2e-3, 5}, Row{4e-3, 5}})
+    for (const double force_N : {50.0, -50.0}) {
+      MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+      const int first = force_N > 0 ? 1 : 0;  // it shows that the force turned
+      EXPECT_EQ(samples_until_missing(motion, force_N, 1000, period_s), samples + first);
+      MotionUnderForce<float> flashed{1, 4.5F, 1e-6F};
+      int needed = 0;
+      while (!flashed.missing() && needed < 1000) {
+        flashed.sample(0, static_cast<float>(force_N), static_cast<float>(period_s));
+        ++needed;
+      }
+      EXPECT_LE(needed, samples + 1);
+    }
+}
+
+TEST(MotionUnderForce, BeginsAnewWithEveryCountAndEveryTurnOfTheForce) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+  for (int period = 0; period < 1000; ++period) {
+    motion.sample(period % 9 == 0 ? resolution_m : 0, 50, step_s);
+    ASSERT_FALSE(motion.missing());
+  }
+  for (int period = 0; period < 1000; ++period) {
+    motion.sample(0, period / 9 % 2 == 0 ? 50 : -50, step_s);
+    ASSERT_FALSE(motion.missing());
   }
 }
 
@@ -42,7 +68,7 @@ TEST(MotionUnderForce, AllowsAnyForceThatFrictionMayHold) {
 TEST(MotionUnderForce, AllowsPulsesThatAnAxisDoesNotFollow) {
   MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
   for (int period = 0; period < 5000; ++period) {
-    motion.sample(0.25, period % 12 < 9 ? 50 : 0, step_s);
+    motion.sample(0, period % 12 < 9 ? 50 : 0, step_s);
     ASSERT_FALSE(motion.missing()) << "a kick that fails is the law's to name";
   }
 }
@@ -54,7 +80,7 @@ TEST(MotionUnderForce, NeverDoubtsAMassThatMovesAsItMust) {
   std::uniform_real_distribution<double> unit{0, 1};
   for (const double q_m : {1e-9, 1e-6, 1e-3}) {
     MotionUnderForce<double> motion{mass_kg, friction_upper_N, q_m};
-    double x_m = 0, v_m_s = 0, force_N = 0;
+    double x_m = 0, v_m_s = 0, force_N = 0, shown = 0;
     for (int period = 0; period < 100'000; ++period) {
       if (random() % 40 == 0) force_N = (unit(random) - 0.5) * (random() % 2 == 0 ? 100 : 12);
       constexpr int parts = 20;
@@ -64,7 +90,8 @@ TEST(MotionUnderForce, NeverDoubtsAMassThatMovesAsItMust) {
         v_m_s = std::abs(free_m_s) <= braked_m_s ? 0 : free_m_s - std::copysign(braked_m_s, free_m_s);
         x_m += v_m_s * dt_s;
       }
-      motion.sample(q_m * std::round(x_m / q_m), force_N, step_s);
+      const double before = std::exchange(shown, std::round(x_m / q_m));
+      motion.sample(q_m * (shown - before), force_N, step_s);
       ASSERT_FALSE(motion.missing()) << "q " << q_m << " m in period " << period;
     }
   }

@@ -41,6 +41,15 @@ class SeveralAxesTest : public ::testing::Test {
     port.sent.clear();
     loop->step(now);
   }
+  // The drives obeyed their stop, so that resets are taken; they are enabled again as soon as they are told to.
+  void stop_obeyed() {
+    for (DriveProbe& probe : probes) probe.feedback.state = hal::DriveState::disabled;
+    step();
+  }
+  void enabled() {
+    for (DriveProbe& probe : probes) probe.feedback.state = hal::DriveState::enabled;
+    step();
+  }
   std::vector<AxisFault> faults() const {
     std::vector<AxisFault> found;
     for (const auto& axis : axes) found.push_back(loop->status(axis).fault);
@@ -83,6 +92,7 @@ TEST_F(SeveralAxesTest, AxesThatStopTogetherStartTogetherOnceEveryFaultIsReset) 
   probes[1].heartbeat_lost = true;
   step();
   probes[1].heartbeat_lost = false;
+  stop_obeyed();
   for (const std::size_t i : {1U, 0U}) {
     loop->reset_fault(axes[i]);
     for (int periods = 0; periods < 5; ++periods) step();
@@ -92,6 +102,8 @@ TEST_F(SeveralAxesTest, AxesThatStopTogetherStartTogetherOnceEveryFaultIsReset) 
   for (const auto& axis : axes) EXPECT_FALSE(loop->status(axis).running) << "nobody moves alone";
   loop->reset_fault(axes[2]);
   step();
+  for (const DriveProbe& probe : probes) EXPECT_EQ(probe.enables, 1);
+  enabled();
   for (const auto& axis : axes) EXPECT_TRUE(loop->status(axis).running);
 }
 
@@ -99,8 +111,8 @@ TEST_F(SeveralAxesTest, NoDriveIsEnabledWhileAnotherHasAFaultWhereAxesStopTogeth
   start(FaultScope::all_axes);
   probes[1].heartbeat_lost = true;
   step();
+  stop_obeyed();
   loop->reset_fault(axes[0]);
-  probes[0].feedback.state = hal::DriveState::disabled;
   for (int periods = 0; periods < 5; ++periods) step();
   EXPECT_EQ(probes[0].enables, 0);
   loop->reset_fault(axes[1]);
@@ -114,8 +126,10 @@ TEST_F(SeveralAxesTest, AFaultThatComesAgainAfterItsResetStopsTheOthersAgain) {
   start(FaultScope::all_axes);
   probes[1].heartbeat_lost = true;
   step();
-  for (const auto& axis : axes) loop->reset_fault(axis);
+  stop_obeyed();
+  for (const auto& axis : axes) EXPECT_TRUE(loop->reset_fault(axis));
   step();
+  enabled();
   step();
   EXPECT_EQ(faults(), (std::vector{with_another, AxisFault::heartbeat_lost, with_another}));
 }

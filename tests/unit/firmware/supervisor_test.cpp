@@ -80,13 +80,14 @@ INSTANTIATE_TEST_SUITE_P(
                     f.position_m = 1.001F;
                     f.sample_time = hal::Time{10s};
                   }},
-        Violation{"speed", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = 0.003F; }},
-        Violation{"jump", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.position_m = -0.9F; }},
+        Violation{"speed", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.travel_m = 0.003F; }},
+        Violation{"jump", AxisFault::speed_limit, [](Feedback& f, AxisHealth&) { f.travel_m = -0.9F; }},
         Violation{"force", AxisFault::force_limit, [](Feedback& f, AxisHealth&) { f.force_N = -50.1F; }},
         Violation{"following", AxisFault::following_error,
                   [](Feedback& f, AxisHealth&) { f.position_offset_m = 0.11F; }},
         Violation{"nan", AxisFault::not_a_number,
                   [](Feedback& f, AxisHealth&) { f.position_offset_m = std::nanf(""); }},
+        Violation{"nan_travel", AxisFault::not_a_number, [](Feedback& f, AxisHealth&) { f.travel_m = std::nanf(""); }},
         Violation{"inf", AxisFault::not_a_number, [](Feedback& f, AxisHealth&) { f.force_N = infinity; }},
         Violation{"jammed", AxisFault::axis_jammed,
                   [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::jammed; }},
@@ -111,7 +112,7 @@ TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
     const std::string row = "| " + std::string{to_string(static_cast<AxisFault>(i))} + " |";
     EXPECT_NE(page.find(row), page.npos) << row;
   }
-  EXPECT_EQ(faults, static_cast<int>(AxisFault::no_motion_under_force));
+  EXPECT_EQ(faults, static_cast<int>(AxisFault::enable_timed_out));
 }
 
 TEST(Supervisor, ToleratesOneLostSample) {
@@ -121,6 +122,20 @@ TEST(Supervisor, ToleratesOneLostSample) {
   old.fresh = false;
   EXPECT_EQ(supervisor.check(old, {}, hal::Time{3ms}), AxisFault::none);
   EXPECT_EQ(supervisor.check(old, {}, hal::Time{4ms}), AxisFault::feedback_stale);
+}
+
+// Read from the drive's zero, the position jumps by the whole range there.
+TEST(Supervisor, TakesTheEndOfTheCountersRangeForNoSpeed) {
+  AxisLimits<float> l;
+  l.speed_m_s = 2;
+  l.feedback_timeout = 2500us;
+  Supervisor<float> supervisor{l};
+  for (int i = 1; i < 10; ++i) {
+    Feedback f = healthy(hal::Time{i * 1ms});
+    f.position_m = i < 5 ? 2147.4836F : -2147.4836F;
+    f.travel_m = 0.0015F;
+    ASSERT_EQ(supervisor.check(f, {}, f.sample_time), AxisFault::none);
+  }
 }
 
 TEST(Supervisor, KeepsTheFirstOfSeveralFaults) {

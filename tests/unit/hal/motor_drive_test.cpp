@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "page_example.hpp"
 
@@ -21,14 +22,18 @@ constexpr std::string_view to_string(AmplifierStatus) noexcept { return "the amp
 template <class Amplifier>
 class AmplifierDrive {
  public:
-  AmplifierDrive(Amplifier& amplifier, AxisScale<float> scale) noexcept : amplifier_{&amplifier}, scale_{scale} {}
+  AmplifierDrive(Amplifier& amplifier, AxisScale<float> scale) noexcept
+      : amplifier_{&amplifier}, scale_{scale}, last_{static_cast<std::uint32_t>(amplifier.counts())} {}
   DriveFeedback<float> feedback() noexcept {
     const std::int32_t counts = amplifier_->counts();
     // Unsigned subtraction wraps as the counter does.
-    const auto offset = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - datum_);
+    const auto read = static_cast<std::uint32_t>(counts);
+    const auto offset = static_cast<std::int32_t>(read - datum_);
+    const auto travel = static_cast<std::int32_t>(read - std::exchange(last_, read));
     return {.state = amplifier_->on() ? DriveState::enabled : DriveState::disabled,
             .position_offset_m = static_cast<float>(offset) * scale_.encoder_resolution_m,
             .position_m = static_cast<float>(counts) * scale_.encoder_resolution_m,
+            .travel_m = static_cast<float>(travel) * scale_.encoder_resolution_m,
             .force_N = amplifier_->force_N(),
             .sample_time = amplifier_->time(),
             .fresh = true,
@@ -48,6 +53,7 @@ class AmplifierDrive {
  private:
   Amplifier* amplifier_;
   AxisScale<float> scale_;
+  std::uint32_t last_;
   std::uint32_t datum_ = 0;
 };
 // [page]

@@ -125,7 +125,7 @@ class ControlLoop {
 
   // Takes an axis in; to be called before the first step. The drive is made for this loop's network and the
   // controller's scale, so that nothing is said twice. A limits.feedback_timeout of 0 means two and a half periods, so
-  // that two samples lost in a row stop the axis.
+  // that two samples lost in a row stop the axis; a limits.force_N that is not given, a fifth above the law's limit.
   AddedAxis add_axis(const typename Drive::Config& drive, const Controller& controller,
                      AxisLimits<Scalar> limits) noexcept {
     if (count_ == MaxAxes) return {{}, AxisError::no_room};
@@ -134,6 +134,8 @@ class ControlLoop {
       return {{}, AxisError::period_differs};
     if (taken(drive.node_id)) return {{}, AxisError::node_id_taken};
     if (limits.feedback_timeout == hal::Duration::zero()) limits.feedback_timeout = config_.network.period * 5 / 2;
+    if (!(limits.force_N < AxisLimits<Scalar>::unlimited))
+      limits.force_N = controller.max_force_N() + controller.max_force_N() / 5;
     const hal::AxisScale<Scalar> scale{controller.encoder_resolution_m(), controller.max_force_N()};
     axes_[count_].emplace(Drive{drive, config_.network, scale}, controller, limits);
     return {AxisId{count_++}};
@@ -163,16 +165,17 @@ class ControlLoop {
     }
   }
 
-  // Acknowledges a latched fault; the drive is enabled again if it is still wanted. Returns false, and does nothing,
-  // while the drive does not obey the stop that the fault brought: it is to be seen without force first.
+  // Acknowledges a latched fault; the drive is set up anew, and enabled again if it is still wanted. Returns false, and
+  // does nothing, until the drive was seen without force after the stop that the fault brought.
   bool reset_fault(AxisId id) noexcept {
     Axis* const a = find(id);
-    if (a == nullptr || a->status.feedback.stop_not_obeyed) return false;
+    if (a == nullptr || may_have_force(a->status.feedback)) return false;
+    if (a->status.fault != AxisFault::none) a->drive.reset_fault();
     a->supervisor.reset();
     a->controller.reset();
-    a->drive.reset_fault();
     a->standing_fault = AxisFault::none;
     a->status.stop_not_obeyed = false;
+    a->enabling_since.reset();
     waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
     return true;
@@ -221,6 +224,7 @@ class ControlLoop {
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     std::uint32_t emergencies_seen = 0;
+    std::optional<hal::Time> enabling_since;
     std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
     AxisFault standing_fault = AxisFault::none;  // where axes stop together: seen by an earlier step and not reset
     bool wanted = false;
@@ -240,6 +244,12 @@ class ControlLoop {
   }
 
   static constexpr hal::Duration reset_time = std::chrono::seconds{1};
+  // A power stage may have to charge its capacitors and to open a brake first.
+  static constexpr hal::Duration enable_time = std::chrono::seconds{5};
+
+  static bool may_have_force(const hal::DriveFeedback<Scalar>& f) noexcept {
+    return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping;
+  }
 
   // A step takes in at most what a full bus can bring in a period of 10 ms at 1 Mbit/s; the rest waits in the port.
   static constexpr int max_frames_per_step = 256;
@@ -255,8 +265,9 @@ class ControlLoop {
   }
 
   void move_target(Axis& a, std::int32_t counts) noexcept {
-    // The difference of two int32 may need 33 bits.
-    const auto shift = static_cast<std::int64_t>(counts) - static_cast<std::int64_t>(a.target_counts);
+    // The drive's offsets are modulo 2^32 counts, and so is this.
+    const auto shift =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(a.target_counts));
     const Scalar shift_m = static_cast<Scalar>(shift) * a.drive.encoder_resolution_m();
     a.target_counts = counts;
     a.drive.set_datum_counts(counts);
@@ -352,12 +363,18 @@ class ControlLoop {
     a.status.running = false;
   }
 
-  // A drive that is in fault before it ever ran, or that a reset did not help, is named as well.
+  // A drive that is in fault before it ever ran, or that a reset did not help, is named as well; so is one that is
+  // never enabled.
   void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, hal::Time now) noexcept {
-    if (a.reset_periods > 0) --a.reset_periods;
+    if (a.reset_periods > 0 && feedback.state != hal::DriveState::configuring) --a.reset_periods;
     if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
       a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);
     }
+    if (feedback.state != hal::DriveState::enabling || !a.wanted) return a.enabling_since.reset();
+    if (!a.enabling_since) a.enabling_since = now;
+    if (now - *a.enabling_since <= enable_time) return;
+    a.supervisor.latch(AxisFault::enable_timed_out, 0, now);
+    a.drive.request_stop();
   }
 
   // Returns the code of an EMCY message that came since the last step.

@@ -73,6 +73,7 @@ template <class Drive, class Visitor>
 constexpr void visit_drive(Drive& drive, Visitor& visit) {
   visit.value("node_id", drive.node_id, "");
   visit.value("force_per_torque_N_per_Nm", drive.force_per_torque_N_per_Nm, "N/(N m)");
+  visit.value("rated_torque_mNm", drive.rated_torque_mNm, "mN m");
   visit.value("heartbeat_period", drive.heartbeat_period, "ns");
   visit.value("heartbeat_timeout", drive.heartbeat_timeout, "ns");
   visit.value("sdo_timeout", drive.sdo_timeout, "ns");
@@ -188,6 +189,7 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
       visit.value("heartbeat_period", network.heartbeat_period, "ns");
     });
     visit.value("fault_scope", node.loop.fault_scope, "");
+    visit.value("command_timeout", node.loop.command_timeout, "ns");
   });
   visit.value("count", node.count, "");
   visit.list("axes", present_axes(node), [&](auto& axis) {

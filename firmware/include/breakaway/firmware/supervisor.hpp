@@ -40,6 +40,7 @@ enum class AxisFault : std::uint8_t {
   stop_not_obeyed,        // the drive was told to stop and was not seen without force within the time that it takes
   force_not_commanded,    // the drive reports a force that it was not told to give
   no_motion_under_force,  // the encoder shows nothing under a force that must move the axis
+  enable_timed_out,       // the drive was told to enable and did not within the time that it takes
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -88,6 +89,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "force not commanded";
     case AxisFault::no_motion_under_force:
       return "no motion under force";
+    case AxisFault::enable_timed_out:
+      return "enable timed out";
   }
   return "unknown axis fault";
 }
@@ -99,7 +102,9 @@ struct AxisLimits {
   Scalar position_min_m = -unlimited;
   Scalar position_max_m = unlimited;
   Scalar speed_m_s = unlimited;
-  Scalar force_N = unlimited;  // of the force that the drive reports
+  // Of the force that the drive reports. The loop takes `unlimited` for a fifth above what the law commands: so far a
+  // current loop may overshoot.
+  Scalar force_N = unlimited;
   Scalar following_error_m = unlimited;
   hal::Duration feedback_timeout{};  // age of the newest sample; one lost frame makes two periods
 };
@@ -150,7 +155,7 @@ class Supervisor {
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
     if (feedback.fresh) {
       commanded_.report(feedback.force_N, feedback.force_step_N);
-      motion_.sample(feedback.position_m, feedback.force_N, since_previous_s(feedback));
+      motion_.sample(feedback.travel_m, feedback.force_N, since_previous_s(feedback));
     }
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
@@ -196,7 +201,8 @@ class Supervisor {
   }
 
   AxisFault measured_violation(const Feedback& f, const AxisHealth& health) const noexcept {
-    const bool finite = std::isfinite(f.position_offset_m) && std::isfinite(f.position_m) && std::isfinite(f.force_N);
+    const bool finite = std::isfinite(f.position_offset_m) && std::isfinite(f.position_m) &&
+                        std::isfinite(f.travel_m) && std::isfinite(f.force_N);
     if (!finite) return AxisFault::not_a_number;
     if (health.control_fault != law::ControlFault::none) return named(health.control_fault);
     if (f.position_m < limits_.position_min_m || f.position_m > limits_.position_max_m)
@@ -231,7 +237,7 @@ class Supervisor {
 
   bool too_fast(const Feedback& f) const noexcept {
     if (!has_previous_) return false;
-    return std::abs(f.position_m - previous_position_m_) > limits_.speed_m_s * since_previous_s(f);
+    return std::abs(f.travel_m) > limits_.speed_m_s * since_previous_s(f);
   }
 
   Scalar since_previous_s(const Feedback& f) const noexcept {
@@ -240,7 +246,6 @@ class Supervisor {
   }
 
   void remember(const Feedback& f) noexcept {
-    previous_position_m_ = f.position_m;
     previous_time_ = f.sample_time;
     has_previous_ = true;
   }
@@ -249,7 +254,6 @@ class Supervisor {
   CommandedForce<Scalar> commanded_;
   MotionUnderForce<Scalar> motion_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
-  Scalar previous_position_m_{};
   hal::Time previous_time_{};
   hal::Time fault_time_{};
   std::uint16_t fault_code_ = 0;

@@ -24,14 +24,18 @@
 //   template <class Amplifier>
 //   class AmplifierDrive {
 //    public:
-//     AmplifierDrive(Amplifier& amplifier, AxisScale<float> scale) noexcept : amplifier_{&amplifier}, scale_{scale} {}
+//     AmplifierDrive(Amplifier& amplifier, AxisScale<float> scale) noexcept
+//         : amplifier_{&amplifier}, scale_{scale}, last_{static_cast<std::uint32_t>(amplifier.counts())} {}
 //     DriveFeedback<float> feedback() noexcept {
 //       const std::int32_t counts = amplifier_->counts();
 //       // Unsigned subtraction wraps as the counter does.
-//       const auto offset = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - datum_);
+//       const auto read = static_cast<std::uint32_t>(counts);
+//       const auto offset = static_cast<std::int32_t>(read - datum_);
+//       const auto travel = static_cast<std::int32_t>(read - std::exchange(last_, read));
 //       return {.state = amplifier_->on() ? DriveState::enabled : DriveState::disabled,
 //               .position_offset_m = static_cast<float>(offset) * scale_.encoder_resolution_m,
 //               .position_m = static_cast<float>(counts) * scale_.encoder_resolution_m,
+//               .travel_m = static_cast<float>(travel) * scale_.encoder_resolution_m,
 //               .force_N = amplifier_->force_N(),
 //               .sample_time = amplifier_->time(),
 //               .fresh = true,
@@ -51,6 +55,7 @@
 //    private:
 //     Amplifier* amplifier_;
 //     AxisScale<float> scale_;
+//     std::uint32_t last_;
 //     std::uint32_t datum_ = 0;
 //   };
 //
@@ -88,6 +93,7 @@ struct DriveFeedback {
   DriveState state = DriveState::configuring;
   Scalar position_offset_m{};  // position minus datum
   Scalar position_m{};  // position from the drive's zero, rounded to Scalar: for limits and display, not for control
+  Scalar travel_m{};    // since the last fresh sample, exact to the count across the end of the counter's range
   Scalar force_N{};     // what the drive reports that it produces
   Time sample_time{};   // when the position was taken, as exactly as is known
   bool fresh = false;   // a new position came since the last call
@@ -134,7 +140,8 @@ concept MotorDrive = requires(D& drive, const D& constant, Scalar force_N, std::
   // Returns at once and never blocks; for the loop's thread.
   { drive.request_stop() } noexcept -> std::same_as<void>;
 
-  // Acknowledges a fault. A drive that is not in fault ignores it; one whose cause is still there stays in fault.
+  // Acknowledges a fault, the loop's own included: the drive may be set up anew and be `configuring` meanwhile. A drive
+  // that is enabled ignores it; one whose cause is still there stays in fault.
   // Returns at once and never blocks; for the loop's thread.
   { drive.reset_fault() } noexcept -> std::same_as<void>;
 

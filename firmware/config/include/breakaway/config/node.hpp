@@ -146,6 +146,7 @@ struct Loop {
   std::uint8_t node_id = 127;  // the node's own on the bus
   hal::Duration heartbeat_period{std::chrono::milliseconds{50}};
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
+  hal::Duration command_timeout{std::chrono::milliseconds{500}};  // of a node that another one commands
 };
 
 struct Node {

@@ -20,8 +20,9 @@
 // next carries zero torque.
 //
 // A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
-// used is `unusable`, sends no command, and setup_status() says why. One that is told to stop and stays energised is
-// told by other means than PDOs until it is seen without force (forced_stop.hpp), and is `stopping` all that time.
+// used is `unusable`, sends no command, and setup_status() says why. One that is energised against our wish, whoever
+// wished it and however far its set-up is, is told by other means than PDOs until it is seen without force
+// (forced_stop.hpp), and is `stopping` all that time.
 //
 // It owns no port, holds no pointers and may be copied. It never blocks or allocates, and is for one thread.
 #pragma once
@@ -45,6 +46,7 @@
 #include "breakaway/cia402/drive_node.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
 #include "breakaway/cia402/setup_status.hpp"
+#include "breakaway/cia402/state.hpp"
 #include "breakaway/cia402/state_machine.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/can_frame.hpp"
@@ -72,7 +74,7 @@ class Drive {
         sign_{config.invert_direction ? Scalar{-1} : Scalar{1}},
         command_pdo_{command_pdo(config.node_id)},
         feedback_pdo_{feedback_pdo(config.node_id)},
-        node_{config, network} {}
+        node_{config, network, scale.max_force_N} {}
 
   // Takes any frame that the bus brought; those of other nodes are passed over.
   void on_frame(const hal::ReceivedFrame& received) noexcept {
@@ -86,18 +88,19 @@ class Drive {
   // Moves on by one period, after the frames.
   void update(hal::Time now) noexcept {
     if (own_status_ != SetupStatus::ready) return;
-    const bool was_ready = node_.ready();
+    const bool was_ready = node_.ready(), was_forced = node_.forcing_stop();
     const std::uint32_t reboots = node_.reboots();
     node_.update(now);
-    if (node_.reboots() != reboots) ever_valid_ = false;
-    if (was_ready && !node_.ready()) machine_.restart();
-    if (node_.forcing_stop() && machine_.without_force()) node_.end_forced_stop(now);
-    if (node_.ready() && node_.heartbeat_lost() && machine_.without_force()) set_up_anew(now);
+    if (was_ready && !node_.ready()) forget_commands();
+    if (node_.reboots() != reboots) ever_valid_ = counted_ = has_force_ = false;
+    if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
+    if (was_forced && !node_.forcing_stop()) has_force_ = false;
+    if (node_.forcing_stop() && !has_force_) node_.end_forced_stop(now);
+    if (node_.ready() && node_.heartbeat_lost() && !has_force_) set_up_anew(now);
+    if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
-    if (!node_.ready()) return;
-    machine_.update(now);
-    follow_fault();
     watch_stop(now);
+    if (node_.ready() && pdo_seen_) follow(now);
   }
 
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent now, at most one a call. The frame
@@ -111,9 +114,11 @@ class Drive {
   bool next_command_frame(hal::CanFrame& frame) noexcept {
     const Scalar force_N = std::exchange(force_N_, Scalar{0});
     if (!usable() || !node_.operational()) return false;
-    const bool follows = node_.ready() && machine_.follows();
-    const std::int16_t torque = follows ? torque_scale_.per_mille(sign_ * force_N) : std::int16_t{0};
-    const std::array<std::uint64_t, 2> values{machine_.controlword(), static_cast<std::uint16_t>(torque)};
+    // A drive whose state no PDO shows is not led anywhere.
+    const bool led = node_.ready() && pdo_seen_;
+    const std::int16_t torque = led && machine_.follows() ? torque_scale_.per_mille(sign_ * force_N) : std::int16_t{0};
+    const std::array<std::uint64_t, 2> values{led ? machine_.controlword() : control::disable_voltage,
+                                              static_cast<std::uint16_t>(torque)};
     frame = canopen::pack_pdo(command_pdo_, values);
     return true;
   }
@@ -126,6 +131,7 @@ class Drive {
     return {.state = state(),
             .position_offset_m = to_metres(offset),
             .position_m = to_metres(counts_),
+            .travel_m = to_metres(static_cast<std::int32_t>(std::exchange(travel_counts_, 0U))),
             .force_N = sign_ * torque_scale_.force_N(torque_),
             .sample_time = sample_time_,
             .fresh = std::exchange(fresh_, false),
@@ -140,7 +146,9 @@ class Drive {
     if (!node_.forcing_stop()) machine_.request_enable();
   }
   void request_stop() noexcept { machine_.request_stop(); }
-  void reset_fault() noexcept { machine_.reset_fault(); }
+  // The drive is set up anew before its fault is reset, because what brought the fault may be its set-up, which another
+  // tool changed.
+  void reset_fault() noexcept { reset_asked_ = true; }
   // The axis' limit until the drive's own is known; then the lower of the two, in whole quanta.
   Scalar max_force_N() const noexcept {
     return torque_scale_.limit_per_mille() > 0 ? torque_scale_.max_force_N() : scale_.max_force_N;
@@ -183,14 +191,30 @@ class Drive {
   void on_feedback_pdo(const hal::ReceivedFrame& received) noexcept {
     std::array<std::uint64_t, 3> values{};
     if (!canopen::unpack_pdo(feedback_pdo_, received.frame, values)) return;
-    statusword_ = static_cast<std::uint16_t>(values[0]);
-    const auto counts = static_cast<std::uint32_t>(values[1]);
-    counts_ = static_cast<std::int32_t>(config_.invert_direction ? 0U - counts : counts);
+    on_statusword(static_cast<std::uint16_t>(values[0]));
+    const auto shown = static_cast<std::uint32_t>(values[1]);
+    const std::uint32_t counts = config_.invert_direction ? 0U - shown : shown;
+    if (counted_) travel_counts_ += counts - static_cast<std::uint32_t>(counts_);
+    counts_ = static_cast<std::int32_t>(counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
-    machine_.on_statusword(statusword_);
+    pdo_seen_ = node_.ready();
     const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= period_;
     sample_time_ = answers_sync ? *sync_time_ : received.time;
-    fresh_ = ever_valid_ = true;
+    fresh_ = ever_valid_ = counted_ = true;
+  }
+
+  // Takes a statusword that a PDO or an SDO brought. One that says nothing of force leaves what was seen before.
+  void on_statusword(std::uint16_t statusword) noexcept {
+    statusword_ = statusword;
+    machine_.on_statusword(statusword);
+    if (shows_force(statusword)) has_force_ = true;
+    if (shows_no_force(statusword)) has_force_ = false;
+  }
+
+  void follow(hal::Time now) noexcept {
+    if (std::exchange(reset_pending_, false)) machine_.reset_fault();
+    machine_.update(now);
+    follow_fault();
   }
 
   void adopt_rating() noexcept {
@@ -202,8 +226,21 @@ class Drive {
 
   // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
   void set_up_anew(hal::Time now) noexcept {
-    machine_.restart();
+    forget_commands();
     node_.set_up_anew(now);
+  }
+
+  void forget_commands() noexcept {
+    machine_.restart();
+    pdo_seen_ = was_faulty_ = false;
+  }
+
+  // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
+  void begin_reset(hal::Time now) noexcept {
+    reset_asked_ = false;
+    if (has_force_ || machine_.enable_wished()) return;
+    reset_pending_ = true;
+    if (node_.ready() || node_.phase() == SetupPhase::refused) set_up_anew(now);
   }
 
   void follow_fault() noexcept {
@@ -214,19 +251,22 @@ class Drive {
   }
 
   // A drive that is energised against our wish for longer than a stop takes is forced to it. It is given the time of a
-  // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last.
+  // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last, and nobody
+  // wishes force of one that is not set up.
   void watch_stop(hal::Time now) noexcept {
-    if (!machine_.energised_unwished()) {
+    const bool wished = node_.ready() && machine_.enable_wished();
+    if (!has_force_ || wished || node_.forcing_stop()) {
       unwished_since_.reset();
       return;
     }
     if (!unwished_since_) unwished_since_ = now;
-    const bool stops_by_itself = machine_.state() != State::operation_enabled;
+    const bool stops_by_itself =
+        machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
     const hal::Duration obeys_within = std::max(stop_time, stop_periods * period_);
     if (now - *unwished_since_ <= obeys_within + (stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{}))
       return;
     unwished_since_.reset();
-    machine_.restart();
+    forget_commands();
     node_.force_stop(now);
   }
 
@@ -235,7 +275,8 @@ class Drive {
   hal::DriveState state() const noexcept {
     if (!usable()) return hal::DriveState::unusable;
     if (node_.forcing_stop()) return hal::DriveState::stopping;
-    if (!node_.ready() || !machine_.state()) return hal::DriveState::configuring;
+    if (!node_.ready() || !machine_.state())
+      return has_force_ ? hal::DriveState::stopping : hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
       case State::operation_enabled:
@@ -280,9 +321,15 @@ class Drive {
   std::uint16_t statusword_ = 0;
   std::int32_t counts_ = 0;
   std::int16_t torque_ = 0;
+  std::uint32_t travel_counts_ = 0;  // since the last feedback(), modulo 2^32
   bool fresh_ = false;
   bool ever_valid_ = false;
+  bool counted_ = false;    // counts_ is of this power-up
+  bool pdo_seen_ = false;   // since the node is ready
+  bool has_force_ = false;  // as it was seen last
   bool was_faulty_ = false;
+  bool reset_asked_ = false;
+  bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
   std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
   hal::Time sample_time_{};

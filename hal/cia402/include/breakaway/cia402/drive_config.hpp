@@ -21,6 +21,9 @@ struct DriveConfig {
   std::uint8_t node_id = 1;            // 1..127, and not the master's
   Scalar force_per_torque_N_per_Nm{};  // force at the axis for one Nm at the motor (1 / lever), above 0
 
+  // What 6076h must show, to a hundredth; 0: whatever it shows is taken.
+  std::uint32_t rated_torque_mNm = 0;
+
   hal::Duration heartbeat_period = std::chrono::milliseconds{100};  // of the drive's own, 1..65535 ms
   // Drive and master each take the other for lost after so long without a heartbeat. It is longer than the period of
   // either, and at most 65535 ms.
@@ -63,6 +66,7 @@ enum class DriveConfigError : std::uint8_t {
   master_node_id,
   heartbeat_period,
   heartbeat_timeout,
+  master_heartbeat_period,
   sdo_timeout,
   period,
   encoder_resolution,
@@ -83,6 +87,10 @@ constexpr std::string_view to_string(DriveConfigError error) noexcept {
     case DriveConfigError::heartbeat_timeout:
       return "heartbeat_timeout must be longer than the drive's and the master's heartbeat_period, and at most 65535 "
              "ms";
+    case DriveConfigError::master_heartbeat_period:
+      return "the master's heartbeat_period must be 0 or at least two periods: a heartbeat takes the place of an SDO "
+             "or "
+             "NMT frame";
     case DriveConfigError::sdo_timeout:
       return "sdo_timeout must be above 0";
     case DriveConfigError::period:
@@ -121,6 +129,8 @@ constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
   if (!fits_16_bit_milliseconds(drive.heartbeat_timeout) || drive.heartbeat_timeout <= drive.heartbeat_period ||
       drive.heartbeat_timeout <= network.heartbeat_period)
     return DriveConfigError::heartbeat_timeout;
+  if (network.heartbeat_period != hal::Duration::zero() && network.heartbeat_period < 2 * network.period)
+    return DriveConfigError::master_heartbeat_period;
   if (drive.sdo_timeout <= hal::Duration::zero()) return DriveConfigError::sdo_timeout;
   if (!interpolation_period(network.period)) return DriveConfigError::period;
   return DriveConfigError::none;

@@ -5,12 +5,14 @@
 //                   +--------> refused <-------+
 //
 // It waits for the node to show up in Pre-operational, and makes it do so if it must: a silent node is told to reset
-// its communication, one that runs already is taken back. Then it sets the node up by SDO beside the cyclic traffic
-// (setup_plan.hpp), starts it, and asks until 6061h shows cyclic synchronous torque. From then on it watches heartbeat,
+// its communication, one that runs already is taken back, and both are switched off by SDO meanwhile, in case that
+// somebody left them with force. Then it sets the node up by SDO beside the cyclic traffic (setup_plan.hpp), starts it,
+// and asks until 6061h shows cyclic synchronous torque. Until PDOs pass it looks at the statusword by SDO and hands out
+// what it saw; a node that is seen with force is looked at until it has none. From then on it watches heartbeat,
 // NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; one that leaves NMT operational by
 // itself is started again; one that stops answering is waited for, and told to say its boot-up. A node that cannot be
-// used is refused until it reboots, and status() says why. One that does not obey a stop is forced to it
-// (forced_stop.hpp), and then set up anew, because somebody may have changed its set-up.
+// used is refused until it reboots or is set up anew, and status() says why. One that does not obey a stop is forced to
+// it (forced_stop.hpp), from whatever phase, and then set up anew, because somebody may have changed its set-up.
 //
 //   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
 //
@@ -20,6 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
@@ -42,7 +45,7 @@ enum class SetupPhase : std::uint8_t {
   verifying_mode,  // until 6061h shows cyclic synchronous torque
   ready,           // until the node reboots or leaves NMT operational, or is forced to a stop
   forcing_stop,    // until the node is seen without force
-  refused,         // until the node reboots; status() says why
+  refused,         // until the node reboots or is set up anew; status() says why
 };
 
 // The drive's own figures, as it told them.
@@ -50,6 +53,8 @@ struct DriveRating {
   std::uint32_t rated_current_mA = 0;  // 0: not told
   std::uint32_t rated_torque_mNm = 0;
   std::uint16_t max_torque_per_mille = 1000;  // of the rated torque; a drive without 6072h is not driven beyond it
+  // 6072h as it was found after the last boot-up, before it was lowered to the axis' limit; 0: the drive has none.
+  std::uint16_t found_max_torque_per_mille = 0;
 };
 
 class DriveNode {
@@ -66,9 +71,12 @@ class DriveNode {
 
   // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
-  DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
+  DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network, Scalar max_force_N) noexcept
       : node_id_{drive.node_id},
         heartbeat_timeout_{drive.heartbeat_timeout},
+        rated_torque_mNm_{drive.rated_torque_mNm},
+        force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},
+        max_force_N_{static_cast<float>(max_force_N)},
         config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
         plan_{drive, network},
         sdo_{drive.node_id, drive.sdo_timeout},
@@ -84,11 +92,11 @@ class DriveNode {
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent, which must then be sent: at most
   // one a call. The master's heartbeat is not among them, because it is one for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
-  // The node was told to stop and is still energised: it is told by ever stronger means. For a node that is ready.
+  // The node was told to stop and is still energised: it is told by ever stronger means.
   void force_stop(hal::Time now) noexcept;
   // The node was seen without force.
   void end_forced_stop(hal::Time now) noexcept;
-  // The node is waited for and set up as if it were new. No force is taken off that it may give meanwhile.
+  // The node is waited for and set up as if it were new.
   void set_up_anew(hal::Time now) noexcept;
   // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
@@ -100,8 +108,10 @@ class DriveNode {
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept {
     return phase_ == SetupPhase::verifying_mode || ready() ||
-           (forcing_stop() && forced_stop_.means() == ForcedStop::Means::controlword);
+           (forcing_stop() && forced_while_operational_ && forced_stop_.means() == ForcedStop::Means::controlword);
   }
+  // Returns the statusword that was read by SDO since the last call, if one was.
+  std::optional<std::uint16_t> take_statusword() noexcept { return std::exchange(statusword_, std::nullopt); }
 
   SetupStatus status() const noexcept { return status_; }
   // The object at which the set-up stands, was not answered, or was refused; index 0 when none is concerned.
@@ -122,15 +132,22 @@ class DriveNode {
 
  private:
   void wait_for_node(hal::Time now) noexcept;
+  void tell_while_waiting(canopen::NmtCommand command, hal::Time now) noexcept;
+  void switch_off() noexcept;
   void begin_configuration(hal::Time now) noexcept;
   void configure(hal::Time now) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
+  bool holds(const SetupStep& step) const noexcept;
+  bool is_needless(const SetupStep& step) const noexcept;
   void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
+  void on_rated_torque(std::uint32_t rated_torque_mNm) noexcept;
+  std::uint16_t torque_limit_per_mille() const noexcept;
   void begin_start(hal::Time now) noexcept;
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
+  void look(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
@@ -140,6 +157,9 @@ class DriveNode {
 
   std::uint8_t node_id_;
   hal::Duration heartbeat_timeout_;
+  std::uint32_t rated_torque_mNm_;
+  float force_per_torque_N_per_Nm_;
+  float max_force_N_;
   bool config_valid_;
   SetupPlan plan_;
   canopen::SdoClient sdo_;
@@ -156,6 +176,9 @@ class DriveNode {
   std::size_t step_ = 0;
   unsigned attempts_ = 0;
   bool transfer_running_ = false;
+  bool write_taken_ = false;               // the last one of the plan
+  bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
+  std::optional<std::uint16_t> statusword_;
   bool mode_write_ = false;  // the running transfer is a renewed request of the mode
   hal::Time last_mode_request_{};
   std::optional<hal::Time> last_mode_poll_;

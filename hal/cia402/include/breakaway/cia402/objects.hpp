@@ -55,6 +55,9 @@ inline constexpr std::uint16_t supported_modes = 0x6502;        // u32; bit 9 is
 
 namespace breakaway::cia402 {
 
+// The value 0 of the option codes 605Ah to 605Ch and 605Eh: the motor is without force at once, and runs out.
+inline constexpr std::uint16_t disable_drive_function = 0;
+
 inline constexpr std::uint16_t device_profile = 402;              // in the lower half of 1000h
 inline constexpr std::uint32_t supports_cyclic_torque = 1U << 9;  // in 6502h
 

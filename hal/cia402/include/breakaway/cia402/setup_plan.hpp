@@ -1,4 +1,8 @@
 // SetupPlan: what is read from and written to a drive before it may run, as a list of expedited SDO transfers.
+//
+// The drive is switched off before anything else, because another tool may have left it with force, and its statusword
+// is looked at now and then until the PDOs pass. What bounds its force (60B2h, 6072h, the option codes of its stops)
+// and what makes it act (1005h) is written and read back.
 #pragma once
 
 #include <array>
@@ -13,9 +17,14 @@
 namespace breakaway::cia402 {
 
 struct SetupStep {
-  enum class Kind : std::uint8_t { read, write };
+  enum class Kind : std::uint8_t {
+    read,
+    write,
+    check,    // read, and it must be `value`
+    confirm,  // the same, where the drive took the write before it
+  };
   Kind kind = Kind::read;
-  bool optional = false;  // the drive may lack the object, or have it fixed
+  bool optional = false;  // the drive may abort the transfer, whatever for: it lacks the object, or has it fixed
   std::uint16_t index = 0;
   std::uint8_t subindex = 0;
   std::uint8_t size = 0;  // bytes of a write, 1..4
@@ -35,12 +44,18 @@ class SetupPlan {
   SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
             const canopen::NetworkConfig& network) noexcept;
 
+  void take_force_off() noexcept;
+  void read_rating() noexcept;
+  void bound_force() noexcept;
+  void add_clock(const canopen::NetworkConfig& network) noexcept;
+  void look() noexcept;
   void read(std::uint16_t index, std::uint8_t subindex, bool optional) noexcept;
   void write(std::uint16_t index, std::uint8_t subindex, std::uint8_t size, std::uint32_t value,
              bool optional) noexcept;
+  void read_back(SetupStep::Kind kind) noexcept;
   void add(const SetupStep& step) noexcept;
 
-  std::array<SetupStep, 32> steps_{};
+  std::array<SetupStep, 56> steps_{};
   std::size_t count_ = 0;
 };
 

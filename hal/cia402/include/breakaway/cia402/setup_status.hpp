@@ -15,8 +15,11 @@ enum class SetupStatus : std::uint8_t {
   no_torque_mode,         // 6502h lacks cyclic synchronous torque
   mode_refused,           // 6061h never showed cyclic synchronous torque
   no_rated_torque,        // 6076h is 0, so there is no unit to command torque in
+  rated_torque_differs,   // 6076h is not what the axis was described with
+  rated_torque_unit,      // 6076h is that times a thousand, or a thousandth of it
   no_max_torque,          // 6072h is 0
   object_refused,         // the drive aborted a transfer that it must not abort
+  value_not_kept,         // an object that was written shows another value, and must not
   protocol_error,         // the drive answered a transfer with what CiA 301 forbids
   force_step_too_coarse,  // one per mille of the rated torque is more than the axis' force limit
   stop_not_obeyed,        // the drive was told to stop and is not seen without force; it is told by other means
@@ -42,10 +45,21 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
              "its commissioning software, say, and look for an interlock on the mode in its manual";
     case SetupStatus::no_rated_torque:
       return "the drive states no rated torque (6076h is 0); set up the motor's data in the drive first";
+    case SetupStatus::rated_torque_differs:
+      return "the drive states another rated torque (6076h) than rated_torque_Nm; correct the one that is wrong";
+    case SetupStatus::rated_torque_unit:
+      return "the drive states a rated torque (6076h) that is a thousand times rated_torque_Nm or a thousandth of it, "
+             "so "
+             "one of the two is in another unit; set the drive to mNm, or give rated_torque_Nm as the drive has it and "
+             "correct force_per_torque_N_per_Nm by the same factor";
     case SetupStatus::no_max_torque:
       return "the drive allows no torque (6072h is 0); set up the motor's data in the drive first";
     case SetupStatus::object_refused:
       return "the drive refuses an object of the set-up; its manual says why";
+    case SetupStatus::value_not_kept:
+      return "the drive does not keep the value that the set-up writes to an object; end what else writes to it, and "
+             "look "
+             "in its manual for what fixes it";
     case SetupStatus::protocol_error:
       return "the drive answers the set-up with what CiA 301 forbids; look for a second node with its node_id";
     case SetupStatus::force_step_too_coarse:

@@ -81,6 +81,18 @@ constexpr bool is_without_force(State state) noexcept {
   return !is_energised(state) && state != State::not_ready_to_switch_on;
 }
 
+// Returns true where the statusword shows a state in which the drive moves its motor.
+constexpr bool shows_force(std::uint16_t statusword) noexcept {
+  const std::optional<State> state = state_of(statusword);
+  return state && is_energised(*state);
+}
+
+// Returns true where the statusword shows a state that proves the drive function switched off.
+constexpr bool shows_no_force(std::uint16_t statusword) noexcept {
+  const std::optional<State> state = state_of(statusword);
+  return state && is_without_force(*state);
+}
+
 // Returns the bits by which a statusword shows the state, for a device that reports it.
 constexpr std::uint16_t status_bits(State state) noexcept {
   switch (state) {
@@ -124,6 +136,29 @@ constexpr std::string_view to_string(State state) noexcept {
       return "Fault";
   }
   return "unknown state";
+}
+
+// Returns the state of a drive that is told to enable and does not, with what may keep it there. What else may: its
+// RPDO is off, so that it hears nothing, or its TPDO, so that the state is that before.
+constexpr std::string_view what_keeps_disabled(std::uint16_t statusword) noexcept {
+  const std::optional<State> state = state_of(statusword);
+  if (!state) return "no state of CiA 402";
+  switch (*state) {
+    case State::not_ready_to_switch_on:
+      return "Not ready to switch on: its start-up is not over";
+    case State::switch_on_disabled:
+      return "Switch on disabled: STO, or no supply of the power stage?";
+    case State::ready_to_switch_on:
+      return "Ready to switch on: no supply of the power stage?";
+    case State::switched_on:
+      return "Switched on: a brake, or an interlock of the drive?";
+    case State::operation_enabled:
+    case State::quick_stop_active:
+    case State::fault_reaction_active:
+    case State::fault:
+      break;
+  }
+  return to_string(*state);
 }
 
 }  // namespace breakaway::cia402

@@ -36,8 +36,6 @@ class StateMachine {
   // Holds nothing before the first statusword that the profile defines.
   std::optional<State> state() const noexcept { return state_; }
   bool enable_wished() const noexcept { return enable_; }
-  // Returns true while the drive is seen, or was seen last, with force that nobody here wishes.
-  bool energised_unwished() const noexcept { return !enable_ && state_ && is_energised(*state_); }
   // Returns true when the drive says that it is without force.
   bool without_force() const noexcept { return state_ && is_without_force(*state_); }
   // Returns true while the drive is to follow its target torque.
