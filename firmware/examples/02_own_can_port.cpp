@@ -77,9 +77,9 @@ int main() try {
 
   hal::Time now{};
   for (int period = 0; period < 3000; ++period, now += network.period) {
-    // Another node sends this one to 20 mm, once. Nothing moves before.
-    const firmware::MotionCommand command{.axis = 0, .enable = true, .target_counts = 20'000};
-    if (period == 500) port.from_bus.push_back({firmware::encode_command(command, network.node_id), now});
+    // Another node says ten times a second what is to be done. From 0.5 s on it sends the axis to 20 mm.
+    const firmware::MotionCommand command{.axis = 0, .enable = period >= 500, .target_counts = 20'000};
+    if (period % 100 == 0) port.from_bus.push_back({firmware::encode_command(command, network.node_id), now});
     node.step(now);
     for (; !port.to_bus.empty(); port.to_bus.pop_front()) drive.on_frame(port.to_bus.front(), now);
     drive.advance_to(now + network.period);

@@ -108,7 +108,8 @@ class NodeWorld {
     std::int32_t target_counts = 0;
   };
 
-  static constexpr std::uint32_t first_command = 10;  // period
+  static constexpr std::uint32_t first_command = 10;      // period
+  static constexpr std::uint32_t said_again_after = 100;  // periods; the controller waits for five times as long
   static constexpr double lap_s = bench::tour_s + 0.6;
   static constexpr const canopen::NetworkConfig& network = flashed::node.loop.network;
   hal::Time now() const { return hal::Time{network.period * static_cast<std::int64_t>(periods_)}; }
@@ -125,10 +126,12 @@ class NodeWorld {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const std::int32_t counts = bench::target_counts(in_lap_s, drive_config(i).encoder_resolution_m);
       const std::int32_t target = i % 2 == 0 ? counts : -counts;
-      if (commanded_ && target == axes_[i]->target_counts) continue;
+      // "Enable" is an edge, so that it is not said with the first command.
+      const bool due = periods_ % said_again_after == i;
+      if (commanded_ && target == axes_[i]->target_counts && !due) continue;
       axes_[i]->target_counts = target;
-      transmit(firmware::encode_command({.axis = static_cast<std::uint8_t>(i), .enable = true, .target_counts = target},
-                                        network.node_id));
+      transmit(firmware::encode_command(
+          {.axis = static_cast<std::uint8_t>(i), .enable = commanded_, .target_counts = target}, network.node_id));
     }
     commanded_ = true;
   }

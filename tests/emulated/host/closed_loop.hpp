@@ -26,10 +26,12 @@ class Commander {
     if (world.periods() < first_command_) return;
     if (world.released()) time_s_ += s_.node.period_s();
     const std::int32_t target = bench::target_counts(time_s_, bench::resolution_m(s_));
-    if (commanded_ && target == last_) return;
-    world.tell(firmware::encode_command({.axis = 0, .enable = true, .target_counts = target},
+    const bool due = world.periods() % said_again_after_ == 0;
+    if (told_ && target == last_ && !due) return;
+    // "Enable" is an edge, so that it is not said with the first command.
+    world.tell(firmware::encode_command({.axis = 0, .enable = told_, .target_counts = target},
                                         flashed::node.loop.network.node_id));
-    commanded_ = true;
+    told_ = true;
     last_ = target;
   }
   bool finished() const { return time_s_ > bench::tour_s + 0.8; }
@@ -37,9 +39,10 @@ class Commander {
 
  private:
   static constexpr std::uint64_t first_command_ = 10;
+  static constexpr std::uint64_t said_again_after_ = 100;  // periods; the controller waits for five times as long
   const scenario::Scenario& s_;
   std::int32_t last_ = 0;
-  bool commanded_ = false;
+  bool told_ = false;
   double time_s_ = 0;
 };
 

@@ -33,11 +33,15 @@ struct TestPort {
 struct LoopProbe {
   std::vector<std::int32_t> targets;
   int enables = 0, stops = 0, resets = 0;
+  bool takes_resets = true;
   using AxisId = int;
   void set_target_counts(AxisId, std::int32_t counts) { targets.push_back(counts); }
   void request_enable(AxisId) { ++enables; }
   void request_stop(AxisId) { ++stops; }
-  void reset_fault(AxisId) { ++resets; }
+  bool reset_fault(AxisId) {
+    ++resets;
+    return takes_resets;
+  }
 };
 
 constexpr std::uint8_t node = 0x7F;
@@ -91,18 +95,76 @@ TEST(RemoteControl, KeepsTheCommandsOfTwoAxesApart) {
   EXPECT_EQ(commanded.take_command(1)->target_counts, 7);
 }
 
+constexpr hal::Time start{};
+constexpr hal::Duration timeout = 500ms;
+
 TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
   LoopProbe loop;
   RemoteAxis axis;
-  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5});
-  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5});
+  axis.apply(loop, 0, {.target_counts = 5}, start);
+  EXPECT_EQ(loop.stops, 1);
+  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5}, start);
+  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 5}, start);
   EXPECT_EQ(loop.targets, std::vector<std::int32_t>{5});
   EXPECT_EQ(loop.enables, 1);
   EXPECT_EQ(loop.resets, 1);
-  EXPECT_EQ(loop.stops, 0);
-  axis.apply(loop, 0, {});
-  axis.apply(loop, 0, {});
-  EXPECT_EQ(loop.stops, 2);
+  EXPECT_EQ(loop.stops, 1);
+  axis.apply(loop, 0, {}, start);
+  axis.apply(loop, 0, {}, start);
+  EXPECT_EQ(loop.stops, 3);
+  EXPECT_EQ(loop.targets, (std::vector<std::int32_t>{5, 0}));
+}
+
+// A controller that was restarted must not energise because somebody still says so.
+TEST(RemoteControl, AnEnableOrResetThatWasSaidBeforeTheFirstCommandIsNoEdge) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  for (int i = 0; i < 100; ++i) axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 7}, start);
+  EXPECT_EQ(loop.enables + loop.resets, 0);
+  EXPECT_EQ(loop.targets, std::vector<std::int32_t>{7});
+  axis.apply(loop, 0, {.target_counts = 7}, start);
+  axis.apply(loop, 0, {.enable = true, .reset_fault = true, .target_counts = 7}, start);
+  EXPECT_EQ(loop.enables, 1);
+  EXPECT_EQ(loop.resets, 1);
+}
+
+TEST(RemoteControl, AResetThatIsRefusedIsTriedAgainWhileItIsSaid) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  loop.takes_resets = false;
+  axis.apply(loop, 0, {}, start);
+  for (int i = 0; i < 3; ++i) axis.apply(loop, 0, {.reset_fault = true}, start);
+  EXPECT_EQ(loop.resets, 3);
+  loop.takes_resets = true;
+  for (int i = 0; i < 3; ++i) axis.apply(loop, 0, {.reset_fault = true}, start);
+  EXPECT_EQ(loop.resets, 4);
+}
+
+TEST(RemoteControl, StopsAnAxisWhoseCommanderFallsSilentAndWaitsForANewEdge) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  axis.watch(loop, 0, start + 10s, timeout);
+  EXPECT_EQ(loop.stops, 0) << "nobody commanded it yet";
+  axis.apply(loop, 0, {}, start);
+  axis.apply(loop, 0, {.enable = true}, start);
+  hal::Time now = start;
+  for (; now <= start + 3s; now += 1ms) {
+    if (now.time_since_epoch() % 400ms == 0ms) axis.apply(loop, 0, {.enable = true}, now);
+    axis.watch(loop, 0, now, timeout);
+  }
+  EXPECT_EQ(loop.stops, 1) << "of the first command";
+  axis.apply(loop, 0, {.enable = true}, now);
+  axis.watch(loop, 0, now + timeout, timeout);
+  EXPECT_EQ(loop.stops, 1);
+  axis.watch(loop, 0, now + timeout + 1ms, timeout);
+  axis.watch(loop, 0, now + timeout + 2ms, timeout);
+  EXPECT_EQ(loop.stops, 2) << "once";
+  axis.apply(loop, 0, {.enable = true}, now + 2s);
+  axis.apply(loop, 0, {.enable = true}, now + 2s);
+  EXPECT_EQ(loop.enables, 1) << "what came late is no edge";
+  axis.apply(loop, 0, {.enable = false}, now + 2s);
+  axis.apply(loop, 0, {.enable = true}, now + 2s);
+  EXPECT_EQ(loop.enables, 2);
 }
 
 class ControlNodeTest : public ::testing::Test {

@@ -31,7 +31,11 @@ class ControlNode {
 
   // The flashed node must outlive this one.
   ControlNode(Port& port, const FlashedNode<Scalar, Axes>& node) noexcept
-      : network_{node.loop.network}, port_{port, network_.node_id}, loop_{port_, node.loop}, verdict_{verify(node)} {
+      : network_{node.loop.network},
+        command_timeout_{node.loop.command_timeout},
+        port_{port, network_.node_id},
+        loop_{port_, node.loop},
+        verdict_{verify(node)} {
     if (verdict_.ok()) add_axes(loop_, node);
   }
 
@@ -41,7 +45,7 @@ class ControlNode {
   // Does the work of one period.
   void step(hal::Time now) noexcept {
     if (!verdict_.ok()) return;
-    for (std::size_t i = 0; i < Axes; ++i) obey(i);
+    for (std::size_t i = 0; i < Axes; ++i) obey(i, now);
     loop_.step(now);
     tell(now);
   }
@@ -50,10 +54,11 @@ class ControlNode {
   using Tap = CommandedPort<Port, Axes>;
   using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar>, Scalar, Axes>;
 
-  void obey(std::size_t place) noexcept {
-    const auto command = port_.take_command(place);
-    if (!command) return;
-    if (const auto axis = loop_.axis(place)) remote_[place].apply(loop_, *axis, *command);
+  void obey(std::size_t place, hal::Time now) noexcept {
+    const auto axis = loop_.axis(place);
+    if (!axis) return;
+    if (const auto command = port_.take_command(place)) remote_[place].apply(loop_, *axis, *command, now);
+    remote_[place].watch(loop_, *axis, now, command_timeout_);
   }
 
   // The axes take turns, so that no period has more than one status frame.
@@ -65,6 +70,7 @@ class ControlNode {
   }
 
   canopen::NetworkConfig network_;
+  hal::Duration command_timeout_;
   Tap port_;
   Loop loop_;
   std::array<RemoteAxis, Axes> remote_{};

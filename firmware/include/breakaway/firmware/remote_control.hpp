@@ -3,8 +3,12 @@
 //   command, RPDO1 of the node, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
 //   status,  TPDO1 of the node, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
 //
-// Numbers are little-endian, and the axes of a node count from 0. The reset acts on its rising edge, the rest as long
-// as it is said. Nothing moves before a command.
+// Numbers are little-endian, and the axes of a node count from 0. A target and "not enabled" act as long as they are
+// said. "Enable" acts on its rising edge, and so does the reset, which goes on until it is taken while it is said: a
+// controller that was restarted energises nothing because somebody still repeats an old command.
+//
+// A commander says its commands again before LoopConfig::command_timeout is over. An axis whose commander falls silent
+// for longer stops, and needs a new edge.
 #pragma once
 
 #include <array>
@@ -16,6 +20,7 @@
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/hal/can_port.hpp"
+#include "breakaway/hal/time.hpp"
 
 namespace breakaway::firmware {
 
@@ -75,16 +80,29 @@ class CommandedPort {
 class RemoteAxis {
  public:
   template <class Loop>
-  void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command) noexcept {
-    if (command.target_counts != last_.target_counts) loop.set_target_counts(axis, command.target_counts);
-    if (command.reset_fault && !last_.reset_fault) loop.reset_fault(axis);
-    if (command.enable && !last_.enable) loop.request_enable(axis);
+  void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command, hal::Time now) noexcept {
+    const bool new_target = !last_ || command.target_counts != last_->target_counts;
+    if (new_target) loop.set_target_counts(axis, command.target_counts);
+    const bool resets = last_ && command.reset_fault && !last_->reset_fault;
+    const bool refused = resets && !loop.reset_fault(axis);
+    if (last_ && command.enable && !last_->enable) loop.request_enable(axis);
     if (!command.enable) loop.request_stop(axis);
     last_ = command;
+    last_->reset_fault = command.reset_fault && !refused;
+    heard_at_ = now;
+  }
+
+  // Once a period: stops the axis when nothing was heard for longer than `timeout`.
+  template <class Loop>
+  void watch(Loop& loop, typename Loop::AxisId axis, hal::Time now, hal::Duration timeout) noexcept {
+    if (!last_ || now - heard_at_ <= timeout) return;
+    loop.request_stop(axis);
+    last_.reset();
   }
 
  private:
-  MotionCommand last_{};
+  std::optional<MotionCommand> last_;  // nothing: none came since the start, or since the deadline passed
+  hal::Time heard_at_{};
 };
 
 // Returns the frame that tells of an axis.
