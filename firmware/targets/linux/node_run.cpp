@@ -7,12 +7,16 @@
 #include <bitset>
 #include <chrono>
 #include <cmath>
+#include <span>
+#include <utility>
 
+#include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/nmt.hpp"
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/state.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -33,9 +37,18 @@ std::string object_text(canopen::ObjectAddress object) {
 // Why the drive is refused, with the remedy.
 std::string why_unusable(const cia402::Drive<float>& drive) {
   const cia402::SetupStatus status = drive.setup_status();
-  if (status != cia402::SetupStatus::object_refused) return std::string{to_string(status)};
-  return fmt::format("{} ({}: {})", to_string(status), object_text(drive.setup_object()),
-                     canopen::to_string(drive.setup_abort_code()));
+  switch (status) {
+    case cia402::SetupStatus::object_refused:
+      return fmt::format("{} ({}: {})", to_string(status), object_text(drive.setup_object()),
+                         canopen::to_string(drive.setup_abort_code()));
+    case cia402::SetupStatus::value_not_kept:
+      return fmt::format("{} ({})", to_string(status), object_text(drive.setup_object()));
+    case cia402::SetupStatus::rated_torque_differs:
+    case cia402::SetupStatus::rated_torque_unit:
+      return fmt::format("{} (6076h is {})", to_string(status), drive.rating().rated_torque_mNm);
+    default:
+      return std::string{to_string(status)};
+  }
 }
 
 }  // namespace
@@ -87,16 +100,20 @@ void NodeRun::poll() {
 
 void NodeRun::step() {
   poll();
-  // A reset is for the faults that the operator sees; on a bus that is off it would come too early.
-  if (telemetry_.reset.exchange(false) && port_.bus_state() != hal::BusState::bus_off)
-    for (const Axis& axis : axes_)
-      if (loop_.status(axis.id).fault != AxisFault::none) loop_.reset_fault(axis.id);
+  if (telemetry_.reset.exchange(false)) reset_faults();
   loop_.step(now_);
   for (std::size_t place = 0; place < axes_.size(); ++place) note(place);
 }
 
+// A reset is for the faults that the operator sees; on a bus that is off it would come too early.
+void NodeRun::reset_faults() {
+  const bool bus = port_.bus_state() != hal::BusState::bus_off;
+  for (Axis& axis : axes_)
+    if (loop_.status(axis.id).fault != AxisFault::none) axis.reset_refused = !bus || !loop_.reset_fault(axis.id);
+}
+
 void NodeRun::note(std::size_t place) {
-  const Axis& axis = axes_[place];
+  Axis& axis = axes_[place];
   const auto& s = loop_.status(axis.id);
   telemetry_.add(StepRecord{.time = now_,
                             .latency = ticker_.last_latency(),
@@ -108,9 +125,11 @@ void NodeRun::note(std::size_t place) {
                             .drive = s.feedback.state,
                             .fault = s.fault,
                             .fault_code = loop_.supervisor(axis.id).fault_code(),
+                            .statusword = loop_.drive(axis.id).statusword(),
                             .axis = static_cast<std::uint8_t>(place),
                             .stop_not_obeyed = s.stop_not_obeyed,
-                            .link_lost = socket_port_.link_lost()});
+                            .link_lost = socket_port_.link_lost(),
+                            .reset_refused = std::exchange(axis.reset_refused, false)});
 }
 
 // Two masters would double the SYNC rate and fight over every drive. One is heard by its SYNC, or by the heartbeat of
@@ -133,9 +152,12 @@ void NodeRun::refuse_other_master() {
   } while (now_ - begin < patience && !telemetry_.stop);
 }
 
+// One that was found with force, and is stopping, is not set up either.
 bool NodeRun::any_configuring() const {
-  return std::ranges::any_of(
-      axes_, [&](const Axis& axis) { return loop_.status(axis.id).feedback.state == hal::DriveState::configuring; });
+  return std::ranges::any_of(axes_, [&](const Axis& axis) {
+    const hal::DriveState state = loop_.status(axis.id).feedback.state;
+    return state == hal::DriveState::configuring || state == hal::DriveState::stopping;
+  });
 }
 
 // No axis is enabled before all drives are set up: whoever is refused here has moved nothing, nor has its neighbour.
@@ -180,8 +202,11 @@ void NodeRun::refuse_silent_drives() {
 
 void NodeRun::refuse_standing_drives() const {
   for (std::size_t place = 0; place < axes_.size(); ++place) {
-    if (status(place).feedback.state != hal::DriveState::configuring) continue;
+    const hal::DriveState state = status(place).feedback.state;
     const auto& drive = loop_.drive(axes_[place].id);
+    if (state == hal::DriveState::stopping)
+      throw InputError{fmt::format("{}: {}", named(place), to_string(drive.setup_status()))};
+    if (state != hal::DriveState::configuring) continue;
     throw InputError{fmt::format("{}: the set-up stands still at object {} ({}); check the wiring", named(place),
                                  object_text(drive.setup_object()), to_string(drive.setup_status()))};
   }
@@ -290,28 +315,42 @@ void NodeRun::stop_and_confirm() {
 // the last that can stop it.
 void NodeRun::release_drives() {
   for (std::size_t place = 0; place < axes_.size(); ++place)
-    if (axes_[place].heard && axes_[place].confirmed) release(flashed(place).drive.node_id);
+    if (axes_[place].heard && axes_[place].confirmed) release(place);
 }
 
-void NodeRun::release(std::uint8_t node_id) {
+// The torque limit that was lowered for this axis is not left to whoever uses the drive next.
+void NodeRun::release(std::size_t place) {
   const hal::Duration period = c_.node.loop.network.period;
+  const std::uint8_t node_id = flashed(place).drive.node_id;
+  const cia402::DriveRating& rating = loop_.drive(axes_[place].id).rating();
   canopen::SdoClient sdo{node_id, 50ms};
-  constexpr std::array<std::uint8_t, 4> none{};
-  bool left = port_.send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, node_id), now_ + period) !=
-                  hal::SendResult::queued ||
-              sdo.start_write(cia402::object::consumer_heartbeat, 1, none) != canopen::SdoStart::started;
-  for (const hal::Time begin = now_; !left && now_ - begin < 200ms;) {
+  if (port_.send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, node_id), now_ + period) !=
+      hal::SendResult::queued)
+    return;
+  if (rating.found_max_torque_per_mille > rating.max_torque_per_mille)
+    write(sdo, {cia402::object::max_torque, 0, 2, rating.found_max_torque_per_mille});
+  write(sdo, {cia402::object::consumer_heartbeat, 1, 4, 0});
+}
+
+void NodeRun::write(canopen::SdoClient& sdo, canopen::ObjectWrite object) {
+  std::array<std::uint8_t, 4> bytes{};
+  canopen::store_little_endian(bytes, object.value);
+  bool over =
+      sdo.start_write(object.index, object.subindex, std::span{bytes}.first(object.size)) != canopen::SdoStart::started;
+  for (const hal::Time begin = now_; !over && now_ - begin < 200ms;) {
     poll();
     for (hal::ReceivedFrame received; port_.receive(received);) sdo.on_frame(received.frame);
-    left = sdo.poll(now_) != canopen::SdoResult::busy;
+    over = sdo.poll(now_) != canopen::SdoResult::busy;
     hal::CanFrame frame;
-    if (!left && sdo.next_frame(frame, now_)) static_cast<void>(port_.send(frame, now_ + period));
+    if (!over && sdo.next_frame(frame, now_)) static_cast<void>(port_.send(frame, now_ + c_.node.loop.network.period));
   }
 }
 
 std::string NodeRun::fault_text(const Axis& axis) const {
   std::string text;
   if (axis.last_fault != AxisFault::none) text += fmt::format(", fault: {}", to_string(axis.last_fault));
+  if (const std::uint16_t word = loop_.drive(axis.id).statusword(); axis.last_fault == AxisFault::enable_timed_out)
+    text += fmt::format(" (statusword {:04X}h, {})", word, cia402::what_keeps_disabled(word));
   const auto& s = loop_.status(axis.id);
   if (s.stop_not_obeyed && axis.last_fault != AxisFault::stop_not_obeyed)
     text += fmt::format(", {}", to_string(AxisFault::stop_not_obeyed));

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/canopen/pdo.hpp"
+#include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/law/axis_controller.hpp"
@@ -41,12 +43,14 @@ class NodeRun {
     bool heard = false;  // anything, of its drive
     std::optional<hal::Time> enabled_since{};
     bool reached = false;
-    bool confirmed = false;  // stopped, as its drive says
+    bool confirmed = false;      // stopped, as its drive says
+    bool reset_refused = false;  // in this step
     firmware::AxisFault last_fault = firmware::AxisFault::none;
   };
 
   void poll();
   void step();
+  void reset_faults();
   void note(std::size_t place);
   void refuse_other_master();
   void set_up();
@@ -64,7 +68,8 @@ class NodeRun {
   bool stops_are_confirmed();
   void stop_and_confirm();
   void release_drives();
-  void release(std::uint8_t node_id);
+  void release(std::size_t place);
+  void write(canopen::SdoClient& sdo, canopen::ObjectWrite object);
   const firmware::AxisStatus<float>& status(std::size_t place) const { return loop_.status(axes_[place].id); }
   const AxisPlan& plan(std::size_t place) const { return c_.axes[place]; }
   const firmware::FlashedAxis<float>& flashed(std::size_t place) const { return c_.node.axes[place]; }

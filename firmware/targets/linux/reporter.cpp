@@ -11,6 +11,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "breakaway/cia402/state.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "realtime.hpp"
 
@@ -128,7 +129,8 @@ void Reporter::write(const StepRecord& step) {
   newest_[step.axis] = step;
   const auto& shown = shown_[step.axis];
   const bool changed = !shown || step.drive != shown->drive || step.fault != shown->fault ||
-                       step.stop_not_obeyed != shown->stop_not_obeyed || step.link_lost != shown->link_lost;
+                       step.stop_not_obeyed != shown->stop_not_obeyed || step.link_lost != shown->link_lost ||
+                       step.reset_refused;
   if (changed) show_change(step);
   constexpr auto interval = std::chrono::milliseconds{100};
   if (!changed && terminal_ && step.time - shown_at_ >= interval) show_live(step.time);
@@ -145,6 +147,9 @@ void Reporter::show_change(const StepRecord& step) {
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
   if (step.stop_not_obeyed && step.fault != firmware::AxisFault::stop_not_obeyed)
     fmt::format_to(out, ", {}", firmware::to_string(firmware::AxisFault::stop_not_obeyed));
+  if (step.fault == firmware::AxisFault::enable_timed_out)
+    fmt::format_to(out, " (statusword {:04X}h, {})", step.statusword, cia402::what_keeps_disabled(step.statusword));
+  if (step.reset_refused) fmt::format_to(out, " (reset refused: not seen without force yet, or no bus; try again)");
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
   if (step.fault_code != 0) fmt::format_to(out, " (error code {:04X}h)", step.fault_code);
   print_line(false);

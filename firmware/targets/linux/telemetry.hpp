@@ -25,10 +25,12 @@ struct StepRecord {
   hal::DriveState drive{};
   firmware::AxisFault fault{};
   std::uint16_t fault_code = 0;
+  std::uint16_t statusword = 0;
   std::uint8_t axis = 0;         // place in the node
   bool controlled = true;        // false: only listened to; mode and command say nothing
   bool stop_not_obeyed = false;  // since the last reset
   bool link_lost = false;        // the interface is down or gone
+  bool reset_refused = false;    // the operator's, in this step
 };
 
 struct FrameRecord {
