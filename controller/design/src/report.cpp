@@ -1,5 +1,6 @@
 #include "breakaway/design/report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -194,8 +195,10 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
             design.pulse_needed_N, c.max_force_N, "the least sure pulse against max_force_N",
             "use a stronger drive, or one with a faster current loop", Equality::holds)};
   if (!design.breaks_away) return checks;
+  const law::BrakedKicks<float>& kicks = design.kicks;
   checks.push_back(below("rest_is_seen_in_time", "a moving axis loses a count within sqrt(2 q m / (A - theta))",
-                         design.kicks.still_periods, 15000, "the periods that prove rest", "use a finer encoder"));
+                         std::max(kicks.still_periods, kicks.either_way_periods) + kicks.settling_periods, 15000,
+                         "the periods that prove rest", "use a finer encoder"));
   checks.push_back(below("kicks_contract", "from the floor to the end of the table each kick takes 3 % away",
                          design.floor_m, design.reach_m, "accuracy floor against the reach of a kick",
                          "narrow the uncertainties, or use a drive with a finer step of force"));
@@ -203,11 +206,10 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
                          design.least_tolerance_m, axis.position_tolerance_m,
                          "the least tolerance against position_tolerance_m",
                          "widen the tolerance, shorten the period, or know the axis better", Equality::holds));
-  const int kicks =
-      most_kicks(c, design, design.reach_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
-  const bool end = kicks > 0 || axis.position_tolerance_m >= design.reach_m;
+  const int most = most_kicks(c, design, design.reach_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
+  const bool end = most > 0 || axis.position_tolerance_m >= design.reach_m;
   checks.push_back(below("kicks_are_few", "after so many kicks the law stops by name",
-                         end ? kicks : std::numeric_limits<double>::infinity(), law::AxisController<float>::most_kicks,
+                         end ? most : std::numeric_limits<double>::infinity(), law::AxisController<float>::most_kicks,
                          "the kicks that may be needed from the reach of one on against what the law allows",
                          "widen the tolerance, or use a drive with a finer step of force", Equality::holds));
   return checks;

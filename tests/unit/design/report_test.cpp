@@ -209,6 +209,12 @@ TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
        [](AxisDesign& a) {
          a.braked->mass_kg = {0.01, 1};
        }},
+      {"rest_is_seen_in_time", [](AxisDesign& a) { a.braked->encoder_resolution_m = 1e4; }},
+      {"kicks_are_few",
+       [](AxisDesign& a) {
+         a.position_tolerance_m = 4e-5;
+         a.braked->mass_kg = {0.1, 1};
+       }},
   };
   for (const auto& s : spoiled) {
     AxisDesign axis = braked_example();
