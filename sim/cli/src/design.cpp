@@ -103,10 +103,10 @@ std::string to_json(const Node& node, const Reports& reports) {
   return json.text();
 }
 
-void print_promise(const design::BrakedPromise& p) {
+void print_promise(const design::BrakedPromise& p, bool certified) {
   fmt::print("coast \"brake\"         brake {:.4g} N, floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n",
              p.brake_N, p.floor_m, p.least_tolerance_m, p.table_bytes);
-  fmt::print("                      {}\n", p.promise);
+  if (certified) fmt::print("                      {}\n", p.promise);
 }
 
 void print_report(const design::DesignReport& r) {
@@ -122,7 +122,7 @@ void print_report(const design::DesignReport& r) {
   fmt::print("error after a kick    at most {:.4g} of the error before\n", r.contraction_per_kick);
   fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
              r.table_proved_error, r.table_measured_error);
-  if (r.braked) print_promise(*r.braked);
+  if (r.braked) print_promise(*r.braked, r.certified);
   fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
