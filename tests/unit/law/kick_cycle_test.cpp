@@ -292,6 +292,14 @@ TEST(KickCycle, NamesAnAxisThatDoesNotMove) {
   EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
 }
 
+// It cannot even reach the force of the brake, from which a pulse behind a lag starts.
+TEST(KickCycle, NamesAnAxisWhoseDriveGivesNextToNothing) {
+  Scripted axis{2e-3};
+  axis.controller().limit_force(1);
+  for (int i = 0; i < 50'000 && axis.controller().fault() == ControlFault::none; ++i) axis.show(-1e-4F);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
+}
+
 TEST(KickCycle, NeverExceedsTheForceLimitWhateverTheTableHolds) {
   std::mt19937_64 random{7};
   auto kicks = design::design_braked_kicks<float>(axes(1e-3)).kicks;

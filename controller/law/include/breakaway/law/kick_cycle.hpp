@@ -1,7 +1,8 @@
 // KickCycle: one kick of the coast "brake", from rest to rest.
 //
 // Let the kick be towards +x, A the least and B the greatest friction, b < A the brake, F the force of the pulse.
-//   preload   u -> b       so that the pulse starts from a known force; the axis stays at rest, because b < A
+//   preload   u -> b       so that the pulse starts from a known force; the axis stays at rest, because b < A. A drive
+//                          that does not get there, because its limit was lowered, gives its pulse all the same
 //   pulse     u -> F       for n whole periods
 //   cut       u -> -c      for so many periods that the fastest current loop has come down to -b at their end
 //   brake     u -> -b      until rest is certified
@@ -89,7 +90,10 @@ class KickCycle {
     cut_periods_ = kicks_->fast_lag > 0 ? pulse.cut_periods : std::uint8_t{0};
     either_way_ = driven_back_ = false;
     expect_rest_within(pulse_periods_ + cut_periods_ + longest_coast());
-    enter(kicks_->slow_lag > 0 ? Phase::preload : Phase::pulse, pulse_periods_);
+    if (kicks_->slow_lag > 0)
+      enter(Phase::preload, kicks_->settling_periods);
+    else
+      enter(Phase::pulse, pulse_periods_);
   }
 
   // Brakes an axis that moves along `direction`; longest_periods: the longest lawful coast.
@@ -247,7 +251,9 @@ class KickCycle {
   }
 
   void count_down() noexcept {
-    if (phase_ == Phase::pulse && --left_ == 0)
+    if (phase_ == Phase::preload && --left_ <= 0)
+      enter(Phase::pulse, pulse_periods_);
+    else if (phase_ == Phase::pulse && --left_ == 0)
       enter(cut_periods_ > 0 ? Phase::cut : Phase::brake, cut_periods_ > 0 ? cut_periods_ : longest_coast());
     else if (phase_ == Phase::cut && --left_ == 0)
       enter(Phase::brake, longest_coast());
