@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "breakaway/law/kick_table.hpp"
@@ -12,7 +14,7 @@
 namespace breakaway::design::detail {
 
 // What a kick leaves at worst of each error from the tolerance up. A kick that takes more than its least may lead to
-// where the next takes less, so that what counts is the worst of all errors up to one.
+// where the next takes less, so that what counts is the worst of all errors up to one, and of all readings of each.
 class WorstKicks {
  public:
   template <class Real>
@@ -27,20 +29,29 @@ class WorstKicks {
       if (i == 0) least_m_ = taken_m;
       left_m = std::max(left_m, readings_m_[i + 1] + half_count_m_ - taken_m);
       left_m_.push_back(left_m);
+      taken_m_.push_back(taken_m);
       beyond_m_ = taken_m;
     }
   }
 
-  // The error after a kick from this error, which may be read half a count too near.
+  // The error after a kick from this error, which may be read half a count too near or too far.
   double after(double error_m) const {
-    const double reading_m = error_m - half_count_m_;
-    if (reading_m > readings_m_.back()) return error_m - beyond_m_;
-    if (reading_m <= readings_m_.front()) return std::min(left_m_.front(), error_m - least_m_);
-    const auto place = std::ranges::upper_bound(readings_m_, reading_m) - readings_m_.begin() - 1;
-    return left_m_[std::min(static_cast<std::size_t>(place), left_m_.size() - 1)];
+    const double nearest_m = error_m - half_count_m_;
+    if (nearest_m > readings_m_.back()) return error_m - beyond_m_;
+    const auto next = std::ranges::upper_bound(readings_m_, nearest_m) - readings_m_.begin();
+    const double least_left_m = next > 0 ? left_m_[std::min(static_cast<std::size_t>(next) - 1, left_m_.size() - 1)]
+                                         : std::min(left_m_.front(), error_m - least_m_);
+    return std::max(least_left_m, error_m - least_taken_m(static_cast<std::size_t>(next), error_m + half_count_m_));
   }
 
  private:
+  // By kicks from readings between that place and this one; infinite where there is no place between.
+  double least_taken_m(std::size_t from, double to_m) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = from; i < taken_m_.size() && readings_m_[i] <= to_m; ++i) least = std::min(least, taken_m_[i]);
+    return least;
+  }
+
   // Fine enough that an error within two of them is hardly worse than the nearer one; the table's own places among
   // them.
   template <class Real>
@@ -61,7 +72,7 @@ class WorstKicks {
   double half_count_m_;
   double least_m_ = 0;   // that is taken near the tolerance
   double beyond_m_ = 0;  // that is taken at the end of the table and beyond
-  std::vector<double> readings_m_, left_m_;
+  std::vector<double> readings_m_, left_m_, taken_m_;
 };
 
 }  // namespace breakaway::design::detail

@@ -169,6 +169,44 @@ TEST(BrakedKicks, ArePossibleOnlyWherePulseAndBrakeAre) {
   EXPECT_FALSE(design_braked_kicks<float>(blind).rest_is_seen);
 }
 
+// What is left of an error by a kick from the worst of its readings, none of which is within the tolerance.
+double worst_left_m(const BrakedClass& c, const BrakedDesign<float>& design, double error_m, double tolerance_m) {
+  double left_m = 0;
+  for (int i = 0; i <= 40; ++i) {
+    const double reading_m = error_m + c.encoder_resolution_m * (i / 40.0 - 0.5);
+    if (reading_m <= tolerance_m) continue;
+    const law::Pulse<float> p = design.kicks.table.pulse(static_cast<float>(reading_m));
+    const double steps = std::min(static_cast<double>(p.force_N), c.max_force_N) / c.force_step_N;
+    const double force_N = std::floor(steps * (1 + 1e-9)) * c.force_step_N;
+    left_m = std::max(left_m, error_m - least_travel_m(c, force_N, p.periods, p.cut_periods));
+  }
+  return left_m;
+}
+
+TEST(BrakedKicks, AreAsManyAsPromisedForWhoeverReadsAtHisWorst) {
+  for (const double lag_s : {0.0, 1e-3, 5e-3}) {
+    for (const double step_N : {0.025, 0.5, 5.0}) {
+      for (const double count_m : {1e-6, 1e-5, 3e-5}) {
+        for (const double share : {0.0, 0.1, 0.3}) {
+          BrakedClass c = example(1e-3, 0, step_N);
+          c.lag_s = {0.8 * lag_s, 1.2 * lag_s};
+          c.mass_kg = {1 - share, 1 + share};
+          c.encoder_resolution_m = count_m;
+          const auto design = design_braked_kicks<float>(c);
+          const double tolerance_m = design.least_tolerance_m;
+          const int promised = most_kicks(c, design, design.reach_m, tolerance_m);
+          if (promised == 0) continue;
+          int kicks = 0;
+          for (double error_m = design.reach_m; error_m + count_m / 2 > tolerance_m && kicks <= promised; ++kicks)
+            error_m = worst_left_m(c, design, error_m, tolerance_m);
+          EXPECT_LE(kicks, promised) << "lag " << lag_s << " s, step " << step_N << " N, count " << count_m
+                                     << " m, mass off by " << share;
+        }
+      }
+    }
+  }
+}
+
 TEST(BrakedKicks, NeedMoreKicksTheFurtherAndTheCloser) {
   const BrakedClass c = example();
   const auto design = design_braked_kicks<float>(c);
