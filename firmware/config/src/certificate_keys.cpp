@@ -117,6 +117,7 @@ constexpr std::array rows{
     CertificateKey{"loop", "period_s", counted},
     CertificateKey{"loop", "node_id", apart},
     CertificateKey{"loop", "heartbeat_period_s", apart},
+    CertificateKey{"loop", "command_timeout_s", apart},
     CertificateKey{"loop", "fault_stops", apart},
 
     CertificateKey{"bus", "bit_rate", counted},
