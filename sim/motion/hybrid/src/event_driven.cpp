@@ -6,21 +6,25 @@ namespace breakaway::hybrid {
 
 template class WatchedMotion<2, 2>;
 template class Segment<2, 2>;
+template class HybridMachine<2, 2>;
 template class HybridModes<2, 2>;
 template class EventDriven<2, 2>;
 
 template class WatchedMotion<1, Eigen::Dynamic>;
 template class Segment<1, Eigen::Dynamic>;
+template class HybridMachine<1>;
 template class HybridModes<1>;
 template class EventDriven<1>;
 
 template class WatchedMotion<2, Eigen::Dynamic>;
 template class Segment<2, Eigen::Dynamic>;
+template class HybridMachine<2>;
 template class HybridModes<2>;
 template class EventDriven<2>;
 
 template class WatchedMotion<Eigen::Dynamic, Eigen::Dynamic>;
 template class Segment<Eigen::Dynamic, Eigen::Dynamic>;
+template class HybridMachine<>;
 template class HybridModes<>;
 template class EventDriven<>;
 
