@@ -18,7 +18,7 @@ inline constexpr int methods = 3;
 enum class Finding {
   right,       // within what is promised
   agreed,      // with each other to 100 times the tolerance, where the reference was not given enough work
-  sensitive,   // within what rounding of the input, or the width of a tie, makes of this machine
+  sensitive,   // within what rounding of the input or the state, or the width of a tie, makes of this machine
   refused,     // by name: an InputError with a sentence
   unjudged,    // the reference was not given enough work, or the step of time stepping is too long for the machine
   wrong,       // another state at the end
