@@ -146,6 +146,7 @@ hybrid::Outcome<Eigen::Dynamic> DrivenMachine::follow(double end_s, std::vector<
     budget_->spend(end_s, outcome.work / multiplications_of_an_evaluation);
     return outcome;
   } catch (const hybrid::RefusedForWork&) {
+    budget_->spend(state_.time_s, budget_->left());  // it would take this and more
     budget_->refuse(state_.time_s);
   }
 }

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/model/shapes.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 
@@ -69,6 +73,16 @@ TEST(AxisAccuracy, RefusesWhatRoundingForbids) {
       EXPECT_NE(std::string{refusal.what()}.find(part), std::string::npos) << refusal.what();
     }
   }
+}
+
+// A run over friction that changes every 50 um takes some two fifths of what a run may cost, and its error is judged by
+// twelve more.
+TEST(AxisAccuracy, RefusesWhatIsTooCostlyToJudge) {
+  scenario::Scenario s = scene("impulsive_example.toml");
+  s.worlds.front().friction = {s.node.axes.front().friction.bounds, model::shape::sine_in_position(5e-5, 0)};
+  const std::string said = breakaway::testing::refusal([&] { choose(s, 1e-3); });
+  EXPECT_NE(said.find("judging the error would take 13 runs, and one takes"), std::string::npos) << said;
+  EXPECT_NE(said.find("leave accuracy_m out"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -250,6 +250,19 @@ TEST(DrivenMachine, HasOneBudgetForTheWholeRun) {
   EXPECT_GT(period, 5);
 }
 
+// What is refused in the first period counts as work, too.
+TEST(DrivenMachine, NamesNoLessThanTheBudgetAsTheCostOfWhatExceedsIt) {
+  CoupledMachine machine = one_mass(1, 1e-9);
+  machine.machine.stiffness(0, 0) = std::pow(2e9 * std::acos(-1.0), 2);
+  machine.start.q[0] = 0.1;
+  DrivenMachine driven{machine, {axis_at(0, 1)}};
+  motion::WorkBudget budget{{.duration_s = 1, .work = 1e5}, "the [machine]", "the cause", "the remedy"};
+  driven.limit_work(&budget);
+  open_brakes(driven, 1);
+  const std::string said = testing::refusal([&] { driven.advance_to(1); });
+  EXPECT_NE(said.find("would take more than 1e+05 evaluations"), std::string::npos) << said;
+}
+
 // Two drives of one machine are asked one after the other; the first must not move on under what the second did
 // before.
 TEST(MachineAxis, KnowsTheForceOfTheOtherDriveSinceItChanged) {
