@@ -91,7 +91,7 @@ class KickCycle {
     either_way_ = driven_back_ = false;
     expect_rest_within(pulse_periods_ + cut_periods_ + longest_coast());
     if (kicks_->slow_lag > 0)
-      enter(Phase::preload, kicks_->settling_periods);
+      enter(Phase::preload, kicks_->patient_periods);
     else
       enter(Phase::pulse, pulse_periods_);
   }
