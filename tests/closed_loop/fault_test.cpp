@@ -166,8 +166,8 @@ struct Standstill {
 // As firmware/FAULTS.md says.
 TEST(Fault, AnAxisThatStandsUnderFullForceIsStoppedInMilliseconds) {
   for (const auto& [period, lag_s, most] :
-       {Standstill{500us, 1e-4, 13ms}, Standstill{1ms, 1e-4, 13ms}, Standstill{2ms, 1e-4, 18ms},
-        Standstill{1ms, 2e-3, 26ms}, Standstill{2ms, 2e-3, 30ms}}) {
+       {Standstill{500us, 1e-4, 12ms}, Standstill{1ms, 1e-4, 12ms}, Standstill{2ms, 1e-4, 14ms},
+        Standstill{1ms, 2e-3, 24ms}, Standstill{2ms, 2e-3, 26ms}}) {
     auto config = far_from_target();
     config.period = period;
     config.current_loop_time_constant_s = lag_s;

@@ -1,4 +1,5 @@
 // How a node is set up, and which drives are refused.
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -199,6 +200,24 @@ TEST_F(DriveTest, LowersTheDrivesTorqueLimitToTheAxisOwnAndNeverRaisesIt) {
   EXPECT_EQ(node.value_of(0x6072, 0), 400U);
   EXPECT_FLOAT_EQ(drive.max_force_N(), 20.0F);
   EXPECT_EQ(drive.rating().found_max_torque_per_mille, 400) << "it booted meanwhile";
+  EXPECT_EQ(std::count(node.written.begin(), node.written.end(), ScriptedDrive::key(0x6072, 0)), 1);
+}
+
+TEST_F(DriveTest, AnOptionCodeThatIsFixedIsNoReasonToRefuseADriveButATorqueOffsetIs) {
+  const auto key = ScriptedDrive::key;
+  for (const std::uint32_t object : {key(0x605A, 0), key(0x605E, 0)}) {
+    node.read_only.insert(object);
+    node.objects[object] = 2;
+  }
+  node.read_only.insert(key(0x60B2, 0));
+  node.objects[key(0x60B2, 0)] = 0;
+  set_up();
+  node.objects[key(0x60B2, 0)] = 5;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::value_not_kept);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x60B2, 0}));
 }
 
 TEST_F(DriveTest, TakesTheTorqueLimitThatTheDriveKeeps) {

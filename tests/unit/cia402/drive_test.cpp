@@ -113,13 +113,26 @@ TEST_F(DriveTest, AResetSetsTheDriveUpAnewFirst) {
   }
 }
 
-TEST_F(DriveTest, AResetOfADriveThatIsEnabledOrOnItsWayChangesNothing) {
+TEST_F(DriveTest, AResetOfADriveThatIsEnabledChangesNothing) {
   enable();
   node.written.clear();
   drive.reset_fault();
   run_for(100ms);
   EXPECT_EQ(feedback.state, DriveState::enabled);
   EXPECT_TRUE(node.written.empty());
+}
+
+TEST_F(DriveTest, AResetOfADriveThatIsOnItsWayToEnabledTakesNothingBack) {
+  set_up();
+  node.follows_controlword = false;
+  drive.request_enable();
+  run_for(20ms);
+  ASSERT_EQ(feedback.state, DriveState::enabling);
+  drive.reset_fault();
+  run_for(20ms);
+  EXPECT_EQ(feedback.state, DriveState::enabling);
+  node.follows_controlword = true;
+  run_until_state(DriveState::enabled);
 }
 
 TEST_F(DriveTest, AResetGivesARefusedDriveAnotherChance) {

@@ -164,6 +164,47 @@ TEST_F(ForcedStopTest, ADriveThatIsFoundEnabledIsSwitchedOffAtOnce) {
   EXPECT_EQ(node.target, 0);
 }
 
+// Its heartbeat shows Pre-operational no sooner than a period after it was told.
+TEST_F(ForcedStopTest, ADriveThatIsFoundEnabledIsSwitchedOffAgainWhenItIsFirstHeard) {
+  node.nmt = NmtState::operational;
+  node.state = State::operation_enabled;
+  node.objects[ScriptedDrive::key(0x1017, 0)] = 100;
+  node.sdo_requests_lost = 1;
+  EXPECT_LE(time_until_without_force(), 105ms);
+}
+
+TEST_F(ForcedStopTest, ADriveThatTakesTheTimeOfAStopDuringItsSetUpHasNoFault) {
+  node.state = State::operation_enabled;
+  node.follows_sdo_controlword = false;
+  node.boot();
+  node.state = State::operation_enabled;
+  deliver();
+  run_until_state(DriveState::stopping);
+  for (int i = 0; i < 18; ++i) {
+    step();
+    ASSERT_FALSE(feedback.stop_not_obeyed);
+  }
+  node.state = State::switch_on_disabled;
+  for (int i = 0; i < 100; ++i) {
+    step();
+    ASSERT_FALSE(feedback.stop_not_obeyed);
+  }
+}
+
+// Before the set-up is over nobody knows what a PDO of the drive carries.
+TEST_F(ForcedStopTest, APdoIsNoProofWhereTheStopIsForcedDuringTheSetUp) {
+  node.boot();
+  node.state = State::operation_enabled;
+  node.follows_sdo_controlword = false;
+  deliver();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  for (int i = 0; i < 20; ++i) {
+    drive.on_frame({.frame = {.id = tpdo_cob_id(1, node_id), .size = 8, .data = {0x40, 0x02}}, .time = now});
+    step();
+    ASSERT_TRUE(feedback.stop_not_obeyed);
+  }
+}
+
 TEST_F(ForcedStopTest, ADriveThatIsFoundEnabledAndIgnoresItsControlwordIsForced) {
   node.nmt = NmtState::operational;
   node.state = State::operation_enabled;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "breakaway/canopen/bytes.hpp"
@@ -27,6 +28,7 @@ class ScriptedDrive {
       {key(0x6072, 0), 2000},       {key(0x6061, 0), 10},      {key(0x603F, 0), 0x2310}};
   std::map<std::uint32_t, canopen::SdoAbort> refused;  // writes and reads of these abort
   std::map<std::uint32_t, std::uint32_t> kept;         // writes of these are taken and forgotten
+  std::set<std::uint32_t> read_only;                   // writes of these abort
   std::vector<std::uint32_t> written;                  // keys, in order
   std::vector<canopen::NmtCommand> commands;
   std::vector<hal::CanFrame> out;  // what it sends
@@ -105,6 +107,7 @@ class ScriptedDrive {
     if (refused.contains(object)) error = refused[object];
     objects[key(0x6041, 0)] = cia402::status_bits(state);
     if (kept.contains(object)) objects[object] = kept[object];
+    if (!read && read_only.contains(object)) error = canopen::SdoAbort::read_only;
     if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
     if (error) {
       answer.data[0] = 0x80;
