@@ -361,6 +361,7 @@ TEST(KickCycle, ScalesExactlyWithForceAndMass) {
     const auto kicks = design::design_braked_kicks<float>(c).kicks;
     AxisController<float> controller{p, no_k3, kicks};
     std::vector<float> forces;
+    forces.reserve(300);
     for (int i = 0; i < 300; ++i)
       forces.push_back(controller.update({i < 100 ? -1e-2F + 5e-5F * float(i) : -5e-3F}).force_N);
     return forces;
