@@ -68,6 +68,24 @@ std::string results_table(const DesignReport& report) {
   return table.text();
 }
 
+std::string braked_results_table(const design::BrakedPromise& promise) {
+  format::HtmlTable table;
+  table.quantity("True error at rest, at most", 1e6 * promise.error_m, "µm");
+  table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
+  table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");
+  table.quantity("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
+  table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
+  table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
+  table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");
+  table.quantity("Brake", promise.brake_N, "N");
+  table.quantity("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
+  table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");
+  table.row("Kick table", fmt::format("{} bytes, aims short by {:.3g} of the distance at most", promise.table_bytes,
+                                      promise.aim_lost));
+  if (promise.least_move_s > 0) table.quantity("Longest move, under any law at least", promise.least_move_s, "s");
+  return table.text();
+}
+
 const std::string legend =
     "<section><h2>How to read this</h2><p>The axis slides towards its target under a PD law and sticks short of it, "
     "because of dry friction. While it rests within the maximal stick set, it is kicked: an impulse is chosen so that "
@@ -85,7 +103,8 @@ std::string axis_sections(const DesignedAxis& axis, const std::string& source, c
       fmt::format(
           "<section><div class=\"columns\"><div><h2>{}Axis</h2>\n{}</div><div><h2>What follows</h2>\n{}</div></div>"
           "</section>\n",
-          prefix, axis_table(axis.design, source), results_table(axis.report)) +
+          prefix, axis_table(axis.design, source),
+          axis.report.braked ? braked_results_table(*axis.report.braked) : results_table(axis.report)) +
       checks(axis.report, true, prefix + "Checks that the certificate needs",
              "The margin is positive when a check holds, in the unit of what is compared.") +
       checks(axis.report, false, prefix + "For information",
