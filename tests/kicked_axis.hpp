@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
@@ -122,6 +123,14 @@ struct RunEnd {
   int far_kicks = 0;        // from beyond the reach of the table
   double first_kick_m = 0;  // true distance at the first kick
   bool moving_in_hold = false;
+  double approach_m_s = 0;   // the greatest |speed| in the approach,
+  double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
+};
+
+// The target moves on by this much, once.
+struct Retarget {
+  double at_s = INFINITY;
+  double shift_m = 0;
 };
 
 // Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0.
@@ -129,7 +138,7 @@ template <class Real>
 RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3,
                        const law::BrakedKicks<Real>& kicks, const TrueAxis& truth, const Friction& friction,
                        double start_m, double start_m_s, double longest_s, int slices = 8, int hold_periods = 200,
-                       double encoder_offset = 0.3) {
+                       double encoder_offset = 0.3, Retarget retarget = {}) {
   law::AxisController<Real> controller{p, k3, kicks};
   Slider axis{truth, friction, start_m, start_m_s};
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
@@ -138,17 +147,28 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
   int held = 0;
   double kicked_from = 0;
   const auto periods = static_cast<long>(longest_s / T);
+  double target_m = 0;
   for (long k = 0; k < periods; ++k) {
     samples.push_back(std::round(axis.position_m() / q + encoder_offset) - encoder_offset);
     while (samples.size() > static_cast<std::size_t>(truth.latency_periods) + 1) samples.pop_front();
-    const auto out = controller.update({static_cast<Real>(samples.front() * q)});
+    if (static_cast<double>(k) * T >= retarget.at_s) {
+      target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
+      controller.shift_target(static_cast<Real>(target_m));
+      retarget.at_s = INFINITY;
+    }
+    const auto out = controller.update({static_cast<Real>(samples.front() * q - target_m)});
     if (out.kicked) {
       if (++end.kicks == 1) end.first_kick_m = std::fabs(axis.position_m());
       kicked_from = axis.position_m();
       if (std::fabs(kicked_from) > static_cast<double>(kicks.table.reach_m()) - q) ++end.far_kicks;
     }
     if (out.mode == law::Mode::hold && axis.velocity_m_s() != 0) end.moving_in_hold = true;
+    const double before_m_s = axis.velocity_m_s();
     axis.run(static_cast<double>(out.force_N), T, slices);
+    if (out.mode == law::Mode::approach) {
+      end.approach_m_s = std::max(end.approach_m_s, std::fabs(axis.velocity_m_s()));
+      end.approach_m_s2 = std::max(end.approach_m_s2, std::fabs(axis.velocity_m_s() - before_m_s) / T);
+    }
     if (end.kicks > 0)
       end.beyond_m = std::max(end.beyond_m, kicked_from > 0 ? -axis.position_m() : axis.position_m());
     else
@@ -163,7 +183,7 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
     }
   }
   end.held = held >= hold_periods;
-  end.error_m = axis.position_m();
+  end.error_m = axis.position_m() - target_m;
   return end;
 }
 

@@ -28,6 +28,72 @@ double still_periods(const BrakedClass& axes, double net_force_N) {
 
 double spread(const Interval& interval) { return (interval.most - interval.least) / (interval.most + interval.least); }
 
+constexpr double followed = 0.95;  // of the deceleration that is sure: the rest is for coming back onto the curve
+constexpr Interval steps_of_jerk{4, 64};  // that lead to the full deceleration
+constexpr double soon_moving = 15;        // periods until an axis moves, well before it would count as stuck
+constexpr double unseen_speed = 0.5;      // of the speed at which the brake takes over: so far may the estimate be off
+constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
+constexpr double least_speed = 8;         // of the same, that a move may have as its limit
+constexpr double surely_above = 1.002;    // of the greatest friction
+
+double middle(const Interval& interval) { return (interval.least + interval.most) / 2; }
+
+// Planned is u = m a + A' for the mass m that is told, and what acts is between these.
+struct PlannedForce {
+  double told_kg, least_N, most_N, gain_least, gain_most, lightest_kg, heaviest_kg, rounding_N;
+
+  PlannedForce(const BrakedClass& axes, const KickClass& kicks)
+      : told_kg{middle(axes.mass_kg)},
+        least_N{kicks.least_friction_N()},
+        most_N{kicks.most_friction_N()},
+        gain_least{axes.force_gain.least},
+        gain_most{axes.force_gain.most},
+        lightest_kg{axes.mass_kg.least},
+        heaviest_kg{axes.mass_kg.most},
+        rounding_N{axes.force_step_N / 2} {}
+
+  // The most that may be planned where no axis of the class is to exceed `limit`.
+  double acceleration(double limit) const {
+    return ((limit * lightest_kg + least_N) / gain_most - least_N - rounding_N) / told_kg;
+  }
+  double deceleration(double limit) const {
+    return ((limit * lightest_kg - most_N) / gain_most + least_N - rounding_N) / told_kg;
+  }
+  // The most that an axis does when this is planned.
+  double exceeded_by(double acceleration) const {
+    return (gain_most * (told_kg * acceleration + least_N + rounding_N) - least_N) / lightest_kg;
+  }
+  // What must be planned so that every axis of the class breaks away.
+  double needed_acceleration() const { return (surely_above * most_N / gain_least + rounding_N - least_N) / told_kg; }
+  double sure_deceleration(double planned) const { return gain_least * told_kg / heaviest_kg * planned; }
+};
+
+// What the drive cannot give is not planned.
+double planned_deceleration_m_s2(const BrakedClass& axes, const KickClass& kicks) {
+  const PlannedForce force{axes, kicks};
+  const double given = (kicks.limit_N() + force.least_N) / force.told_kg;
+  return std::min(force.deceleration(axes.move ? axes.move->acceleration_m_s2 : 0), given);
+}
+
+template <class Real>
+void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const KickClass& kicks) {
+  if (!axes.move || axes.move->acceleration_m_s2 < least_acceleration_m_s2(axes)) return;
+  const PlannedForce force{axes, kicks};
+  const double braking = planned_deceleration_m_s2(axes, kicks);
+  const double given = (kicks.limit_N() - force.least_N) / force.told_kg;
+  const double speeding = std::min(force.acceleration(axes.move->acceleration_m_s2), given);
+  // The speed may be off as far as it is not seen, and as what is not known of the acceleration adds until it is.
+  const double blind_s = static_cast<double>(approach.response_s) + axes.latency_periods * axes.period_s;
+  const double unseen_m_s = unseen_speed * static_cast<double>(approach.switch_speed_m_s) +
+                            (spread(axes.mass_kg) + spread(axes.force_gain)) * speeding * blind_s;
+  approach.move = {
+      .speed_m_s = static_cast<Real>(std::max(axes.move->speed_m_s - unseen_m_s, least_planned * axes.move->speed_m_s)),
+      .acceleration_m_s2 = static_cast<Real>(speeding),
+      .deceleration_m_s2 = static_cast<Real>(braking),
+      .jerk_m_s3 = static_cast<Real>(axes.move->jerk_m_s3.value_or(0))};
+  approach.hard_m_s2 = std::min(approach.hard_m_s2, static_cast<Real>(followed * force.sure_deceleration(braking)));
+}
+
 template <class Real>
 law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kicks) {
   const double T = axes.period_s, q = axes.encoder_resolution_m, m = axes.mass_kg.most;
@@ -44,7 +110,7 @@ law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kic
   // Below the last of these speeds the axis might stick where the plan asks for no more force than friction takes.
   const double speed = std::max({5 * speed_error, 2 * gap_N * (response_s + axes.latency_periods * T) / m,
                                  gentle * (T * (1 + 0.4 * axes.latency_periods) + axes.lag_s.most)});
-  return {
+  law::BrakedApproach<Real> plan{
       .mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
       .friction_N = static_cast<Real>(kicks.least_friction_N()),
       .hard_m_s2 = static_cast<Real>(0.8 * (axes.force_gain.least * kicks.limit_N() + kicks.least_friction_N()) / m),
@@ -54,7 +120,10 @@ law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kic
       .short_of_target_m = static_cast<Real>(speed * gap_N * T / stop_N),
       .response_s = static_cast<Real>(response_s),
       .lag_s = static_cast<Real>(lag_s),
-      .correction = static_cast<Real>(correction)};
+      .correction = static_cast<Real>(correction),
+      .move = {}};
+  limit(plan, axes, kicks);
+  return plan;
 }
 
 // e^(-T/tau), rounded to the side asked for.
@@ -72,6 +141,43 @@ double most_travel_m(const BrakedClass& axes, double force_N, int periods, int c
 }
 double least_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods) {
   return KickClass{axes}.least_travel_m(force_N, periods, cut_periods);
+}
+
+// Friction and brake end a move, which is the one bound; the other is what breaks the axis away.
+double least_acceleration_m_s2(const BrakedClass& axes) {
+  const KickClass kicks{axes};
+  const PlannedForce force{axes, kicks};
+  const double braked = (force.most_N + force.gain_most * (kicks.brake_N() + force.rounding_N)) / force.lightest_kg;
+  return std::max(braked, force.exceeded_by(force.needed_acceleration()));
+}
+
+Interval jerk_m_s3(const BrakedClass& axes) {
+  const KickClass kicks{axes};
+  const double braking = planned_deceleration_m_s2(axes, kicks);
+  const double needed = PlannedForce{axes, kicks}.needed_acceleration();
+  const double least_per_period = std::max(braking / steps_of_jerk.most, needed / soon_moving);
+  return {least_per_period / axes.period_s, braking / (steps_of_jerk.least * axes.period_s)};
+}
+
+template <class Real>
+bool keeps_speed(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+  return static_cast<double>(design.kicks.approach.move.speed_m_s) > (least_planned + 1e-6) * axes.move->speed_m_s;
+}
+
+template <class Real>
+double least_move_speed_m_s(const BrakedDesign<Real>& design) {
+  return least_speed * static_cast<double>(design.kicks.approach.switch_speed_m_s);
+}
+
+// The double S: jerk up and down to the greatest acceleration that the way lets it reach, and the greatest speed.
+double least_move_s(const MoveRequest& move) {
+  const double j = move.jerk_m_s3.value_or(infinity), d = move.distance_m;
+  const double a = std::min(move.acceleration_m_s2, std::cbrt(d * j * j / 2)), rise_s = std::isinf(j) ? 0 : a / j;
+  // The speed that the way lets it reach, with all of the acceleration.
+  const double way_m_s = a * (std::sqrt(rise_s * rise_s + 4 * d / a) - rise_s) / 2;
+  const double v = std::min(move.speed_m_s, way_m_s);
+  const double speeding_s = v >= a * rise_s ? v / a + rise_s : 2 * std::sqrt(v / j);
+  return speeding_s + d / v;
 }
 
 namespace {
@@ -166,6 +272,23 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
 }
 
 template <class Real>
+double hand_over_m(const BrakedDesign<Real>& design) {
+  const law::BrakedApproach<Real>& approach = design.kicks.approach;
+  return static_cast<double>(approach.switch_distance_m + approach.short_of_target_m);
+}
+
+template <class Real>
+double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+  const double in_a_period_m = axes.move ? axes.move->acceleration_m_s2 * axes.period_s * axes.period_s : 0;
+  return 8 * hand_over_m(design) + in_a_period_m;
+}
+
+template <class Real>
+double kicks_begin_m(const BrakedDesign<Real>& design) {
+  return std::max(design.reach_m, hand_over_m(design));
+}
+
+template <class Real>
 int most_kicks(const BrakedClass& axes, const BrakedDesign<Real>& design, double distance_m, double tolerance_m) {
   if (!design.possible() || tolerance_m < design.least_tolerance_m * (1 - 1e-9)) return 0;
   const detail::WorstKicks worst{axes, design.kicks.table, tolerance_m, std::max(design.reach_m, tolerance_m)};
@@ -183,6 +306,16 @@ template struct BrakedDesign<float>;
 template struct BrakedDesign<double>;
 template BrakedDesign<float> design_braked_kicks(const BrakedClass&);
 template BrakedDesign<double> design_braked_kicks(const BrakedClass&);
+template bool keeps_speed(const BrakedClass&, const BrakedDesign<float>&);
+template bool keeps_speed(const BrakedClass&, const BrakedDesign<double>&);
+template double least_move_speed_m_s(const BrakedDesign<float>&);
+template double least_move_speed_m_s(const BrakedDesign<double>&);
+template double hand_over_m(const BrakedDesign<float>&);
+template double hand_over_m(const BrakedDesign<double>&);
+template double move_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
+template double move_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
+template double kicks_begin_m(const BrakedDesign<float>&);
+template double kicks_begin_m(const BrakedDesign<double>&);
 template int most_kicks(const BrakedClass&, const BrakedDesign<float>&, double, double);
 template int most_kicks(const BrakedClass&, const BrakedDesign<double>&, double, double);
 

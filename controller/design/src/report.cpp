@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/law/axis_controller.hpp"
@@ -206,33 +207,72 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
                          design.least_tolerance_m, axis.position_tolerance_m,
                          "the least tolerance against position_tolerance_m",
                          "widen the tolerance, shorten the period, or know the axis better", Equality::holds));
-  const int most = most_kicks(c, design, design.reach_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
-  const bool end = most > 0 || axis.position_tolerance_m >= design.reach_m;
-  checks.push_back(below("kicks_are_few", "after so many kicks the law stops by name",
-                         end ? most : std::numeric_limits<double>::infinity(), law::AxisController<float>::most_kicks,
-                         "the kicks that may be needed from the reach of one on against what the law allows",
-                         "widen the tolerance, or use a drive with a finer step of force", Equality::holds));
+  const double from_m = kicks_begin_m(design);
+  const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
+  const bool end = most > 0 || axis.position_tolerance_m >= from_m;
+  checks.push_back(
+      below("kicks_are_few", "after so many kicks the law stops by name",
+            end ? most : std::numeric_limits<double>::infinity(), law::AxisController<float>::most_kicks,
+            "the kicks that may be needed from " + brief(from_m) +
+                " m, where brake and kicks take over, against what the law allows",
+            "widen the tolerance, use a finer encoder, or a stronger drive or one with a finer step of force",
+            Equality::holds));
+  return checks;
+}
+
+// What a move asks for must be possible for every axis of the class.
+std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float>& design) {
+  const MoveRequest& move = *c.move;
+  std::vector<Check> checks{
+      below("move_can_be_made", "the least force that breaks the axis away, and friction with the brake that stops it",
+            least_acceleration_m_s2(c), move.acceleration_m_s2,
+            "the acceleration that some axis of the class takes at least against [move] acceleration_m_s2",
+            "raise it, or know friction, mass and force gain better", Equality::holds)};
+  if (!design.possible()) return checks;
+  const std::string tested = "tested, not proved: what is seen of the speed, and how soon a force follows";
+  checks.push_back(below("speed_is_seen_well_enough", tested, least_move_speed_m_s(design), move.speed_m_s,
+                         "eight times the speed at which brake and kicks take over against [move] speed_m_s",
+                         "raise it, use a finer encoder, or know friction and mass better", Equality::holds));
+  if (!checks.front().holds) return checks;
+  const double planned_m_s = static_cast<double>(design.kicks.approach.move.speed_m_s);
+  checks.push_back(
+      {"speed_margin_is_small", true, keeps_speed(c, design), planned_m_s - 0.75 * move.speed_m_s, tested,
+       "of [move] speed_m_s = " + brief(move.speed_m_s) + ", " + brief(planned_m_s) +
+           " is planned, and must be above three quarters; raise it, lower acceleration_m_s2, or know mass and "
+           "force gain better"});
+  if (!move.jerk_m_s3) return checks;
+  const Interval jerk = jerk_m_s3(c);
+  const std::string remedy = "take one between " + brief(jerk.least) + " and " + brief(jerk.most) + ", or leave it out";
+  checks.push_back(below("jerk_can_be_followed", "four periods at least to the full deceleration", *move.jerk_m_s3,
+                         jerk.most, "[move] jerk_m_s3 against what periods can follow", remedy, Equality::holds));
+  checks.push_back(below("jerk_leaves_time_to_brake", tested, jerk.least, *move.jerk_m_s3,
+                         "64 periods to the full deceleration, and 15 until the axis moves, against [move] jerk_m_s3",
+                         remedy, Equality::holds));
+  checks.push_back(below("jerk_is_followed_soon", tested, c.lag_s.most, most_lag_with_jerk * c.period_s,
+                         "the time constant of the current loop against half a period", "leave [move] jerk_m_s3 out",
+                         Equality::holds));
   return checks;
 }
 
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
-  const law::BrakedApproach<float>& approach = design.kicks.approach;
   BrakedPromise p{.floor_m = design.floor_m,
                   .least_tolerance_m = design.least_tolerance_m,
                   .error_m = axis.position_tolerance_m + c.encoder_resolution_m / 2,
                   .beyond_m = c.encoder_resolution_m / 2,
                   .reach_m = design.reach_m,
-                  .hand_over_m = static_cast<double>(approach.switch_distance_m + approach.short_of_target_m),
-                  .most_kicks = most_kicks(c, design, design.reach_m, axis.position_tolerance_m),
+                  .hand_over_m = hand_over_m(design),
+                  .most_kicks = most_kicks(c, design, kicks_begin_m(design), axis.position_tolerance_m),
                   .brake_N = static_cast<double>(design.kicks.brake_N),
                   .peak_speed_m_s = design.peak_speed_m_s,
                   .rest_s = design.kicks.still_periods * c.period_s,
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,
+                  .move_beyond_m = c.move ? move_beyond_m(c, design) : 0,
+                  .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .promise = {}};
   p.promise = "at rest the true error is at most " + brief(p.error_m) + " m, no kick goes more than " +
-              brief(p.beyond_m) + " m beyond the target, and from " + brief(p.reach_m) + " m at most " +
+              brief(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +
               std::to_string(p.most_kicks) + " kicks are needed";
   return p;
 }
@@ -252,6 +292,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
                               const std::optional<BrakedDesign<float>>& braked) {
   if (!braked) return checks_of_pd(axis, report);
   std::vector<Check> checks = checks_of_brake(axis, *braked);
+  if (axis.braked->move && braked->brake_holds)
+    for (Check& check : checks_of_move(*axis.braked, *braked)) checks.push_back(std::move(check));
   for (Check& check : checks_of_pd(axis, report)) {
     if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away") continue;  // of the k3 pulses
     check.required = check.name == "assumption_1";
@@ -270,15 +312,23 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
       "its places, and that the approach ends within hand_over_m of the target";
   const BrakedClass& c = *axis.braked;
-  return {"friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
-              " N at any position, speed and time, as it likes",
-          "the moving mass is " + range(c.mass_kg, " kg") + ", and the mechanism is rigid",
-          "the drive gives " + range(c.force_gain, " times the force") +
-              " that is commanded, in whole periods, behind a current loop with a time constant of " +
-              range(c.lag_s, " s"),
-          "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
-          "a reading is off by half a count at most",
-          tested};
+  std::vector<std::string> conditions{
+      "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
+          " N at any position, speed and time, as it likes",
+      "the moving mass is " + range(c.mass_kg, " kg") + ", and the mechanism is rigid",
+      "the drive gives " + range(c.force_gain, " times the force") +
+          " that is commanded, in whole periods, behind a current loop with a time constant of " + range(c.lag_s, " s"),
+      "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
+      "a reading is off by half a count at most",
+      tested};
+  if (c.move)
+    conditions.emplace_back(
+        "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "
+        "jerk is of "
+        "what is planned; tested, not proved: that the speed stays within its limit, and that the approach goes no "
+        "further than "
+        "move_beyond_m beyond the target");
+  return conditions;
 }
 
 std::vector<std::string> conditions(const AxisDesign& axis) {

@@ -43,6 +43,23 @@ void require_room_for_kicks(const Node& node, const Axis& axis, const design::De
                                                    axis.limits.speed_m_s, kick_m_s)};
 }
 
+// An approach may go beyond its target.
+void require_room_for_moves(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !axis.move) return;
+  const double beyond_m = report.braked->move_beyond_m;
+  const auto require = [&](double target_m) {
+    const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
+    if (target_m >= least_m && target_m <= most_m) return;
+    throw InputError{
+        place(node, axis) +
+        fmt::format("[controller] has a target at {:g} m, and a move may go {:.3g} m beyond it, outside the "
+                    "[limits] of position; keep targets between {:.6g} and {:.6g} m",
+                    target_m, beyond_m, least_m, most_m)};
+  };
+  require(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) require(change.position_m);
+}
+
 }  // namespace
 
 design::AxisDesign axis_design(const Node& node, const Axis& axis) {
@@ -72,6 +89,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
   for (const Axis& axis : node.axes) {
     reports.push_back(design::design_axis(axis_design(node, axis)));
     require_room_for_kicks(node, axis, reports.back());
+    require_room_for_moves(node, axis, reports.back());
   }
   return reports;
 } catch (const InputError& error) {
@@ -81,6 +99,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
 std::string why_not_certified(const Node& node, const Axis& axis) try {
   const design::DesignReport report = design::design_axis(axis_design(node, axis));
   require_room_for_kicks(node, axis, report);
+  require_room_for_moves(node, axis, report);
   return report.certified ? std::string{} : report.reasons.front();
 } catch (const InputError& error) {
   return error.what();

@@ -4,8 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace breakaway::config {
+
+namespace {
+
+std::optional<design::MoveRequest> move_request(const Axis& axis) {
+  if (!axis.move) return {};
+  return design::MoveRequest{axis.move->distance_m,
+                             std::min(axis.move->speed_m_s, axis.controller.max_approach_speed_m_s),
+                             axis.move->acceleration_m_s2, axis.move->jerk_m_s3};
+}
+
+}  // namespace
 
 double max_force_N(const Axis& axis) {
   const double given_N = axis.drive ? axis.drive->max_force_N() : unlimited;
@@ -46,7 +58,8 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .force_step_N = axis.drive->force_quantum_N(),
           .period_s = node.period_s(),
           .encoder_resolution_m = axis.drive->encoder_resolution_m,
-          .latency_periods = axis.latency_periods};
+          .latency_periods = axis.latency_periods,
+          .move = move_request(axis)};
 }
 
 template <class Real>

@@ -129,6 +129,20 @@ Uncertainty read_uncertainty(const Section& section, const Friction& friction) {
   return u;
 }
 
+Move read_move(const Section& section, const Controller& controller) {
+  Move move;
+  section.read({
+      required("distance_m", number(move.distance_m, "m", positive)),
+      required("speed_m_s", number(move.speed_m_s, "m/s", positive)),
+      required("acceleration_m_s2", number(move.acceleration_m_s2, "m/s^2", positive)),
+      optional("jerk_m_s3", number(move.jerk_m_s3, "m/s^3", positive)),
+  });
+  if (!controller.impulsive || controller.impulsive->coast != law::Coast::brake)
+    section.fail("speed_m_s",
+                 "is for the coast \"brake\", the only one that keeps to it; set [controller] coast = \"brake\"");
+  return move;
+}
+
 Value thousandths(std::uint32_t& to, std::string_view unit) {
   return number([&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); }, unit, {1e-3, 4e6});
 }
@@ -209,6 +223,19 @@ void check_limits(const Section& section, const Axis& axis, const Node& node) {
             "[loop] period_s", node.period_s());
 }
 
+// The supervisor must not stop a move on its way.
+void check_move(const Section& section, const Axis& axis) {
+  const Move& move = *axis.move;
+  constexpr double margin = 1.01;  // of the speed, which the supervisor takes from two readings
+  if (axis.limits.speed_m_s < margin * move.speed_m_s)
+    section.fail("speed_m_s", fmt::format("is {:g}, and [limits] speed_m_s is {:g}, less than 1 % above; raise that",
+                                          move.speed_m_s, axis.limits.speed_m_s));
+  const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
+  if (move.distance_m > room_m)
+    section.fail("distance_m", fmt::format("is {:g}, more than the {:g} m between the [limits] of position; lower it",
+                                           move.distance_m, room_m));
+}
+
 void check_targets(const Section& section, const Axis& axis) {
   const auto require = [&](const char* key, double position_m) {
     if (const std::string problem = target_problem(position_m, axis); !problem.empty())
@@ -257,7 +284,8 @@ std::vector<Key> AxisTables::rows() {
           optional("drive", keep(drive_)),
           optional("limits", keep(limits_)),
           optional("told", keep(told_)),
-          optional("uncertainty", keep(uncertainty_))};
+          optional("uncertainty", keep(uncertainty_)),
+          optional("move", keep(move_))};
 }
 
 void AxisTables::look_around(Surroundings& surroundings) const {
@@ -265,7 +293,7 @@ void AxisTables::look_around(Surroundings& surroundings) const {
     if (section) look_at(*section, table, surroundings);
   };
   look(plant_, "plant"), look(friction_, "friction"), look(controller_, "controller"), look(drive_, "drive");
-  look(limits_, "limits"), look(told_, "told"), look(uncertainty_, "uncertainty");
+  look(limits_, "limits"), look(told_, "told"), look(uncertainty_, "uncertainty"), look(move_, "move");
 }
 
 // The next axis of the node. A table that is missing is missed only after those before it were read, so that a
@@ -288,6 +316,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (told_) read_told(*told_, axis);
   if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction);
   if (limits_) axis.limits = read_limits(*limits_);
+  if (move_) axis.move = read_move(*move_, axis.controller);
   check_force(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)
     controller_->fail("coast", "is \"brake\", which counts in the steps of a drive's force; give the axis a [drive]");
@@ -295,6 +324,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
     check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, truth_of(axis).mass_kg != axis.mass_kg,
                 sampled);
   if (limits_) check_limits(*limits_, axis, node);
+  if (move_) check_move(*move_, axis);
   check_targets(*controller_, axis);
   look_around(axis.surroundings);
   return axis;

@@ -29,7 +29,7 @@ class AxisTables {
   // What the tables say that only a certificate must know.
   void look_around(Surroundings& surroundings) const;
 
-  std::optional<Section> plant_, friction_, controller_, drive_, limits_, told_, uncertainty_;
+  std::optional<Section> plant_, friction_, controller_, drive_, limits_, told_, uncertainty_, move_;
 };
 
 }  // namespace breakaway::config

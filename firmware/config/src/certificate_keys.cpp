@@ -17,6 +17,7 @@ constexpr std::array rows{
     CertificateKey{"", "limits", counted},
     CertificateKey{"", "told", counted},
     CertificateKey{"", "uncertainty", counted},
+    CertificateKey{"", "move", counted},
     CertificateKey{"", "loop", counted},
     CertificateKey{"", "bus", counted},
     CertificateKey{"", "run", counted},
@@ -32,6 +33,7 @@ constexpr std::array rows{
     CertificateKey{"axis", "limits", counted},
     CertificateKey{"axis", "told", counted},
     CertificateKey{"axis", "uncertainty", counted},
+    CertificateKey{"axis", "move", counted},
 
     CertificateKey{"plant", "mass_kg", counted},
     CertificateKey{"plant", "position_m", apart},
@@ -113,6 +115,11 @@ constexpr std::array rows{
     CertificateKey{"uncertainty", "force_gain", counted},
     CertificateKey{"uncertainty", "force_N", counted},
     CertificateKey{"uncertainty", "current_loop_time_constant", counted},
+
+    CertificateKey{"move", "distance_m", counted},
+    CertificateKey{"move", "speed_m_s", counted},
+    CertificateKey{"move", "acceleration_m_s2", counted},
+    CertificateKey{"move", "jerk_m_s3", counted},
 
     CertificateKey{"loop", "period_s", counted},
     CertificateKey{"loop", "node_id", apart},

@@ -136,7 +136,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
                                 keep_table("run", run)};
   const Key entries = optional("axis", tables([](const Section&) {}));
-  for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty"})
+  for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty", "move"})
     if (root.has("axis") && root.has(part))
       root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
   root.read(common + (root.has("axis") ? std::vector<Key>{entries} : alone.rows()) + others.root + of_machines_alone());

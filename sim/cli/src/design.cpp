@@ -47,6 +47,10 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   json.member("rest_s", promise.rest_s);
   json.member("aim_lost", promise.aim_lost);
   json.member("table_bytes", promise.table_bytes);
+  if (promise.least_move_s > 0) {
+    json.member("least_move_s", promise.least_move_s);
+    json.member("move_beyond_m", promise.move_beyond_m);
+  }
 }
 
 void write_report(format::JsonWriter& json, const DesignReport& report) {
@@ -106,7 +110,13 @@ std::string to_json(const Node& node, const Reports& reports) {
 void print_promise(const design::BrakedPromise& p, bool certified) {
   fmt::print("coast \"brake\"         brake {:.4g} N, floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n",
              p.brake_N, p.floor_m, p.least_tolerance_m, p.table_bytes);
-  if (certified) fmt::print("                      {}\n", p.promise);
+  if (!certified) return;
+  fmt::print("                      {}\n", p.promise);
+  if (p.least_move_s > 0)
+    fmt::print(
+        "longest move          {:.4g} s at least within its limits, under any law; then brake and kicks from {:.4g} "
+        "m\n",
+        p.least_move_s, p.hand_over_m);
 }
 
 void print_report(const design::DesignReport& r) {

@@ -63,6 +63,27 @@ TEST_F(Command, SaysTheSameOfACertificateWhicheverIsAsked) {
   }
 }
 
+TEST_F(Command, CertifiesAndRunsAMoveWithinItsLimits) {
+  const Ended design = run("design " + scenarios + "move_axis.toml --json -");
+  ASSERT_EQ(design.exit_code, 0) << design.err;
+  EXPECT_NEAR(figure(design.out, "least_move_s"), 0.56, 1e-9);
+  const Ended motion = run("simulate " + scenarios + "move_axis.toml --json -");
+  ASSERT_EQ(motion.exit_code, 0) << motion.err;
+  EXPECT_LE(figure(motion.out, "peak_speed_m_s"), 1.01);
+  EXPECT_GE(figure(motion.out, "peak_speed_m_s"), 0.97);
+  EXPECT_LE(figure(motion.out, "settling_time_s"), 0.65) << "from 1.25 s on, with a turn on the way";
+}
+
+TEST_F(Command, DrawsTheKicksOfTheCoastBrake) {
+  const Ended ended = run("design " + scenarios + "braked_axis.toml --report " + path("braked.html"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const std::string page = content(path("braked.html"));
+  for (const char* part :
+       {"The kicks", "Accuracy against control period and lag", "lag of five periods", "Least tolerance"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(page.find("Error after each kick"), std::string::npos) << "that is of k3";
+}
+
 TEST_F(Command, NamesTheMissingPartOfAScenario) {
   const std::string axis =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n"

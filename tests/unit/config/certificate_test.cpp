@@ -56,6 +56,11 @@ position_m = 1
 speed_m_s = 20
 force_N = 60
 following_error_m = 2
+[move]
+distance_m = 0.4
+speed_m_s = 1
+acceleration_m_s2 = 20
+jerk_m_s3 = 2000
 [drive]
 rated_torque_Nm = 0.5
 max_torque_per_mille = 2000
@@ -79,6 +84,8 @@ std::string more(const std::string& table, const std::string& lines, const std::
 
 std::string under_pd(std::string text = scene) {
   text = with(text, "coast = \"brake\"", "coast = \"pd\"");
+  const auto move = text.find("[move]");
+  text.erase(move, text.find("[drive]") - move);
   for (const char* line :
        {"mass = 0.02\n", "force_gain = 0.02\n", "force_N = 0.3\n", "current_loop_time_constant = 0.2\n"})
     text = with(text, line, "");
@@ -155,7 +162,7 @@ TEST(Certificate, OfTheCoastPdRefusesFrictionThatRisesWithSpeedUnlessItsSlopeIsS
 }
 
 TEST(Certificate, RefusesKeysThatTheCoastIgnores) {
-  expect_refused(with(scene, "\"brake\"", "\"pd\""), "[uncertainty] is stated");
+  expect_refused(more("[uncertainty]", "mass = 0.01", under_pd()), "[uncertainty] is stated");
   for (const std::string& text : {scene, under_pd()})
     expect_refused(with(text, "\"two_phase\"", "\"naive\""), "kick = \"naive\"");
 }
@@ -166,6 +173,20 @@ TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
   EXPECT_EQ(why_not(more("[bus]", "delay_min_s = 1e-5\ndelay_max_s = 1e-5")), "");
   EXPECT_EQ(why_not(more("[drive]", "tpdo_delay_max_s = 4e-4")), "");
   expect_refused(more("[drive]", "tpdo_delay_max_s = 9e-4"), "too late for its period");
+}
+
+TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {
+  expect_refused(with(scene, "acceleration_m_s2 = 20", "acceleration_m_s2 = 4"), "move_can_be_made");
+  expect_refused(with(scene, "jerk_m_s3 = 2000", "jerk_m_s3 = 5000"), "jerk_can_be_followed");
+  const auto message = [](const std::string& from, const std::string& to) {
+    return refusal([&] { examine(parse_node(with(scene, from, to), "axis.toml")); });
+  };
+  EXPECT_NE(message("distance_m = 0.4", "distance_m = 3").find("between the [limits]"), std::string::npos);
+  EXPECT_NE(message("target_m = 0", "target_m = 0.99999").find("keep targets between"), std::string::npos);
+  const std::string narrow = with(with(scene, "max_approach_speed_m_s = 5\n", ""), "speed_m_s = 20", "speed_m_s = 1");
+  EXPECT_NE(refusal([&] { parse_node(narrow, "axis.toml"); }).find("less than 1 % above"), std::string::npos);
+  EXPECT_NE(refusal([&] { parse_node(with(scene, "\"brake\"", "\"pd\""), "axis.toml"); }).find("is for the coast"),
+            std::string::npos);
 }
 
 std::string source(const std::string& file) {
@@ -201,7 +222,9 @@ std::string certificate(const std::string& text) {
     const design::DesignReport report = examine(node).front();
     for (const design::Check& check : report.checks) out << check.name << check.holds << check.margin << check.reason;
     for (const std::string& condition : report.conditions) out << condition;
-    if (report.braked) out << report.braked->promise << report.braked->peak_speed_m_s << report.braked->hand_over_m;
+    if (report.braked)
+      out << report.braked->promise << report.braked->peak_speed_m_s << report.braked->hand_over_m
+          << report.braked->least_move_s;
   });
   return error + out.str();
 }
@@ -222,7 +245,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"controller.kick", {"\"two_phase\"", "\"naive\""}},
       {"controller.coast", {"\"brake\"", "\"pd\""}},
       {"controller.max_force_N", {"max_force_N = 48", "max_force_N = 45"}},
-      {"controller.max_approach_speed_m_s", {"speed_m_s = 5", "speed_m_s = 25"}},
+      {"controller.max_approach_speed_m_s", {"max_approach_speed_m_s = 5", "max_approach_speed_m_s = 0.5"}},
       {"controller.position_tolerance_m", {"position_tolerance_m = 5e-6", "position_tolerance_m = 6e-6"}},
       {"controller.target_m", {"target_m = 0", "target_m = 2"}},
       {"controller.targets", {"target_m = 0", "targets = [{ time_s = 1, position_m = 2 }]"}},
@@ -249,6 +272,10 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"uncertainty.force_gain", {"force_gain = 0.02", "force_gain = 0.03"}},
       {"uncertainty.force_N", {"force_N = 0.3", "force_N = 0.4"}},
       {"uncertainty.current_loop_time_constant", {"constant = 0.2", "constant = 0.3"}},
+      {"move.distance_m", {"distance_m = 0.4", "distance_m = 0.3"}},
+      {"move.speed_m_s", {"speed_m_s = 1\n", "speed_m_s = 0.9\n"}},
+      {"move.acceleration_m_s2", {"acceleration_m_s2 = 20", "acceleration_m_s2 = 19"}},
+      {"move.jerk_m_s3", {"jerk_m_s3 = 2000", "jerk_m_s3 = 1900"}},
       {"loop.period_s", {"period_s = 0.001", "period_s = 0.002"}},
       {"bus.bit_rate", {"1_000_000", "125_000"}},
       {"run.settle_tolerance_m", {"position_tolerance_m = 5e-6", "# none"}},

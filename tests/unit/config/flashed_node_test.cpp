@@ -115,13 +115,15 @@ std::size_t padding_in(const law::AxisParameters<float>& law) {
 std::size_t padding_in(const law::BrakedKicks<float>& braked) {
   const auto& [brake, step, preload, resting, holding, fast, slow, coast, least, most, still, either_way, patient,
                settling, approach, table] = braked;
-  const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction] = approach;
+  const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, move] = approach;
+  const auto& [move_speed, acceleration, deceleration, jerk] = move;
   const auto& [entries, periods, cuts, first, count, list] = table;
   const auto& [a0, a1, a2, a3] = entries[0];
   const std::size_t absent = entries.size() - count;
   return padding_of(braked, brake, step, preload, resting, holding, fast, slow, coast, least, most, still, either_way,
                     patient, settling, approach, table) +
-         padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction) +
+         padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, move) +
+         padding_of(move, move_speed, acceleration, deceleration, jerk) +
          padding_of(table, entries, periods, cuts, first, count, list) + padding_of(entries[0], a0, a1, a2, a3) +
          absent * (sizeof entries[0] + sizeof periods[0] + sizeof cuts[0]);
 }

@@ -132,6 +132,12 @@ constexpr void visit_approach(Approach& approach, Visitor& visit) {
   visit.value("response_s", approach.response_s, "s");
   visit.value("lag_s", approach.lag_s, "s");
   visit.value("correction", approach.correction, "");
+  visit.group("move", [&] {
+    visit.value("speed_m_s", approach.move.speed_m_s, "m/s");
+    visit.value("acceleration_m_s2", approach.move.acceleration_m_s2, "m/s^2, 0: no limits are asked for");
+    visit.value("deceleration_m_s2", approach.move.deceleration_m_s2, "m/s^2");
+    visit.value("jerk_m_s3", approach.move.jerk_m_s3, "m/s^3, 0: no limit");
+  });
 }
 
 // Of a table only the entries that are there.

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/friction_bounds.hpp"
@@ -20,6 +21,14 @@ namespace breakaway::design {
 struct Interval {
   double least = 0;
   double most = 0;
+};
+
+// What a move may take until brake and kicks end it. All must be above 0.
+struct MoveRequest {
+  double distance_m = 0;  // the longest
+  double speed_m_s = 0;
+  double acceleration_m_s2 = 0;       // either way, of every axis of the class
+  std::optional<double> jerk_m_s3{};  // of what is planned; friction that jumps moves the axis as it likes
 };
 
 // The axes that the kicks are made for. All but lags, load_N, encoder_resolution_m and latency_periods must be above 0.
@@ -34,6 +43,7 @@ struct BrakedClass {
   double period_s = 0;
   double encoder_resolution_m = 0;
   int latency_periods = 1;
+  std::optional<MoveRequest> move{};
 };
 
 constexpr int longest_pulse_periods = 255;
@@ -63,9 +73,35 @@ struct BrakedDesign {
 template <class Real>
 BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes);
 
+// The distance from the target at which the approach gives way to brake and kicks.
+template <class Real>
+double hand_over_m(const BrakedDesign<Real>& design);
+
+// The distance from which kicks may be needed: that, or what one kick can aim for, whichever is more.
+template <class Real>
+double kicks_begin_m(const BrakedDesign<Real>& design);
+
 // The most that a pulse moves an axis of the class, and the least; force_N is as commanded.
 double most_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods);
 double least_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods);
+
+// The limits of a move that are certified: an acceleration and a speed of at least this, and a jerk between those,
+// behind a current loop whose time constant is at most a share of the period. The first is needed by proof; the others
+// are what was tested.
+double least_acceleration_m_s2(const BrakedClass& axes);
+template <class Real>
+double least_move_speed_m_s(const BrakedDesign<Real>& design);
+template <class Real>
+bool keeps_speed(const BrakedClass& axes, const BrakedDesign<Real>& design);  // with a margin that leaves enough of it
+Interval jerk_m_s3(const BrakedClass& axes);
+constexpr double most_lag_with_jerk = 0.5;  // of the period
+
+// So far may a move go beyond its target before brake and kicks take over: tested, not proved.
+template <class Real>
+double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design);
+
+// The time that a move of the longest distance takes at least, from rest to rest within its limits, under any law.
+double least_move_s(const MoveRequest& move);
 
 // The most kicks that a design can need from the distance to within the tolerance; 0 where it promises no end.
 template <class Real>

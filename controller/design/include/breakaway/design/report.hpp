@@ -38,13 +38,15 @@ struct BrakedPromise {
   double beyond_m;           // true distance beyond the target that a kick may reach, at most
   double reach_m;            // the distance up to which one kick aims at the target
   double hand_over_m;        // the distance from the target at which the approach gives way to brake and kicks
-  int most_kicks;            // from reach_m to within the tolerance
+  int most_kicks;            // from where kicks begin, reach_m or hand_over_m, to within the tolerance
   double brake_N;
   double peak_speed_m_s;  // which no kick exceeds
   double rest_s;          // without a count of motion, that proves rest after a kick
   double aim_lost;        // share of the distance by which the table aims short
   std::size_t table_bytes;
-  std::string promise;  // the above in a sentence
+  double move_beyond_m;  // that a move may go past its target; 0: none is stated
+  double least_move_s;   // that the longest move takes under any law; 0: none is stated
+  std::string promise;   // the above in a sentence
 };
 
 struct Check {

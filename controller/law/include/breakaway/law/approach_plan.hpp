@@ -10,6 +10,9 @@
 // was commanded meanwhile, and carried over the latency. What a lagging current loop still owes counts as if
 // it had acted: a transient D e^(-t/tau) of the force adds D tau / m to the speed, tau later.
 //
+// A move with limits on acceleration and jerk comes down the same curves, the far one flatter, or follows MovePlan
+// where its jerk is limited; and it goes on from where it is when its target moves on.
+//
 // The plan is for speed, not for safety: kicks mend whatever it leaves. It ends where the brake takes over, and an axis
 // that turns back a third time is left alone: on an axis whose friction can turn its motion within a period, or that
 // is not what was stated, the plan would drive it to and fro for ever.
@@ -24,6 +27,7 @@
 
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
+#include "breakaway/law/move_plan.hpp"
 
 namespace breakaway::law {
 
@@ -38,11 +42,23 @@ class ApproachPlan {
         period_s_{period_s},
         per_period_{1 / period_s},
         per_mass_{1 / a.mass_kg},
-        max_speed_m_s_{max_speed_m_s},
+        max_speed_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
+        move_{a.move,
+              {a.switch_distance_m, a.switch_speed_m_s, std::min(a.gentle_m_s2, a.hard_m_s2)},
+              a.hard_m_s2,
+              period_s},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
 
-  void restart() noexcept { primed_ = false; }
-  void shift_origin(Scalar shift_m) noexcept { previous_m_ -= shift_m; }
+  void restart() noexcept {
+    primed_ = false;
+    move_.restart();
+  }
+  // The target of a move went on by this much: it goes on from where it is, as it moves.
+  void retarget(Scalar shift_m) noexcept {
+    previous_m_ -= shift_m;
+    turns_ = 0;
+    retargeted_ = true;
+  }
   // A period without a reading; otherwise as see().
   void skip(Scalar force_N, Scalar command_N) noexcept {
     if (!primed_) return;
@@ -55,23 +71,21 @@ class ApproachPlan {
   // this period begins; command_N: what was commanded in the last one.
   bool see(Scalar x, Scalar force_N, Scalar command_N) noexcept {
     if (!primed_) begin(x, force_N);
+    if (retargeted_ || passed_) face(x);
     remember(force_N, command_N);
     estimate(x);
     predict(x);
     const Scalar owed_N = (force_N - command_N) * direction_;
     speed_ += owed_N * a_->lag_s * per_mass_;
     distance_ += owed_N * a_->lag_s * a_->lag_s * per_mass_;
-    return distance_ <= a_->switch_distance_m && speed_ <= a_->switch_speed_m_s * Scalar(1.25);
+    passed_ = a_->move.are_asked_for() && distance_ < -2 * a_->switch_distance_m;
+    return distance_ <= a_->switch_distance_m && !passed_ && speed_ <= a_->switch_speed_m_s * Scalar(1.25);
   }
 
-  // The force of the next period, unlimited.
-  Scalar force_N() const noexcept {
-    const Scalar hard = a_->hard_m_s2, w1 = a_->switch_speed_m_s;
-    const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
-    const Scalar near = onto_curve(a_->gentle_m_s2, distance_);
-    const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
-    const Scalar acceleration = std::min(std::max({far, near, -2 * hard}), allowed);
-    return direction_ * (a_->mass_kg * acceleration + a_->friction_N);
+  // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
+  Scalar force_N() noexcept {
+    if (a_->move.are_asked_for()) return force_of_move_N();
+    return direction_ * (a_->mass_kg * down_the_curves(-2 * a_->hard_m_s2) + a_->friction_N);
   }
 
   bool turned_often() const noexcept { return turns_ >= most_turns; }
@@ -83,7 +97,37 @@ class ApproachPlan {
   }
 
  private:
+  Scalar down_the_curves(Scalar least_m_s2) const noexcept {
+    const Scalar hard = a_->hard_m_s2, w1 = a_->switch_speed_m_s;
+    const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
+    const Scalar near = onto_curve(a_->gentle_m_s2, distance_);
+    const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
+    return std::min(std::max({far, near, least_m_s2}), allowed);
+  }
+
+  // A move that was sent back is braked by friction as well.
+  Scalar force_of_move_N() noexcept {
+    const MoveLimits<Scalar>& limits = a_->move;
+    // By the last reading, because what a lagging current loop owes counts as acted in the speed of now. A speed about
+    // zero is taken for that of an axis that rests.
+    const bool away = velocity_ * direction_ < Scalar(-0.1) * a_->switch_speed_m_s;
+    const Scalar acceleration = move_.limits_jerk() ? move_.next(distance_, speed_, away)
+                                                    : limits.within(down_the_curves(-limits.deceleration_m_s2), away);
+    return direction_ * (a_->mass_kg * acceleration + (away ? -a_->friction_N : a_->friction_N));
+  }
+
+  // A move whose target came too near for it to stop passes it and turns.
+  void face(Scalar x) noexcept {
+    if (passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
+    retargeted_ = passed_ = false;
+    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
+    if (towards != direction_) move_.turn();
+    direction_ = towards;
+    forward_ = velocity_ * direction_ > 0;
+  }
+
   void begin(Scalar x, Scalar force_N) noexcept {
+    retargeted_ = passed_ = false;
     last_force_N_ = force_N;
     direction_ = x > 0 ? Scalar{-1} : Scalar{1};
     previous_m_ = x;
@@ -152,6 +196,7 @@ class ApproachPlan {
   Scalar per_period_{};
   Scalar per_mass_{};
   Scalar max_speed_m_s_{};
+  MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar velocity_{};  // of the axis at the newest reading
   Scalar speed_{};     // towards the target now
@@ -166,6 +211,8 @@ class ApproachPlan {
   std::uint8_t turns_ = 0;  // from towards the target to away from it
   bool forward_ = false;
   bool primed_ = false;
+  bool retargeted_ = false;  // since the last reading
+  bool passed_ = false;      // the target, by more than what brake and kicks are for
 };
 
 }  // namespace breakaway::law

@@ -73,10 +73,15 @@ class AxisController {
     return mode_ == Mode::kick ? continue_kick(x, v) : flow(x, v);
   }
 
-  // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach.
+  // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach; a move
+  // that is under way goes on from where it is.
   void shift_target(Scalar shift_m) noexcept {
     velocity_.shift_origin(shift_m);
-    restart();
+    const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && braked_->approach.move.are_asked_for();
+    if (!goes_on) return restart();
+    forget_kicks();
+    cycle_.restart();
+    plan_.retarget(shift_m);
   }
 
   // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
@@ -352,9 +357,7 @@ class AxisController {
         kicks_counted_ = 0;
         return;
       }
-      // Under the brake all kicks from within the table's reach count, because a certified axis needs no more of them
-      // than the limit; from beyond it, each takes its share of the reach.
-      if (std::abs(kicked_from_m_) > braked_->table.reach_m()) return;
+      // Under the brake all kicks count, because a certified axis needs no more of them than the limit.
       moved = true;
     } else if (moved) {
       moved_since_least_ = true;

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "breakaway/law/kick_table.hpp"
+#include "breakaway/law/move_plan.hpp"
 
 namespace breakaway::law {
 
@@ -24,6 +25,7 @@ struct BrakedApproach {
   Scalar response_s{};         // in which the loop is to mend a speed that is off: a period, and more with lag
   Scalar lag_s{};              // of the current loop
   Scalar correction{};         // share of a reading's surprise that the estimated speed takes over, in (0, 1]
+  MoveLimits<Scalar> move{};
 };
 
 template <class Scalar>
@@ -66,7 +68,8 @@ constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
   const bool waits = k.still_periods > 0 && k.either_way_periods > 0 && k.patient_periods > 0;
   const bool approach = a.mass_kg > 0 && a.friction_N > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 &&
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
-                        a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1;
+                        a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
+                        a.move.are_usable();
   return lags && forces && waits && approach && k.coast_per_N > 0 && k.table.count > 0 &&
          k.table.count <= KickTable<Scalar>::most_entries;
 }

@@ -92,6 +92,14 @@ struct Drive {
   }
 };
 
+// How a target is approached, under the coast "brake".
+struct Move {
+  double distance_m = 0;  // the longest; it says what is certified, and the law is not told of it
+  double speed_m_s = 0;
+  double acceleration_m_s2 = 0;
+  std::optional<double> jerk_m_s3{};
+};
+
 // The supervisor stops the axis when it leaves these.
 struct Limits {
   double position_min_m = -unlimited;
@@ -135,6 +143,7 @@ struct Axis {
   Uncertainty uncertainty;
   Controller controller;
   std::optional<Drive> drive;
+  std::optional<Move> move;
   Limits limits;
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   std::optional<Truth> truth;        // where the file has [told]

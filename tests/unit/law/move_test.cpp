@@ -1,0 +1,155 @@
+// Moves with limits on speed, acceleration and jerk, from the plan alone to the axis that ends in kicks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "../../campaign/random_braked_axis.hpp"
+#include "breakaway/law/move_plan.hpp"
+
+namespace breakaway::law {
+namespace {
+
+using breakaway::testing::Retarget;
+using breakaway::testing::RunEnd;
+using campaign::friction_of_kind;
+
+// One that follows the plan exactly: the speed changes by what is planned.
+struct Follower {
+  MovePlan<double> plan;
+  double distance_m, speed_m_s = 0, acceleration = 0;
+
+  double step(double period_s) {
+    const double before = acceleration;
+    acceleration = plan.next(distance_m, speed_m_s, speed_m_s < 0);
+    distance_m -= (speed_m_s + acceleration * period_s / 2) * period_s;
+    speed_m_s += acceleration * period_s;
+    return (acceleration - before) / period_s;
+  }
+};
+
+TEST(MovePlan, KeepsEveryLimitAndEndsWhereTheBrakeTakesOver) {
+  std::mt19937_64 random{1};
+  std::uniform_real_distribution<> share{0, 1};
+  const double T = 1e-3;
+  for (int run = 0; run < 500; ++run) {
+    const double a = 2 * std::pow(20, share(random)), j = a / T / (4 * std::pow(20, share(random)));
+    const double V = 0.05 * std::pow(40, share(random)), gentle = 0.3 * a * share(random);
+    const double w1 = 0.05 * V, e1 = 0.5 * w1 * w1 / gentle;
+    const MoveLimits<double> limits{V, a, a, j};
+    Follower axis{{limits, {e1, w1, gentle}, 0.95 * a, T}, e1 + 1e-3 * std::pow(1000, share(random))};
+    const double turn_at = share(random) < 0.5 ? 0.3 * share(random) : 1e9;
+    int k = 0;
+    for (; k < 100000 && !(axis.distance_m <= e1 && axis.speed_m_s <= 1.25 * w1); ++k) {
+      if (std::fabs(k * T - turn_at) < T / 2) axis.distance_m += 0.3 * (share(random) - 0.3);
+      const double jerk = axis.step(T);
+      ASSERT_LE(std::fabs(jerk), j * (1 + 1e-9)) << run << " at " << k;
+      ASSERT_LE(std::fabs(axis.acceleration), a * (1 + 1e-12)) << run << " at " << k;
+      ASSERT_LE(axis.speed_m_s, V * 1.001 + j * T * T) << run << " at " << k;
+    }
+    EXPECT_LT(k, 100000) << run;
+    EXPECT_LT(std::fabs(axis.speed_m_s), 1.25 * w1 + a * T) << run;
+  }
+}
+
+TEST(MovePlan, TakesLittleLongerThanAnyMoveMust) {
+  const MoveLimits<double> limits{1, 20, 20, 2000};
+  Follower axis{{limits, {0, 0, 0}, 20, 1e-4}, 0.4};
+  int k = 0;
+  for (; k < 10000 && !(axis.distance_m < 1e-5 && axis.speed_m_s < 0.01); ++k) axis.step(1e-4);
+  const double least_s = design::least_move_s({0.4, 1, 20, 2000});
+  EXPECT_NEAR(least_s, 0.46, 1e-12);
+  EXPECT_NEAR(design::least_move_s({0.4, 1, 20, {}}), 0.45, 1e-12);
+  EXPECT_NEAR(design::least_move_s({0.01, 1, 20, 2000}), 0.05583, 1e-5);
+  EXPECT_NEAR(design::least_move_s({1e-6, 1, 20, 2000}), 4 * std::cbrt(1e-6 / 2 / 2000), 1e-9);
+  EXPECT_LT(k * 1e-4, least_s + 0.004);
+}
+
+design::BrakedClass axis_of_the_scenes() {
+  design::BrakedClass c;
+  c.lag_s = {1e-4, 1e-4};
+  c.friction = {2.5, 4.5};
+  c.max_force_N = 50;
+  c.force_step_N = 0.025;
+  c.period_s = 1e-3;
+  c.encoder_resolution_m = 1e-6;
+  return c;
+}
+
+struct Moves {
+  double worst_s = 0, m_s = 0, m_s2 = 0, beyond_m = 0;
+  int kicks = 0;
+};
+
+// Under every kind of friction, some of them from several seeds.
+Moves run_moves(const design::MoveRequest& move, const Retarget& retarget = {}) {
+  design::BrakedClass c = axis_of_the_scenes();
+  c.move = move;
+  const auto design = design::design_braked_kicks<float>(c);
+  auto p = campaign::parameters(c, 2.5e-6);
+  p.max_approach_speed_m_s = 1e6F;
+  const K3Table<float> unused;
+  Moves all;
+  for (int run = 0; run < 8 * campaign::kinds; ++run) {
+    const int kind = run % campaign::kinds, seed = run / campaign::kinds;
+    const auto friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(run), 1e-5 * (1 + seed));
+    const double start_m = seed % 2 == 0 ? -move.distance_m : move.distance_m;
+    const RunEnd end = breakaway::testing::run_kicked_axis<float>(p, unused, design.kicks, {1, 1, 1e-4, 0, 1}, friction,
+                                                                  start_m, 0, 5, 4, 50, 0.3, retarget);
+    EXPECT_TRUE(end.held) << "friction " << kind << ", seed " << seed << ": " << to_string(end.fault);
+    all.worst_s = std::max(all.worst_s, end.time_s);
+    all.m_s = std::max(all.m_s, end.approach_m_s);
+    all.m_s2 = std::max(all.m_s2, end.approach_m_s2);
+    all.beyond_m = std::max(all.beyond_m, end.approach_beyond_m);
+    all.kicks = std::max(all.kicks, end.kicks);
+  }
+  EXPECT_GT(design.kicks.approach.move.acceleration_m_s2, 0);
+  if (!(retarget.at_s < 5)) {
+    EXPECT_LE(all.beyond_m, design::hand_over_m(design));
+  }
+  EXPECT_LE(all.m_s, move.speed_m_s);
+  EXPECT_LE(all.m_s2, 1.0001 * move.acceleration_m_s2);
+  EXPECT_LE(all.kicks, 10);
+  return all;
+}
+
+TEST(Move, KeepsItsLimitsUnderEveryFrictionAndIsQuick) {
+  EXPECT_LE(run_moves({0.4, 1, 20, {}}).worst_s, 0.5);
+  EXPECT_LE(run_moves({0.4, 1, 20, 2000}).worst_s, 0.504);
+  EXPECT_LE(run_moves({0.01, 1, 20, {}}).worst_s, 0.0801);
+  EXPECT_LE(run_moves({0.01, 1, 20, 2000}).worst_s, 0.0921);
+}
+
+TEST(Move, KeepsItsLimitsWhereItsTargetMovesOnTheWay) {
+  for (const double shift_m : {0.2, -0.215, -0.24, -0.3, -0.6, 1e-3}) {
+    run_moves({0.4, 1, 20, {}}, {0.2, shift_m});
+    run_moves({0.4, 1, 20, 2000}, {0.2, shift_m});
+  }
+}
+
+TEST(Move, GoesOnFromItsSpeedWhenItsTargetMovesOn) {
+  design::BrakedClass c = axis_of_the_scenes();
+  c.move = design::MoveRequest{0.4, 1, 20, 2000};
+  const auto kicks = design::design_braked_kicks<float>(c).kicks;
+  auto p = campaign::parameters(c, 2.5e-6);
+  p.max_approach_speed_m_s = 1;
+  const K3Table<float> unused;
+  AxisController<float> controller{p, unused, kicks};
+  float x = -0.4F, force_N = 0;
+  for (int k = 0; k < 100; ++k) {
+    force_N = controller.update({x}).force_N;
+    x += 5e-4F;
+  }
+  controller.shift_target(0.1F);
+  x -= 0.1F;
+  const auto out = controller.update({x});
+  EXPECT_EQ(out.mode, Mode::approach);
+  EXPECT_NEAR(controller.velocity_m_s(), 0.5F, 0.01F);
+  EXPECT_LE(std::fabs(out.force_N - force_N), 2.1F) << "the force changes by the mass times what the jerk allows";
+}
+
+}  // namespace
+}  // namespace breakaway::law
