@@ -156,6 +156,29 @@ TEST_F(ControlLoopTest, NamesADriveThatIsNeverEnabledAndTriesAgainAfterAReset) {
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "the time begins anew";
 }
 
+TEST_F(ControlLoopTest, GivesADriveTheWholeTimeAgainWhereItIsResetOnItsWay) {
+  loop.request_enable(axis);
+  probe.feedback.state = hal::DriveState::enabling;
+  run_for(5002ms);
+  ASSERT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
+  EXPECT_TRUE(loop.reset_fault(axis));
+  run_for(4s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+}
+
+TEST_F(ControlLoopTest, CountsTheTimeOfAResetFromTheEndOfTheSetUp) {
+  probe.feedback.state = hal::DriveState::fault;
+  step();
+  ASSERT_TRUE(loop.reset_fault(axis));
+  probe.feedback.state = hal::DriveState::configuring;
+  run_for(3s);
+  probe.feedback.state = hal::DriveState::fault;
+  run_for(900ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  run_for(200ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::drive_fault);
+}
+
 TEST_F(ControlLoopTest, CountsTheTimeOfOneWishToEnable) {
   loop.request_enable(axis);
   for (int wish = 0; wish < 5; ++wish) {

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "../cia402/scripted_drive.hpp"
 #include "certified_node.hpp"
 
 namespace breakaway::firmware {
@@ -218,6 +221,33 @@ TEST_F(ControlNodeTest, TellsTheStatusOfEveryAxisEveryFiftyPeriods) {
   run(running, 100);
   EXPECT_EQ(told(0).size(), 2U);
   EXPECT_EQ(told(1).size(), 2U);
+}
+
+TEST_F(ControlNodeTest, StopsAnAxisWhoseCommanderFallsSilent) {
+  Node running{port, flashed};
+  test::ScriptedDrive drive{flashed.axes[0].drive.node_id};
+  drive.boot();
+  const auto run_with_drive = [&](hal::Duration duration, std::optional<bool> enable) {
+    for (const hal::Time end = now + duration; now < end;) {
+      if (enable && now.time_since_epoch() % 100ms == 0ms)
+        port.inbox.push_back({encode_command({.enable = *enable}, node), now});
+      for (const hal::CanFrame& frame : std::exchange(drive.out, {})) port.inbox.push_back({frame, now});
+      port.sent.clear();
+      run(running, 1);
+      drive.advance_to(now);
+      for (const hal::CanFrame& frame : port.sent) drive.on_frame(frame);
+    }
+  };
+  run_with_drive(1s, false);
+  EXPECT_EQ(drive.state, cia402::State::switch_on_disabled);
+  run_with_drive(2s, true);
+  EXPECT_EQ(drive.state, cia402::State::operation_enabled) << "as long as it is said";
+  run_with_drive(flashed.loop.command_timeout - 100ms, {});
+  EXPECT_EQ(drive.state, cia402::State::operation_enabled);
+  run_with_drive(105ms, {});
+  EXPECT_NE(drive.state, cia402::State::operation_enabled);
+  run_with_drive(2s, true);
+  EXPECT_NE(drive.state, cia402::State::operation_enabled) << "what comes late is no edge";
 }
 
 TEST_F(ControlNodeTest, SetsUpTheDriveOfEveryAxis) {
