@@ -157,21 +157,21 @@ Picture braked_kicks(const BrakedClass& axes, const Braked& braked) {
   };
   const std::string commands =
       format::plot_style + data_block("kicks", samples, point) +
-      "set multiplot layout 1,3\nset logscale x\nset format x '10^{%T}'\nset xlabel 'distance [m]'\nset xtics rotate\n"
+      "set bmargin 5\nset multiplot layout 1,3\nset logscale x\nset format x '10^{%T}'\nset xlabel 'distance [m]'\n"
+      "set xtics rotate\n"
       "set logscale y\nset format y '10^{%T}'\nset ylabel 'force times time [N s]'\n"
       "plot $kicks using 1:2 with lines linestyle 1 notitle\n"
       "unset logscale y\nset format y '%h'\nset yrange [0:105]\nset ylabel 'of the distance [%]'\nset key bottom "
       "right\n"
       "plot $kicks using 1:3 with lines linestyle 1 title 'at most', "
       "$kicks using 1:4 with lines linestyle 3 title 'at least'\n"
-      "set logscale y\nset format y '10^{%T}'\nset yrange [*:*]\nset ylabel 'of the distance not aimed for [%]'\n"
+      "set logscale y\nset format y '10^{%T}'\nset yrange [*:*]\nset ylabel 'not aimed for [%]'\n"
       "plot $kicks using 1:5 with lines linestyle 4 notitle\n";
   return {"The kicks",
           fmt::format(
               "From the floor of {:.4g} m to the reach of {:.4g} m: what a kick gives the axis, how far it moves any "
-              "axis of "
-              "the class, and what it leaves of the distance even under the least friction, by steps of force and the "
-              "table's {} bytes.",
+              "axis of the class, and what it leaves of the distance even under the least friction, by steps of force "
+              "and the table's {} bytes.",
               braked.floor_m, braked.reach_m, braked.table_bytes),
           format::draw_svg("braked_kicks", format::width_px, 340, commands)};
 }
