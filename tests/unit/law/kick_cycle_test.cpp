@@ -300,6 +300,17 @@ TEST(KickCycle, NamesAnAxisWhoseDriveGivesNextToNothing) {
   EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
 }
 
+TEST(KickCycle, LatchesAFaultWhenTheSpeedOfTheApproachOverflows) {
+  Scripted axis{1e-3};
+  axis.show(0.01F);
+  EXPECT_EQ(axis.show(3e38F).force_N, 0);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::not_a_number);
+  axis.controller().reset();
+  axis.show(0.01F);
+  EXPECT_EQ(axis.show(0.01F).mode, Mode::approach) << "nothing of the overflow is left";
+  EXPECT_EQ(axis.controller().velocity_m_s(), 0);
+}
+
 TEST(KickCycle, NeverExceedsTheForceLimitWhateverTheTableHolds) {
   std::mt19937_64 random{7};
   auto kicks = design::design_braked_kicks<float>(axes(1e-3)).kicks;

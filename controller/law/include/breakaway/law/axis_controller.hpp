@@ -196,7 +196,9 @@ class AxisController {
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
-    if (plan_.see(x, cycle_.interval().middle_N(), last_force_N_)) {
+    const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_);
+    if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
+    if (arrived) {
       mode_ = Mode::coast;
       cycle_.brake(plan_.direction(), plan_.braking_periods());
       return give(0);
