@@ -136,7 +136,8 @@ class ApproachPlan {
     forward_ = false;
     missed_ = -1;  // the first reading tells no speed
     primed_ = true;
-    accelerations_.fill(Scalar{0});
+    // Only those that are looked at, because a first period has work enough.
+    for (std::size_t ago = 0; ago < latency_; ++ago) accelerations_[place(ago)] = 0;
   }
 
   // Keeps the acceleration of the period that has just passed, friction at its least.
@@ -150,10 +151,11 @@ class ApproachPlan {
     newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
     accelerations_[newest_] = (mean_N - friction_N) * per_mass_;
   }
-  Scalar acceleration(std::size_t periods_ago) const noexcept {
-    const std::size_t place = newest_ + periods_ago;
-    return accelerations_[place < accelerations_.size() ? place : place - accelerations_.size()];
+  std::size_t place(std::size_t periods_ago) const noexcept {
+    const std::size_t index = newest_ + periods_ago;
+    return index < accelerations_.size() ? index : index - accelerations_.size();
   }
+  Scalar acceleration(std::size_t periods_ago) const noexcept { return accelerations_[place(periods_ago)]; }
 
   void estimate(Scalar x) noexcept {
     const Scalar gain_m_s = acceleration(latency_) * period_s_;

@@ -243,10 +243,13 @@ class KickCycle {
 
   // Counts the periods whose force proves rest.
   void note_calm() noexcept {
+    if (phase_ != Phase::brake && phase_ != Phase::released) {
+      calm_ = 0;
+      return;
+    }
     const ForceInterval<Scalar> u = force();
     const Scalar most_N = either_way_ ? kicks_->holding_force_N : kicks_->resting_force_N;
-    const bool braked = phase_ == Phase::brake || phase_ == Phase::released;
-    const bool calm = braked && u.upper_N <= most_N && u.lower_N >= -kicks_->holding_force_N;
+    const bool calm = u.upper_N <= most_N && u.lower_N >= -kicks_->holding_force_N;
     calm_ = calm ? std::min(calm_ + 1, longest) : 0;
   }
 

@@ -82,11 +82,11 @@ class MovePlan {
 
   // The least distance from the target at which the move must be at this speed; negative where it moves away fast.
   Scalar stop_m(Scalar speed_m_s, Scalar acceleration) const noexcept {
-    const Scalar w = speed_m_s - more_m_s_, t = std::abs(acceleration) * per_jerk_;
-    const Scalar without = w + acceleration * t / 2;  // the speed at which the acceleration is taken back
-    const bool braking = acceleration != 0 && (acceleration < 0) == (without > 0);
+    const Scalar w = speed_m_s - more_m_s_, t = std::abs(acceleration) * per_jerk_, gain_m_s = acceleration * t / 2;
+    const Scalar without = w + gain_m_s;  // the speed at which the acceleration is taken back
+    const bool braking = acceleration * without < 0;
     // One that is slower than the end asks for has no need to stop.
-    const Scalar from = std::max(braking ? w - acceleration * t / 2 : without, Scalar{0});
+    const Scalar from = std::max(braking ? w - gain_m_s : without, Scalar{0});
     const Scalar stop_s = time_from_no_acceleration_s(from);
     const Scalar first_m = braking ? -t * (w - acceleration * t / 3) : t * (w + acceleration * t / 3);
     return end_m_ + first_m + from * stop_s / 2 + more_m_s_ * (braking ? stop_s - t : stop_s + t);
@@ -100,7 +100,7 @@ class MovePlan {
 
   Room room(Scalar distance_m, Scalar speed_m_s, Scalar acceleration) const noexcept {
     const Scalar after_m_s = speed_m_s + acceleration * period_s_;
-    const Scalar highest_m_s = after_m_s + acceleration * std::abs(acceleration) * per_jerk_ / 2;
+    const Scalar highest_m_s = after_m_s + acceleration * (std::abs(acceleration) * per_jerk_) / 2;
     const Scalar left_m = distance_m - (speed_m_s + after_m_s) / 2 * period_s_;
     return {left_m - stop_m(after_m_s, acceleration), limits_.speed_m_s - highest_m_s};
   }
