@@ -12,8 +12,8 @@ QEMU and beside it on this host:
   proofs       no heap, no double arithmetic, a bounded stack, and a size
   closed loop  the controller node moves the simulated axes over a tour of targets: every frame equal to the same node's on
                the host
-  replay       5000 recorded steps and 20000 hostile ones: equal to the host's bit for bit, and no step above its bound of
-               instructions
+  replay       of three axes, one under the coast "pd", one under "brake" and one on moves with limits, 5000 recorded steps
+               and 20000 hostile ones: equal to the host's bit for bit, and no step above its bound of instructions
 
   stm32f405    Cortex-M4F over slcan with one axis, the world on this host
   zynqmp_r5    Cortex-R5F on CAN with two axes at 1 kHz for 10 s, the world on the other core of the emulated machine
@@ -84,8 +84,11 @@ run_target() (
   work=$root/build/$1/run
   rm -rf -- "$work"
   mkdir -p -- "$work/emulated"
-  cp -- "$tapes"/*.tape "$work/emulated"
-  cp -- "$tapes"/*.results "$work"
+  for axis in "${replayed[@]}"; do
+    mkdir -- "$work/$axis" "$work/emulated/$axis"
+    cp -- "$tapes/$axis"/*.tape "$work/emulated/$axis"
+    cp -- "$tapes/$axis"/*.results "$work/$axis"
+  done
   source "$toolchain/emulated/$1.sh"
   build_target "$1"
   printf '\n=== %s: proofs\n' "$1"
@@ -93,7 +96,9 @@ run_target() (
   printf '\n=== %s: closed loop\n' "$1"
   run_closed_loop
   printf '\n=== %s: replay\n' "$1"
-  (cd -- "$work/emulated" && emulate_replay)
+  for axis in "${replayed[@]}"; do
+    (cd -- "$work/emulated/$axis" && emulate_replay "$tests/replay_$axis.elf")
+  done
   python3 -B tests/emulated/report.py "$1" "$work" "$images"
 )
 
@@ -109,8 +114,9 @@ cmake --build --preset release --target emulation
 # The host's results, and what the targets are to read.
 host=$release/tests/emulated/host
 tapes=$release/tests/emulated/tapes
-mkdir -p -- "$tapes"
+rm -rf -- "$tapes"
 "$host/host_replay" "$tapes"
+mapfile -t replayed < <(ls -- "$tapes")
 
 for target in "${targets[@]}"; do
   run_target "$target"

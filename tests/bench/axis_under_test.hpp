@@ -1,4 +1,4 @@
-// The axis that all figures are for: sim/scenarios/can_axis.toml, from rest.
+// The axis that all figures are for where nothing else is said: sim/scenarios/can_axis.toml, from rest.
 #pragma once
 
 #include <chrono>
@@ -17,10 +17,16 @@
 
 namespace breakaway::bench {
 
+// sim/scenarios/<name>.toml, of one axis or more, the first from rest.
+inline scenario::Scenario scenario_from_rest(const std::string& name) {
+  scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/" + name + ".toml");
+  s.worlds[0].velocity_m_s = 0;
+  return s;
+}
+
 // So many of it on one bus, at the shortest whole number of milliseconds in which they fit.
 inline scenario::Scenario axis_scenario(std::size_t axes = 1) {
-  scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
-  s.worlds[0].velocity_m_s = 0;
+  scenario::Scenario s = scenario_from_rest("can_axis");
   for (std::size_t i = 1; i < axes; ++i) {
     s.node.axes.push_back(s.node.axes[0]);
     s.worlds.push_back(s.worlds[0]);

@@ -10,7 +10,7 @@ import datetime
 import json
 import subprocess
 
-from report import KINDS, TARGETS, worst_of_law
+from report import AXES, KINDS, PID, TARGETS, in_words, worst_of_law
 
 from callgrind_counts import Counts, count  # report.py knows where it is
 
@@ -34,17 +34,21 @@ def steps_table(costs, host):
         head += [f"{core}: least", "typical", "most", "most, hostile"]
     head += ["x86-64: least", "typical", "most"]
     rows = []
-    for label, names in (("AxisController", KINDS), ("PidController", ["step"])):
-        for kind, name in enumerate(names):
-            row = [f"{label}, {name}"]
-            for cost in costs.values():
-                steps = cost["steps"]
-                calls = steps.get(f"{label}/{kind}", [])
-                hostile = steps.get(f"hostile/{kind}") if label == "AxisController" else None
-                row += [*spread(calls), max(hostile) if hostile else ""]
-            here = host.get(f"{label}/{kind}")
-            rows.append(row + list(spread(here.calls if here else [])))
+    for label, hostile_label in labels(costs):
+        row = [in_words(label)]
+        for cost in costs.values():
+            hostile = cost["steps"].get(hostile_label)
+            row += [*spread(cost["steps"].get(label, [])), max(hostile) if hostile else ""]
+        here = host.get(label)
+        rows.append(row + list(spread(here.calls if here else [])))
     return table(head, rows)
+
+
+def labels(costs):
+    """Of the steps that occurred on a target, each with that of the hostile ones of its kind."""
+    pairs = [(f"{axis}/axis/{kind}", f"{axis}/hostile/{kind}") for axis in AXES for kind in range(len(KINDS))]
+    pairs += [(f"{PID}/{kind}", None) for kind in range(len(KINDS))]
+    return [pair for pair in pairs if any(label in cost["steps"] for cost in costs.values() for label in pair)]
 
 
 def node_table(costs):
@@ -73,9 +77,10 @@ Written by `toolchain/emulate.sh {" ".join(costs)} --costs`; do not edit. {datet
 ## Instructions per control step, in float
 
 Counted by a plugin of QEMU on the emulated cores, by callgrind on x86-64 (`-O3`): exact, and the same in every run. One call
-of `update`, less an empty one. 5000 steps of `sim/scenarios/can_axis.toml` in closed loop, one sample in 97 lost; PID on the
-same samples. "Hostile" are 20000 samples that no axis would give, to look for the worst. Typical is the median. The M4F runs
-Thumb code, the R5F Arm code.
+of `update`, less an empty one. 5000 steps in closed loop, one sample in 97 lost: "coast pd" of `sim/scenarios/can_axis.toml`,
+"coast brake" of `braked_axis.toml`, "move" of `move_axis.toml`, whose jerk is limited; PID on the samples of the first.
+"Hostile" are 20000 samples that no axis would give, to look for the worst. Typical is the median. The M4F runs Thumb code, the
+R5F Arm code.
 
 {steps_table(costs, host)}
 

@@ -42,12 +42,16 @@ struct StepResult {
 };
 static_assert(sizeof(StepResult) == 16);
 
-constexpr StepKind kind_of(law::Mode before, law::Mode after, const law::ControlOutput<float>& output, bool fresh) {
+// chosen: the controller counted one more kick. Under the coast "brake" its pulse may start later.
+constexpr StepKind kind_of(law::Mode before, law::Mode after, const law::ControlOutput<float>& output, bool fresh,
+                           bool chosen) {
   if (output.mode == law::Mode::fault) return StepKind::fault;
   if (!fresh) return StepKind::lost_sample;
-  if (output.kicked)
-    return after == law::Mode::kick ? StepKind::kick_of_many_periods_starts : StepKind::kick_of_one_period;
-  if (before == law::Mode::kick) return StepKind::kick_goes_on;
+  if (chosen) {
+    const bool over = output.kicked && after != law::Mode::kick;
+    return over ? StepKind::kick_of_one_period : StepKind::kick_of_many_periods_starts;
+  }
+  if (before == law::Mode::kick || output.kicked) return StepKind::kick_goes_on;
   if (output.mode == law::Mode::approach) return StepKind::approach;
   return output.mode == law::Mode::coast ? StepKind::coast : StepKind::hold;
 }
@@ -58,9 +62,11 @@ StepResult replay_step(Controller& controller, const TapeStep& step, const Updat
   if ((step.flags & reset_flag) != 0) controller.reset();
   if (step.shift_m < 0 || step.shift_m > 0) controller.shift_target(step.shift_m);
   const law::Mode before = controller.mode();
+  const std::uint32_t kicks_before = controller.kicks();
   const law::Measurement<float> measurement{step.position_error_m, 0.0F, (step.flags & fresh_flag) != 0};
   const law::ControlOutput<float> output = update(controller, measurement);
-  const StepKind kind = kind_of(before, controller.mode(), output, measurement.fresh);
+  const bool chosen = controller.kicks() != kicks_before;
+  const StepKind kind = kind_of(before, controller.mode(), output, measurement.fresh, chosen);
   return {output.force_N,
           controller.velocity_m_s(),
           controller.kicks(),

@@ -1,6 +1,6 @@
-// Replays axis.tape, of the node's first axis, through the impulsive law and through a PID, and writes what they did to
-// axis.results and pid.results. Between the two marks an emulator counts instructions; the first pair of marks has
-// nothing in between.
+// Replays axis.tape, of the node's first axis, and hostile.tape through the impulsive law, and axis.tape through a PID
+// where the coast is "pd"; and writes what they did to axis.results, hostile.results and pid.results. Between the two
+// marks an emulator counts instructions; the first pair of marks has nothing in between.
 #include <array>
 
 #include "flashed_node.hpp"
@@ -51,10 +51,12 @@ void run_image() {
   count_begin();
   count_end();
   const auto& flashed_axis = flashed::node.axes[0];
-  const law::AxisController<float> axis{flashed_axis.law, flashed_axis.k3_table};
-  const law::PidController<float> pid{pid_parameters(flashed_axis.law)};
+  const law::AxisController<float> axis{flashed_axis.law, flashed_axis.k3_table, flashed_axis.braked};
   ExitCode code = replay_file(axis, "axis.tape", "axis.results");
   if (code == done) code = replay_file(axis, "hostile.tape", "hostile.results");
-  if (code == done) code = replay_file(pid, "axis.tape", "pid.results");
+  if (code == done && flashed_axis.law.coast == law::Coast::pd) {
+    const law::PidController<float> pid{pid_parameters(flashed_axis.law)};
+    code = replay_file(pid, "axis.tape", "pid.results");
+  }
   exit_emulator(code);
 }

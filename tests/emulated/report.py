@@ -2,8 +2,9 @@
 
 Usage: report.py TARGET FOLDER IMAGES_FOLDER
 
-FOLDER holds the host's results, and in FOLDER/emulated the target's with its counts. Leaves what was counted and measured
-in FOLDER/costs.json for costs.py. Exit codes: 0 all bits are equal and no step takes more than its bound; 1 not so.
+FOLDER/<scenario> holds the host's results, and FOLDER/emulated/<scenario> the target's with its counts. Leaves what was
+counted and measured in FOLDER/costs.json for costs.py. Exit codes: 0 all bits are equal and no step takes more than its
+bound; 1 not so.
 toolchain/emulate.sh calls it.
 """
 import argparse
@@ -21,7 +22,9 @@ from check_image import examine  # noqa: E402
 
 KINDS = ["approach", "coast", "hold", "kick of one period", "kick of many periods starts", "kick goes on", "lost sample",
          "fault"]
-RUNS = [("axis", "AxisController"), ("hostile", "hostile"), ("pid", "PidController")]  # in the order of the image
+AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move"}  # by scenario
+PID = "can_axis/pid"
+RUNS = [f"{axis}/{tape}" for axis in AXES for tape in ("axis", "hostile")] + [PID]  # by axis in the order of its image
 RESULT = struct.Struct("<ffIBBBB")
 
 
@@ -50,7 +53,7 @@ def read_results(path):
 def compare(folder):
     """Steps that differ, by run; prints the first of each."""
     different = 0
-    for name, _ in RUNS:
+    for name in RUNS:
         host, host_bytes = read_results(f"{folder}/{name}.results")
         target, target_bytes = read_results(f"{folder}/emulated/{name}.results")
         steps = [i for i in range(len(host)) if host_bytes[16 * i:16 * i + 16] != target_bytes[16 * i:16 * i + 16]]
@@ -70,18 +73,28 @@ def read_counts(path):
 
 def target_counts(folder):
     """Instructions by run and kind, each less the count of an empty pair of marks."""
-    empty, *counts = read_counts(f"{folder}/emulated/replay.counts")
     by_kind = {}
-    for name, label in RUNS:
-        results, _ = read_results(f"{folder}/{name}.results")
-        for result, instructions in zip(results, counts):
-            by_kind.setdefault(f"{label}/{result[-1]}", []).append(instructions - empty)
-        counts = counts[len(results):]
+    for axis in AXES:
+        empty, *counts = read_counts(f"{folder}/emulated/{axis}/replay.counts")
+        for name in (name for name in RUNS if name.startswith(f"{axis}/")):
+            results, _ = read_results(f"{folder}/{name}.results")
+            for result, instructions in zip(results, counts):
+                by_kind.setdefault(f"{name}/{result[-1]}", []).append(instructions - empty)
+            counts = counts[len(results):]
+        if counts:
+            sys.exit(f"{axis}: {len(counts)} counts belong to no step")
     return by_kind
 
 
+def in_words(label):
+    """<scenario>/<tape>/<kind> as a reader knows it."""
+    axis, tape, kind = label.split("/")
+    controller = "PidController" if f"{axis}/{tape}" == PID else f"AxisController, {AXES[axis]}"
+    return f"{controller}, {KINDS[int(kind)]}" + (", hostile" if tape == "hostile" else "")
+
+
 def worst_of_law(steps):
-    return max(max(calls) for label, calls in steps.items() if not label.startswith("PidController"))
+    return max(max(calls) for label, calls in steps.items() if not label.startswith(f"{PID}/"))
 
 
 def main():
@@ -94,8 +107,7 @@ def main():
     different = compare(a.folder)
     steps = target_counts(a.folder)
     for label, calls in sorted(steps.items()):
-        run, kind = label.split("/")
-        print(f"  {run + ', ' + KINDS[int(kind)]:45} {len(calls):6} steps, {min(calls):4} to {max(calls):4} instructions")
+        print(f"  {in_words(label):66} {len(calls):6} steps, {min(calls):4} to {max(calls):4} instructions")
     node = read_counts(f"{a.folder}/emulated/node.counts")
     print(f"  whole node, {target.axes} {'axis' if target.axes == 1 else 'axes'}: {min(node)} to {max(node)} instructions, "
           f"mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} of 1 ms at "

@@ -2,7 +2,7 @@
 
 scenario=can_axis
 
-prove_images() { prove 65536 16384 "$images"/*.elf "$tests"/{replay,lockstep}.elf; }
+prove_images() { prove 65536 16384 "$images"/*.elf "$tests"/{replay_*,lockstep}.elf; }
 
 # emulate <image> <counts file> [QEMU option...]
 emulate() {
@@ -22,4 +22,5 @@ run_closed_loop() {
   wait "$machine" || true
 }
 
-emulate_replay() { (emulate "$tests/replay.elf" replay.counts); }
+# emulate_replay <image>
+emulate_replay() { (emulate "$1" replay.counts); }

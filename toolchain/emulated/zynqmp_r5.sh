@@ -4,7 +4,7 @@
 scenario=two_axes
 
 prove_images() {
-  prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay}.elf
+  prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay_*}.elf
   (cd -- "$work/emulated" && emulate "$tests/overflow.elf") ||
     fail "the stack outgrew its memory without a fault there ($?)"
   printf 'a stack that outgrows its memory faults\n'
@@ -43,4 +43,5 @@ run_closed_loop() {
   printf 'two runs are equal\n'
 }
 
-emulate_replay() { emulate "$tests/replay.elf" -plugin "$(counting "$tests/replay.elf" replay.counts $below)"; }
+# emulate_replay <image>
+emulate_replay() { emulate "$1" -plugin "$(counting "$1" replay.counts $below)"; }

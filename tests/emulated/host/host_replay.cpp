@@ -1,18 +1,20 @@
-// Records 5000 steps of sim/scenarios/can_axis.toml in closed loop (float, one sample in 97 lost), and replays them
-// here:
-//   host_replay FOLDER   writes FOLDER/axis.tape, axis.results and pid.results
-// Under callgrind every replayed update leaves its count, labelled with the controller and the kind of step.
+// Records 5000 steps of each axis in closed loop (float, one sample in 97 lost), makes 20000 hostile ones, and replays
+// both here:
+//   host_replay FOLDER   writes FOLDER/<scenario>/axis.tape, hostile.tape, axis.results and hostile.results, and
+//                        pid.results where the coast is "pd"
+// Under callgrind every replayed update leaves its count, labelled <scenario>/<results>/<kind of step>.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "callgrind_count.hpp"
-#include "flashed_node.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
 
@@ -91,18 +93,23 @@ void write_file(const std::string& path, const std::vector<Item>& items) {
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-void run(const std::string& folder) {
-  const scenario::Scenario s = bench::axis_scenario();
-  const auto& parameters = flashed::node.axes[0].law;
-  const law::AxisController<float> controller{parameters, flashed::node.axes[0].k3_table};
+// The targets replay with what `breakaway design` wrote into a header for them, which must be the same numbers.
+void run(const std::string& into, const std::string& name) {
+  const scenario::Scenario s = bench::scenario_from_rest(name);
+  const config::AnyNode<float> node = config::flashed<float>(s.node);
+  const auto& axis = node.axes[0];
+  const law::AxisController<float> controller{axis.law, axis.k3_table, axis.braked};
+  const std::string folder = into + "/" + name;
+  std::filesystem::create_directories(folder);
   const std::vector<TapeStep> tape = record_tape(s, controller);
   write_file(folder + "/axis.tape", tape);
-  const std::vector<TapeStep> hostile = hostile_tape(parameters, 20000);
+  const std::vector<TapeStep> hostile = hostile_tape(axis.law, 20000);
   write_file(folder + "/hostile.tape", hostile);
-  write_file(folder + "/hostile.results", replay_tape(hostile, controller, "hostile"));
-  write_file(folder + "/axis.results", replay_tape(tape, controller, "AxisController"));
-  write_file(folder + "/pid.results",
-             replay_tape(tape, law::PidController<float>{pid_parameters(parameters)}, "PidController"));
+  write_file(folder + "/hostile.results", replay_tape(hostile, controller, name + "/hostile"));
+  write_file(folder + "/axis.results", replay_tape(tape, controller, name + "/axis"));
+  if (axis.law.coast != law::Coast::pd) return;
+  const law::PidController<float> pid{pid_parameters(axis.law)};
+  write_file(folder + "/pid.results", replay_tape(tape, pid, name + "/pid"));
 }
 
 }  // namespace
@@ -114,7 +121,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    breakaway::emulated::run(argv[1]);
+    for (const char* name : {"can_axis", "braked_axis", "move_axis"}) breakaway::emulated::run(argv[1], name);
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "host_replay: %s\n", error.what());
