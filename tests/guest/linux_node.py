@@ -97,10 +97,11 @@ def an_rpdo_that_another_tool_switches_off(build):
         cut_s = next(f.time_s for f in frames if f.can_id == 0x601 and f.data.hex() == "2300140101020080")
         forces = [(t, torque) for t, torque in reported_force(frames) if t > cut_s]
         kept = forces[2][1]
-        # What the drive keeps is what it is told until the law wants another force: less, or the other way.
-        other_s = next(f.time_s for f in frames if f.can_id == 0x201 and f.time_s > cut_s and
-                       (f.torque * kept <= 0 or abs(f.torque) < abs(kept) - 200))
         off_s = next(t for t, torque in forces if abs(torque) <= 1)
+        # What the drive keeps is what it is told, to a twentieth of the limit of 2000 per mille, until the law wants
+        # less or the other way for good. One late sample makes one odd command, which is no other wish.
+        told = [f for f in frames if f.can_id == 0x201 and cut_s < f.time_s < off_s]
+        other_s = max(f.time_s for f in told if f.torque * kept > 0 and abs(f.torque) >= abs(kept) - 100)
         took_ms = 1000 * (off_s - other_s)
         require(took_ms <= 100, f"force stays on for {took_ms:.0f} ms")
     return f"named; the force is off {took_ms:.0f} ms after it was to change, and the axis goes on after a reset"
@@ -337,8 +338,8 @@ def a_foreign_drive_is_set_up_and_enabled(build):
     """The npm package canopen as SDO server and NMT slave with PDOs; it needs some of a period of 4 ms."""
     with Bench(build) as b:
         slow = scenario_with_period(0.004, "/dev/shm/slow.toml")
-        # Collecting garbage or compiling beside it would stop it for longer than the node waits for a sample.
-        steady = ("--single-threaded", "--max-semi-space-size=64", "--min-semi-space-size=64")
+        # Collecting garbage or optimizing on the way would stop it for longer than the node waits for a sample.
+        steady = ("--single-threaded", "--no-opt", "--max-semi-space-size=64", "--min-semi-space-size=64")
         slave = b.start("chrt", "-f", "70", "node", *steady, f"{PEERS}/slave.js", "vcan0", "9")
         slave.wait_for("listens")
         node = b.node("vcan0", "--node-id", "9", "--target", "0", "--duration", "1", scenario=slow)
