@@ -12,6 +12,9 @@ DRIVE = 2
 def exchange(bus, data):
     bus.send(can.Message(arbitration_id=0x600 + DRIVE, data=data, is_extended_id=False))
     answer = bus.recv(timeout=2)
+    # The filter is set once the socket is open: what came before waits in it.
+    while answer is not None and answer.arbitration_id != 0x580 + DRIVE:
+        answer = bus.recv(timeout=2)
     if answer is None:
         raise SystemExit("no answer")
     return bytes(answer.data)
