@@ -16,6 +16,18 @@
 
 namespace breakaway::testing {
 
+// Axes like that of the scenes: 1 kg, 2.5 to 4.5 N, 1 kHz, 1 um, behind a current loop with this time constant.
+inline design::BrakedClass axes_of_the_scenes(double lag_s) {
+  design::BrakedClass c;
+  c.lag_s = {lag_s, lag_s};
+  c.friction = {2.5, 4.5};
+  c.max_force_N = 50;
+  c.force_step_N = 0.025;
+  c.period_s = 1e-3;
+  c.encoder_resolution_m = 1e-6;
+  return c;
+}
+
 // What is true of the axis.
 struct TrueAxis {
   double mass_kg = 1;

@@ -15,20 +15,10 @@
 namespace breakaway::law {
 namespace {
 
+using breakaway::testing::axes_of_the_scenes;
 using breakaway::testing::Moment;
 using breakaway::testing::run_kicked_axis;
 using breakaway::testing::TrueAxis;
-
-design::BrakedClass axes(double lag_s) {
-  design::BrakedClass c;
-  c.lag_s = {lag_s, lag_s};
-  c.friction = {2.5, 4.5};
-  c.max_force_N = 50;
-  c.force_step_N = 0.025;
-  c.period_s = 1e-3;
-  c.encoder_resolution_m = 1e-6;
-  return c;
-}
 
 AxisParameters<float> braked_axis() {
   auto p = law::testing::sampled_axis<float>();
@@ -42,7 +32,7 @@ const K3Table<float> no_k3{};
 TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
   using Kicks = BrakedKicks<float>;
   using Approach = BrakedApproach<float>;
-  const Kicks sound = design::design_braked_kicks<float>(axes(1e-3)).kicks;
+  const Kicks sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
   EXPECT_TRUE(are_usable(sound));
   for (float Kicks::*const number :
        {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N, &Kicks::holding_force_N,
@@ -64,7 +54,7 @@ TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
 // An axis that shows a position and records what it is told.
 class Scripted {
  public:
-  explicit Scripted(double lag_s) : kicks_{design::design_braked_kicks<float>(axes(lag_s)).kicks} {}
+  explicit Scripted(double lag_s) : kicks_{design::design_braked_kicks<float>(axes_of_the_scenes(lag_s)).kicks} {}
   ControlOutput<float> show(float position_m) { return controller_.update({position_m}); }
   ControlOutput<float> lose() { return controller_.update({0, 0, false}); }
   // Lets the axis be still at the position until a pulse starts; returns its force.
@@ -127,7 +117,7 @@ TEST(KickCycle, KicksTowardsTheTargetFromBothSidesAlike) {
 
 TEST(KickCycle, ApproachesFromBothSidesAlike) {
   const auto from = [](double start_m, double start_m_s) {
-    static const auto kicks = design::design_braked_kicks<float>(axes(1e-3)).kicks;
+    static const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
     TrueAxis truth;
     truth.lag_s = 1e-3;
     const auto friction = [](const Moment&) { return 3.5; };
@@ -218,7 +208,7 @@ TEST(KickCycle, TakesLongerToProveRestOnceTheBrakeIsOff) {
 // A brake of so many steps is not the same number in double, in float, and as steps times a float.
 TEST(KickCycle, SeesRestUnderTheBrakeWhateverTheStepOfForce) {
   for (const double step_N : {0.025, 0.03, 0.12, 0.3, 0.0478, 0.0613}) {
-    design::BrakedClass c = axes(0);
+    design::BrakedClass c = axes_of_the_scenes(0);
     c.force_step_N = step_N;
     const auto kicks = design::design_braked_kicks<float>(c).kicks;
     AxisController<float> controller{braked_axis(), no_k3, kicks};
@@ -313,7 +303,7 @@ TEST(KickCycle, LatchesAFaultWhenTheSpeedOfTheApproachOverflows) {
 
 TEST(KickCycle, NeverExceedsTheForceLimitWhateverTheTableHolds) {
   std::mt19937_64 random{7};
-  auto kicks = design::design_braked_kicks<float>(axes(1e-3)).kicks;
+  auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
   for (int run = 0; run < 300; ++run) {
     for (auto& entry : kicks.table.entries) entry.a0 = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
     kicks.table.count = static_cast<std::uint8_t>(random());
@@ -360,7 +350,7 @@ TEST(KickCycle, EndsAnApproachThatWouldGoToAndFroForEver) {
 
 TEST(KickCycle, ScalesExactlyWithForceAndMass) {
   const auto force_of = [](float scale) {
-    design::BrakedClass c = axes(1e-3);
+    design::BrakedClass c = axes_of_the_scenes(1e-3);
     c.mass_kg = {scale, scale};
     c.friction = {2.5 * scale, 4.5 * scale};
     c.max_force_N *= scale;

@@ -13,6 +13,7 @@
 namespace breakaway::law {
 namespace {
 
+using breakaway::testing::axes_of_the_scenes;
 using breakaway::testing::Retarget;
 using breakaway::testing::RunEnd;
 using campaign::friction_of_kind;
@@ -68,17 +69,6 @@ TEST(MovePlan, TakesLittleLongerThanAnyMoveMust) {
   EXPECT_LT(k * 1e-4, least_s + 0.004);
 }
 
-design::BrakedClass axis_of_the_scenes() {
-  design::BrakedClass c;
-  c.lag_s = {1e-4, 1e-4};
-  c.friction = {2.5, 4.5};
-  c.max_force_N = 50;
-  c.force_step_N = 0.025;
-  c.period_s = 1e-3;
-  c.encoder_resolution_m = 1e-6;
-  return c;
-}
-
 struct Moves {
   double worst_s = 0, m_s = 0, m_s2 = 0, beyond_m = 0;
   int kicks = 0;
@@ -86,7 +76,7 @@ struct Moves {
 
 // Under every kind of friction, some of them from several seeds.
 Moves run_moves(const design::MoveRequest& move, const Retarget& retarget = {}) {
-  design::BrakedClass c = axis_of_the_scenes();
+  design::BrakedClass c = axes_of_the_scenes(1e-4);
   c.move = move;
   const auto design = design::design_braked_kicks<float>(c);
   auto p = campaign::parameters(c, 2.5e-6);
@@ -131,7 +121,7 @@ TEST(Move, KeepsItsLimitsWhereItsTargetMovesOnTheWay) {
 }
 
 TEST(Move, GoesOnFromItsSpeedWhenItsTargetMovesOn) {
-  design::BrakedClass c = axis_of_the_scenes();
+  design::BrakedClass c = axes_of_the_scenes(1e-4);
   c.move = design::MoveRequest{0.4, 1, 20, 2000};
   const auto kicks = design::design_braked_kicks<float>(c).kicks;
   auto p = campaign::parameters(c, 2.5e-6);
