@@ -183,6 +183,72 @@ TEST(Fault, AnAxisThatStandsUnderFullForceIsStoppedInMilliseconds) {
   }
 }
 
+// A reset alone moves nothing, because nobody knows where to.
+TEST(Fault, AnIncrementalAxisWhoseDriveRebootedWaitsUntilItIsToldWhereItStands) {
+  auto config = far_from_target();
+  config.absolute_encoder = false;
+  Rig rig{config};
+  while (!rig.status(0).feedback.ever_valid) rig.step();
+  ASSERT_TRUE(rig.loop().set_reference_counts(rig.id(0), -1'000'000));
+  ASSERT_TRUE(rig.start());
+  rig.run(4s);
+  ASSERT_LE(std::abs(rig.position_m(0)), 4e-6);
+  EXPECT_FALSE(rig.loop().set_reference_counts(rig.id(0), 5)) << "it runs";
+  rig.drive(0).power_off(rig.now());
+  rig.drive(0).power_on(rig.now());
+  rig.run(1s);
+  ASSERT_NE(rig.status(0).fault, AxisFault::none);
+  rig.loop().set_target_m(rig.id(0), 0.1F);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
+    EXPECT_LT(rig.largest_force_N(0, 1s), 0.1);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::reference_lost) << to_string(rig.status(0).fault);
+  }
+  EXPECT_TRUE(rig.loop().set_reference_counts(rig.id(0), 0));
+  EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
+  rig.run(4s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_NEAR(rig.position_m(0), 0.1, 6e-6);
+}
+
+TEST(Fault, AnAxisThatStandsBeyondALimitOfPositionComesBackAfterAReset) {
+  for (const Real sign : {1.0F, -1.0F}) {
+    auto config = far_from_target();
+    config.start_m = 0.5 * sign;
+    config.limits.position_min_m = -0.3F;
+    config.limits.position_max_m = 0.3F;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start());
+    rig.run(4s);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+    EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+    rig.loop().set_target_m(rig.id(0), 0.4F * sign);
+    steps_until_fault(rig, 2000);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::position_limit) << "and not out again";
+    rig.run(3s);
+    rig.loop().set_target_m(rig.id(0), 0.45F * sign);
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
+    steps_until_fault(rig, 2000);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::position_limit) << "nor further";
+  }
+}
+
+// The reset is said again while the drive is still made to boot.
+TEST(Fault, ALostHeartbeatIsNamedOnceAReset) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.write_to_drive(0x1017, 0, 0, 2);
+  steps_until_fault(rig, 400);
+  ASSERT_EQ(rig.status(0).fault, AxisFault::heartbeat_lost);
+  rig.run(20ms);
+  EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
+  for (int i = 0; i < 5000; ++i) {
+    rig.step();
+    ASSERT_EQ(rig.status(0).fault, AxisFault::none) << i << ' ' << to_string(rig.status(0).fault);
+  }
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
 TEST(Fault, BusOffStopsTheAxisInTheNextStep) {
   Rig rig{far_from_target()};
   ASSERT_TRUE(rig.start());

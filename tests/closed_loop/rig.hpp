@@ -37,6 +37,7 @@ struct RigConfig {
   firmware::AxisLimits<Real> limits{};
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
   std::uint32_t supported_modes = cia402::supports_cyclic_torque;
+  bool absolute_encoder = true;
 };
 
 class Rig {
@@ -143,11 +144,13 @@ class Rig {
     emulated.force_per_torque_N_per_Nm = 50;
     emulated.current_loop_time_constant_s = config_.current_loop_time_constant_s;
     emulated.supported_modes = config_.supported_modes;
+    emulated.quirks.counts_from_power_on = !config_.absolute_encoder;
     drives_.push_back(&network_.add_drive(emulated, *mechanisms_.back()));
 
     cia402::DriveConfig<Real> master;
     master.node_id = node_id;
     master.force_per_torque_N_per_Nm = 50;
+    master.absolute_encoder = config_.absolute_encoder;
     const auto added = loop_.add_axis(master, {p, table_}, config_.limits);
     if (!added.id) std::abort();
     ids_.push_back(*added.id);

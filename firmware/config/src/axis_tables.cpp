@@ -162,6 +162,7 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
           required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
           optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", up_to_a_second)),
           optional("invert_direction", boolean(d.invert_direction)),
+          optional("encoder", choice(d.absolute_encoder, {{"incremental", false}, {"absolute", true}})),
           optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
           optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),

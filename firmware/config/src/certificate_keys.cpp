@@ -90,6 +90,7 @@ constexpr std::array rows{
     CertificateKey{"drive", "encoder_resolution_m", counted},
     CertificateKey{"drive", "current_loop_time_constant_s", counted},
     CertificateKey{"drive", "invert_direction", apart},
+    CertificateKey{"drive", "encoder", apart},
     CertificateKey{"drive", "heartbeat_period_s", apart},
     CertificateKey{"drive", "heartbeat_timeout_s", apart},
     CertificateKey{"drive", "sdo_timeout_s", apart},

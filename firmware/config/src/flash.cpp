@@ -44,7 +44,8 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
           .heartbeat_period = d.heartbeat_period,
           .heartbeat_timeout = d.heartbeat_timeout,
           .sdo_timeout = d.sdo_timeout,
-          .invert_direction = d.invert_direction};
+          .invert_direction = d.invert_direction,
+          .absolute_encoder = d.absolute_encoder};
 }
 
 template <class Real>

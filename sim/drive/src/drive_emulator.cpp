@@ -30,7 +30,8 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
                  }),
       sdo_(dictionary_),
       drive_(config_, dictionary_, emergency_, mechanism),
-      random_(config.seed) {
+      random_(config.seed),
+      sdo_response_delay_(config.sdo_response_delay) {
   add_communication_objects(dictionary_, config_);
   add_drive_objects(dictionary_, config_);
   // The PDOs carry what CiA 402 maps at power-on, with the torque command and the position in the third ones.
@@ -100,6 +101,18 @@ void DriveEmulator::trip_fault(std::uint16_t code, hal::Time time) {
   advance_to(time);
   if (nmt_ == NmtState::boot_up) return;
   drive_.trip(code, false);
+  settle();
+}
+
+void DriveEmulator::inhibit_beyond(std::optional<cia402::State> highest, hal::Time time) {
+  advance_to(time);
+  drive_.inhibit_beyond(highest);
+  settle();
+}
+
+void DriveEmulator::limit_peak_force(double peak_force_N, hal::Time time) {
+  advance_to(time);
+  drive_.limit_peak_force(peak_force_N, now_);
   settle();
 }
 

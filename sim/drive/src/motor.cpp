@@ -17,6 +17,11 @@ void Motor::command(double force_N, double time_s) {
               .start_s = time_s};
 }
 
+void Motor::limit_peak_force(double peak_force_N, double time_s) {
+  largest_so_far_N_ = largest_force_N(time_s);
+  peak_force_N_ = peak_force_N;
+}
+
 double Motor::largest_force_N(double time_s) const {
   // Each segment is monotonic, so its magnitude is largest at one of its ends.
   const double start_N = force_at_N(segment_.start_s);

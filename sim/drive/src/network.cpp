@@ -162,7 +162,7 @@ void DriveEmulator::on_sdo(const hal::CanFrame& frame) {
   if (frame.size != 8) return;
   drive_.sample(now_, false);
   if (const auto answer = sdo_.answer(frame.data))
-    post({.id = canopen::sdo_response_cob_id(config_.node_id), .size = 8, .data = *answer}, config_.sdo_response_delay);
+    post({.id = canopen::sdo_response_cob_id(config_.node_id), .size = 8, .data = *answer}, sdo_response_delay_);
   timers_.cancel(sdo_timeout);
   if (sdo_.transfer_under_way()) timers_.set(sdo_timeout, now_ + config_.sdo_timeout);
 }

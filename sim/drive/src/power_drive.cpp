@@ -50,6 +50,7 @@ void PowerDrive::restart(hal::Time time) {
   if (config_.quirks.silent_drop_at && *config_.quirks.silent_drop_at >= time)
     timers_.set(silent_drop, *config_.quirks.silent_drop_at);
   cut_power(time);
+  if (config_.quirks.counts_from_power_on) origin_m_ = mechanism_.position_m();
 }
 
 void PowerDrive::on_written(std::uint16_t index, hal::Time time) {
@@ -106,7 +107,7 @@ void PowerDrive::advance_mechanism_to(hal::Time time) { mechanism_.advance_to(ha
 
 void PowerDrive::sample(hal::Time time, bool on_sync) {
   advance_mechanism_to(time);
-  const std::int32_t counts = encoder_counts(mechanism_.position_m(), config_.encoder_resolution_m);
+  const std::int32_t counts = encoder_counts(mechanism_.position_m() - origin_m_, config_.encoder_resolution_m);
   dictionary_.set({object::position_actual, 0}, counts);
   dictionary_.set({object::torque_actual, 0},
                   saturate_i16(motor_.force_at_N(hal::seconds(time)) / force_per_per_mille_N_));
@@ -173,6 +174,7 @@ std::uint16_t PowerDrive::statusword() const {
 }
 
 bool PowerDrive::settle(hal::Time time) {
+  if (inhibited_beyond_) machine_.fall_back_to(*inhibited_beyond_);
   watch_stops(time);
   command_torque(torque_demand_per_mille(), time);
   const std::int64_t word = statusword();
@@ -193,7 +195,7 @@ void PowerDrive::on_time(hal::Time time) {
         break;
       case silent_drop:
         enable_needs_edge_ = machine_.state() == State::operation_enabled;
-        machine_.fall_back_to_switched_on();
+        machine_.fall_back_to(State::switched_on);
         break;
     }
   }

@@ -79,8 +79,8 @@ void StateMachine::stop_finished(std::int64_t quick_stop_option) {
 
 void StateMachine::disable_voltage() { apply(Command::disable_voltage, 0); }
 
-void StateMachine::fall_back_to_switched_on() {
-  if (state_ == State::operation_enabled) state_ = State::switched_on;
+void StateMachine::fall_back_to(State highest) {
+  if (state_ > highest && state_ <= State::quick_stop_active) state_ = highest;
 }
 
 }  // namespace breakaway::drive_emulator

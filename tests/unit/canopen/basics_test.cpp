@@ -143,7 +143,8 @@ TEST(Emcy, RoundTripAndReset) {
   EXPECT_TRUE(consumer.active());
   EXPECT_TRUE(consumer.on_frame(emcy_frame({}, 9)));
   EXPECT_FALSE(consumer.active());
-  EXPECT_EQ(consumer.count(), 2U);
+  EXPECT_EQ(consumer.take_error(), overload.code) << "it came, although it is gone";
+  EXPECT_EQ(consumer.take_error(), 0);
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST_F(DriveTest, ADriveWhoseStateNoPdoTellsIsNotLedAnywhere) {
   run_until_state(DriveState::disabled);
   drive.request_enable();
   run_for(500ms);
-  EXPECT_EQ(feedback.state, DriveState::enabling);
+  EXPECT_NE(feedback.state, DriveState::enabled);
   EXPECT_EQ(node.controlword, 0);
   EXPECT_EQ(node.state, State::switch_on_disabled);
 }

@@ -123,7 +123,8 @@ TEST(ReadNode, ABusThatIsTooSlowIsRefusedWithTheLeastPeriodThatWouldDo) {
 TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
   // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
-  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted] = drive_of("");
+  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted, absolute] =
+      drive_of("");
   EXPECT_EQ(node_id, 1);
   EXPECT_EQ(force, 50);
   EXPECT_EQ(rated, 500U);
@@ -131,11 +132,14 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_EQ(heartbeat_timeout, 250ms);
   EXPECT_EQ(sdo_timeout, 50ms);
   EXPECT_FALSE(inverted);
+  EXPECT_FALSE(absolute);
   EXPECT_EQ(certified_node(with(two_axes, "node_id = 1", "node_id = 99")).axes[0].drive.node_id, 99);
   EXPECT_EQ(drive_of("heartbeat_period_s = 0.2").heartbeat_period, 200ms);
   EXPECT_EQ(drive_of("heartbeat_timeout_s = 0.5").heartbeat_timeout, 500ms);
   EXPECT_EQ(drive_of("sdo_timeout_s = 0.3").sdo_timeout, 300ms);
   EXPECT_TRUE(drive_of("invert_direction = true").invert_direction);
+  EXPECT_TRUE(drive_of("encoder = \"absolute\"").absolute_encoder);
+  EXPECT_FALSE(drive_of("encoder = \"incremental\"").absolute_encoder);
   const std::string geared = with(two_axes, "force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 100");
   EXPECT_EQ(certified_node(geared).axes[0].drive.force_per_torque_N_per_Nm, 100);
 }

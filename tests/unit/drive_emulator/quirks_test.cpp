@@ -99,6 +99,33 @@ TEST_F(DriveQuirksTest, ScalesTheTargetByMaxTorque) {
   EXPECT_DOUBLE_EQ(force_N(), 15.0);  // half of 3000 per mille of 10 N
 }
 
+TEST_F(DriveQuirksTest, DoesNotGoBeyondAStateThatIsInhibitedAndFallsBackToIt) {
+  start(config);
+  enable();
+  target_torque(500);
+  ASSERT_DOUBLE_EQ(force_N(), 5.0);
+  drive->inhibit_beyond(State::switch_on_disabled, now);
+  EXPECT_EQ(drive->state(), State::switch_on_disabled);
+  EXPECT_EQ(force_N(), 0);
+  for (const unsigned word : {0x06U, 0x07U, 0x0FU}) controlword(word);
+  EXPECT_EQ(drive->state(), State::switch_on_disabled);
+  drive->inhibit_beyond(State::switched_on, now);
+  for (const unsigned word : {0x06U, 0x07U, 0x0FU}) controlword(word);
+  EXPECT_EQ(drive->state(), State::switched_on);
+  drive->inhibit_beyond({}, now);
+  controlword(0x0F);
+  EXPECT_EQ(drive->state(), State::operation_enabled);
+}
+
+TEST_F(DriveQuirksTest, GivesNoMoreThanASupplyThatDroppedAllows) {
+  start(config);
+  enable();
+  target_torque(500);
+  drive->limit_peak_force(2, now);
+  EXPECT_DOUBLE_EQ(force_N(), 2.0);
+  EXPECT_DOUBLE_EQ(drive->largest_force_N(now), 5.0) << "as it was before";
+}
+
 TEST_F(DriveQuirksTest, AcceptsMillisecondsOnlyForTheInterpolationPeriod) {
   start(config);
   expect_written({0x2F, 0xC2, 0x60, 2, 0xFC, 0, 0, 0});

@@ -181,14 +181,18 @@ TEST_F(ControlLoopTest, CountsTheTimeOfAResetFromTheEndOfTheSetUp) {
 
 TEST_F(ControlLoopTest, CountsTheTimeOfOneWishToEnable) {
   loop.request_enable(axis);
-  for (int wish = 0; wish < 5; ++wish) {
+  for (int wish = 0; wish < 4; ++wish) {
     probe.feedback.state = hal::DriveState::enabling;
     run_for(4s);
     probe.feedback.state = hal::DriveState::configuring;
     step();
   }
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  probe.feedback.state = hal::DriveState::enabling;
+  run_for(4100ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out) << "it goes round and round";
   loop.request_stop(axis);
+  reset_once_without_force();
   probe.feedback.state = hal::DriveState::enabling;
   run_for(10s);
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "nobody waits for it";
@@ -304,13 +308,89 @@ TEST_F(ControlLoopTest, StopsADriveWhoseForceNobodyCommanded) {
 TEST_F(ControlLoopTest, PassesEmergenciesOnOnce) {
   enable();
   probe.emcy.code = 0x2310;
-  probe.emcy_count = 1;
+  probe.new_error = 0x2310;
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::emergency);
   EXPECT_EQ(loop.supervisor(axis).fault_code(), 0x2310);
   reset_once_without_force();
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "an old message is no new emergency";
+}
+
+TEST_F(ControlLoopTest, NamesAnotherMasterByWhatItSends) {
+  const auto sdo = [](std::uint8_t command, std::uint8_t node) {
+    return hal::CanFrame{.id = canopen::sdo_request_cob_id(node), .size = 8, .data = {command}};
+  };
+  struct Sent {
+    hal::CanFrame frame;
+    bool by_a_master;
+  };
+  for (const Sent& sent :
+       {Sent{canopen::sync_frame(), true}, Sent{canopen::heartbeat_frame(canopen::NmtState::operational, 127), true},
+        Sent{canopen::heartbeat_frame(canopen::NmtState::operational, 1), false}, Sent{sdo(0x23, 1), true},
+        Sent{sdo(0x21, 1), true}, Sent{sdo(0xC2, 1), true}, Sent{sdo(0x40, 1), false}, Sent{sdo(0x23, 2), false}}) {
+    enable();
+    port.to_receive.push_back({sent.frame, now});
+    step();
+    EXPECT_EQ(loop.status(axis).fault, sent.by_a_master ? AxisFault::another_master : AxisFault::none);
+    reset_once_without_force();
+    step();
+    EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "it is gone";
+  }
+}
+
+TEST_F(ControlLoopTest, NamesWhatKeepsAnIdleAxisFromRunningOnlyWhereItIsWanted) {
+  probe.feedback.state = hal::DriveState::configuring;
+  probe.heartbeat_lost = true;
+  run_for(30s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  loop.request_enable(axis);
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::heartbeat_lost);
+  EXPECT_EQ(probe.stops, 1) << "a wish that was passed on is taken back";
+  probe.heartbeat_lost = false;
+  reset_once_without_force();
+  probe.feedback.state = hal::DriveState::configuring;
+  run_for(20s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  run_for(2ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
+}
+
+TEST_F(ControlLoopTest, NamesADriveThatDoesNotComeByTheErrorThatItToldOf) {
+  loop.request_enable(axis);
+  probe.feedback.state = hal::DriveState::configuring;
+  probe.emcy.code = 0x8120;
+  run_for(20'002ms);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::emergency);
+  EXPECT_EQ(loop.supervisor(axis).fault_code(), 0x8120);
+}
+
+TEST_F(ControlLoopTest, AFaultThatItsCallerSeesStopsAWantedAxisByThatName) {
+  loop.stop_with(axis, AxisFault::commander_lost, now);
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "it was not wanted";
+  enable();
+  loop.stop_with(axis, AxisFault::commander_lost, now);
+  EXPECT_EQ(probe.stops, 2);
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::commander_lost);
+  EXPECT_FALSE(loop.status(axis).running);
+  reset_once_without_force();
+  const int enables = probe.enables;
+  run_for(100ms);
+  EXPECT_EQ(probe.enables, enables) << "and it is wanted no longer";
+}
+
+TEST_F(ControlLoopTest, TakesAReferenceOnlyForAnAxisThatIsSeenWithoutForce) {
+  step();
+  EXPECT_FALSE(loop.set_reference_counts(axis, 7)) << "no sample came";
+  enable();
+  EXPECT_FALSE(loop.set_reference_counts(axis, 7));
+  probe.feedback.state = hal::DriveState::disabled;
+  step();
+  EXPECT_TRUE(loop.set_reference_counts(axis, 7));
+  EXPECT_EQ(probe.reference, 7);
 }
 
 TEST_F(ControlLoopTest, NamesADriveThatIsInFaultBeforeItEverRan) {

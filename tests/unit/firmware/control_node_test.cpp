@@ -36,6 +36,8 @@ struct TestPort {
 struct LoopProbe {
   std::vector<std::int32_t> targets;
   int enables = 0, stops = 0, resets = 0;
+  std::vector<AxisFault> stopped_with;
+  std::vector<std::int32_t> references;
   bool takes_resets = true;
   using AxisId = int;
   void set_target_counts(AxisId, std::int32_t counts) { targets.push_back(counts); }
@@ -45,18 +47,25 @@ struct LoopProbe {
     ++resets;
     return takes_resets;
   }
+  void stop_with(AxisId, AxisFault fault, hal::Time) { stopped_with.push_back(fault); }
+  bool set_reference_counts(AxisId, std::int32_t counts) {
+    references.push_back(counts);
+    return takes_resets;
+  }
 };
 
 constexpr std::uint8_t node = 0x7F;
 
 TEST(RemoteControl, BringsCommandsBack) {
   for (const std::int32_t target : {0, 1, -1, 2147483647, -2147483647 - 1}) {
-    const MotionCommand sent{.axis = 3, .enable = true, .reset_fault = target < 0, .target_counts = target};
+    const MotionCommand sent{
+        .axis = 3, .enable = true, .reset_fault = target<0, .reference = target> 0, .target_counts = target};
     const auto received = decode_command(encode_command(sent, node), node);
     ASSERT_TRUE(received.has_value());
     EXPECT_EQ(received->axis, 3);
     EXPECT_TRUE(received->enable);
     EXPECT_EQ(received->reset_fault, target < 0);
+    EXPECT_EQ(received->reference, target > 0);
     EXPECT_EQ(received->target_counts, target);
   }
 }
@@ -147,7 +156,7 @@ TEST(RemoteControl, StopsAnAxisWhoseCommanderFallsSilentAndWaitsForANewEdge) {
   LoopProbe loop;
   RemoteAxis axis;
   axis.watch(loop, 0, start + 10s, timeout);
-  EXPECT_EQ(loop.stops, 0) << "nobody commanded it yet";
+  EXPECT_TRUE(loop.stopped_with.empty()) << "nobody commanded it yet";
   axis.apply(loop, 0, {}, start);
   axis.apply(loop, 0, {.enable = true}, start);
   hal::Time now = start;
@@ -155,19 +164,32 @@ TEST(RemoteControl, StopsAnAxisWhoseCommanderFallsSilentAndWaitsForANewEdge) {
     if (now.time_since_epoch() % 400ms == 0ms) axis.apply(loop, 0, {.enable = true}, now);
     axis.watch(loop, 0, now, timeout);
   }
-  EXPECT_EQ(loop.stops, 1) << "of the first command";
+  EXPECT_TRUE(loop.stopped_with.empty());
   axis.apply(loop, 0, {.enable = true}, now);
   axis.watch(loop, 0, now + timeout, timeout);
-  EXPECT_EQ(loop.stops, 1);
+  EXPECT_TRUE(loop.stopped_with.empty());
   axis.watch(loop, 0, now + timeout + 1ms, timeout);
   axis.watch(loop, 0, now + timeout + 2ms, timeout);
-  EXPECT_EQ(loop.stops, 2) << "once";
+  EXPECT_EQ(loop.stopped_with, std::vector{AxisFault::commander_lost}) << "once";
   axis.apply(loop, 0, {.enable = true}, now + 2s);
   axis.apply(loop, 0, {.enable = true}, now + 2s);
   EXPECT_EQ(loop.enables, 1) << "what came late is no edge";
   axis.apply(loop, 0, {.enable = false}, now + 2s);
   axis.apply(loop, 0, {.enable = true}, now + 2s);
   EXPECT_EQ(loop.enables, 2);
+}
+
+TEST(RemoteControl, TakesAReferenceOnItsEdgeAndAgainUntilItIsTaken) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  axis.apply(loop, 0, {.reference = true, .target_counts = 1}, start);
+  EXPECT_TRUE(loop.references.empty()) << "no edge";
+  axis.apply(loop, 0, {.target_counts = 2}, start);
+  loop.takes_resets = false;
+  axis.apply(loop, 0, {.reference = true, .target_counts = 2}, start);
+  loop.takes_resets = true;
+  for (int i = 0; i < 3; ++i) axis.apply(loop, 0, {.reference = true, .target_counts = 2}, start);
+  EXPECT_EQ(loop.references, (std::vector<std::int32_t>{2, 2}));
 }
 
 class ControlNodeTest : public ::testing::Test {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "breakaway/firmware/control_loop.hpp"
@@ -44,7 +45,9 @@ struct DriveProbe {
   int enables = 0, stops = 0, resets = 0, frames = 0;
   bool heartbeat_lost = false;
   canopen::Emcy emcy;
-  std::uint32_t emcy_count = 0;
+  std::uint16_t new_error = 0;  // of an EMCY message
+  bool node_id_conflict = false, reference_lost = false;
+  std::int32_t reference = 0;
   bool wants_acyclic = false;
 };
 
@@ -87,7 +90,10 @@ struct FakeDrive {
   float encoder_resolution_m() const noexcept { return scale.encoder_resolution_m; }
   bool heartbeat_lost() const noexcept { return probe->heartbeat_lost; }
   const canopen::Emcy& last_emcy() const noexcept { return probe->emcy; }
-  std::uint32_t emcy_count() const noexcept { return probe->emcy_count; }
+  std::uint16_t take_emergency() noexcept { return std::exchange(probe->new_error, std::uint16_t{0}); }
+  bool node_id_conflict() const noexcept { return probe->node_id_conflict; }
+  bool reference_lost() const noexcept { return probe->reference_lost; }
+  void set_reference_counts(std::int32_t counts) noexcept { probe->reference = counts; }
 };
 
 struct ProportionalLaw {

@@ -99,6 +99,16 @@ INSTANTIATE_TEST_SUITE_P(
                   [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::drifting; }},
         Violation{"contradicted", AxisFault::axis_not_as_told,
                   [](Feedback&, AxisHealth& h) { h.control_fault = law::ControlFault::contradicted; }},
+        Violation{"another_master", AxisFault::another_master,
+                  [](Feedback&, AxisHealth& h) { h.another_master = true; }},
+        Violation{"node_id_conflict", AxisFault::node_id_conflict,
+                  [](Feedback&, AxisHealth& h) { h.node_id_conflict = true; }},
+        Violation{"reference_lost", AxisFault::reference_lost,
+                  [](Feedback&, AxisHealth& h) { h.reference_lost = true; }},
+        Violation{"below", AxisFault::position_limit, [](Feedback& f, AxisHealth&) { f.position_m = -1.01F; }},
+        Violation{"above", AxisFault::position_limit, [](Feedback& f, AxisHealth&) { f.position_m = 1.01F; }},
+        Violation{"pushed", AxisFault::force_limit, [](Feedback& f, AxisHealth&) { f.force_N = 50.1F; }},
+        Violation{"pulled", AxisFault::force_limit, [](Feedback& f, AxisHealth&) { f.force_N = -50.1F; }},
         Violation{"bus", AxisFault::bus_off, [](Feedback&, AxisHealth& h) { h.bus_off = true; }}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });
 
@@ -112,7 +122,65 @@ TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
     const std::string row = "| " + std::string{to_string(static_cast<AxisFault>(i))} + " |";
     EXPECT_NE(page.find(row), page.npos) << row;
   }
-  EXPECT_EQ(faults, static_cast<int>(AxisFault::enable_timed_out));
+  EXPECT_EQ(faults, static_cast<int>(AxisFault::target_not_reached));
+}
+
+TEST(Supervisor, NamesWhatKeepsAnIdleAxisFromTheBus) {
+  struct Idle {
+    AxisHealth health;
+    AxisFault expected;
+  };
+  for (const auto& [health, expected] :
+       {Idle{{}, AxisFault::none}, Idle{{.heartbeat_lost = true}, AxisFault::heartbeat_lost},
+        Idle{{.bus_off = true}, AxisFault::bus_off}, Idle{{.another_master = true}, AxisFault::another_master},
+        Idle{{.node_id_conflict = true}, AxisFault::node_id_conflict},
+        Idle{{.heartbeat_lost = true, .reference_lost = true}, AxisFault::reference_lost}}) {
+    Supervisor<float> supervisor{limits()};
+    supervisor.check_idle(health, hal::Time{3ms});
+    EXPECT_EQ(supervisor.fault(), expected) << to_string(supervisor.fault());
+  }
+}
+
+TEST(Supervisor, LetsAnAxisBeyondALimitOfPositionComeBackButNotGoFurther) {
+  for (const float sign : {1.0F, -1.0F}) {
+    Supervisor<float> supervisor{{.position_min_m = -1, .position_max_m = 1}};
+    supervisor.begin_commands(1.5F * sign);
+    int i = 0;
+    const auto at = [&](float position_m) {
+      Feedback f = healthy(hal::Time{++i * 1ms});
+      f.position_m = sign * position_m;
+      return supervisor.check(f, {}, f.sample_time);
+    };
+    for (const float position_m : {1.5F, 1.4F, 1.2F, 1.2F}) EXPECT_EQ(at(position_m), AxisFault::none);
+    EXPECT_EQ(at(1.21F), AxisFault::position_limit) << "out again";
+    supervisor.reset();
+    supervisor.begin_commands(1.2F * sign);
+    for (const float position_m : {1.2F, 0.5F, 1.0F}) EXPECT_EQ(at(position_m), AxisFault::none);
+    EXPECT_EQ(at(1.01F), AxisFault::position_limit) << "it was inside";
+  }
+}
+
+TEST(Supervisor, NamesAnAxisThatComesNoNearerForAMinute) {
+  for (const bool on_its_way : {true, false}) {
+    Supervisor<float> supervisor{{}};
+    supervisor.begin_motion(-2);
+    hal::Time now{};
+    const auto stand_for = [&](hal::Duration duration, float error_m) {
+      for (const hal::Time end = now + duration; now < end;) {
+        now += 100ms;
+        Feedback f = healthy(now);
+        f.position_offset_m = error_m;
+        supervisor.check(f, {.on_its_way = on_its_way}, now);
+      }
+      return supervisor.fault();
+    };
+    EXPECT_EQ(stand_for(59s, -1), AxisFault::none);
+    EXPECT_EQ(stand_for(59s, -0.9F), AxisFault::none) << "it came nearer";
+    EXPECT_EQ(stand_for(2s, 0.95F), on_its_way ? AxisFault::target_not_reached : AxisFault::none);
+    supervisor.reset();
+    supervisor.begin_motion(-2);
+    EXPECT_EQ(stand_for(59s, -1.9F), AxisFault::none) << "another target";
+  }
 }
 
 TEST(Supervisor, ToleratesOneLostSample) {

@@ -7,12 +7,14 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -48,7 +50,8 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
 template <class D, class Scalar>
 concept BusDrive = hal::MotorDrive<D, Scalar> &&
     std::constructible_from<D, const typename D::Config&, const canopen::NetworkConfig&, const hal::AxisScale<Scalar>&> &&
-    requires(D& drive, const D& constant, const hal::ReceivedFrame& in, hal::CanFrame& out, hal::Time now) {
+    requires(D& drive, const D& constant, const hal::ReceivedFrame& in, hal::CanFrame& out, hal::Time now,
+             std::int32_t count) {
   { drive.on_frame(in) } noexcept;
   { drive.on_sync(now) } noexcept;
   { drive.update(now) } noexcept;
@@ -58,7 +61,10 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
   { constant.encoder_resolution_m() } noexcept -> std::same_as<Scalar>;
   { constant.heartbeat_lost() } noexcept -> std::same_as<bool>;
   { constant.last_emcy() } noexcept -> std::same_as<const canopen::Emcy&>;
-  { constant.emcy_count() } noexcept -> std::same_as<std::uint32_t>;  // messages since construction
+  { drive.take_emergency() } noexcept -> std::same_as<std::uint16_t>;  // first EMCY error code since the last call, or 0
+  { constant.node_id_conflict() } noexcept -> std::same_as<bool>;
+  { constant.reference_lost() } noexcept -> std::same_as<bool>;
+  { drive.set_reference_counts(count) } noexcept;  // the axis stands at this count now
 };
 
 // clang-format on
@@ -165,6 +171,23 @@ class ControlLoop {
     }
   }
 
+  // The axis is to stop because of a fault that its caller saw. One that is not wanted has none.
+  void stop_with(AxisId id, AxisFault fault, hal::Time now) noexcept {
+    Axis* const a = find(id);
+    if (a == nullptr) return;
+    if (a->wanted) a->supervisor.latch(fault, 0, now);
+    request_stop(id);
+  }
+
+  // The axis stands at this encoder count: for an incremental encoder whose drive booted anew, and for a zero of its
+  // own. Returns false, and does nothing, while the axis may have force or no sample came.
+  bool set_reference_counts(AxisId id, std::int32_t counts) noexcept {
+    Axis* const a = find(id);
+    if (a == nullptr || may_have_force(a->status.feedback) || !a->status.feedback.ever_valid) return false;
+    a->drive.set_reference_counts(counts);
+    return true;
+  }
+
   // Acknowledges a latched fault; the drive is set up anew, and enabled again if it is still wanted. Returns false, and
   // does nothing, until the drive was seen without force after the stop that the fault brought.
   bool reset_fault(AxisId id) noexcept {
@@ -175,7 +198,7 @@ class ControlLoop {
     a->controller.reset();
     a->standing_fault = AxisFault::none;
     a->status.stop_not_obeyed = false;
-    a->enabling_since.reset();
+    a->unfulfilled_since.reset();
     waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
     return true;
@@ -223,8 +246,9 @@ class ControlLoop {
     Supervisor<Scalar> supervisor;
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
-    std::uint32_t emergencies_seen = 0;
-    std::optional<hal::Time> enabling_since;
+    bool another_master = false;
+    std::optional<hal::Time> unfulfilled_since;  // it is wanted and does not run
+    hal::Time enabling_since{};
     std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
     AxisFault standing_fault = AxisFault::none;  // where axes stop together: seen by an earlier step and not reset
     bool wanted = false;
@@ -246,6 +270,8 @@ class ControlLoop {
   static constexpr hal::Duration reset_time = std::chrono::seconds{1};
   // A power stage may have to charge its capacitors and to open a brake first.
   static constexpr hal::Duration enable_time = std::chrono::seconds{5};
+  // To be set up, too: the mode of operation alone may take ten seconds.
+  static constexpr hal::Duration set_up_time = std::chrono::seconds{20};
 
   static bool may_have_force(const hal::DriveFeedback<Scalar>& f) noexcept {
     return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping;
@@ -281,12 +307,22 @@ class ControlLoop {
     hal::ReceivedFrame received;
     for (int n = 0; n < max_frames_per_step && port_->receive(received); ++n) {
       const std::uint8_t node = canopen::node_id_of(received.frame.id);
+      const bool for_all =
+          canopen::is_sync(received.frame) || received.frame.id == canopen::heartbeat_cob_id(config_.network.node_id);
       for (std::size_t i = 0; i < count_; ++i) {
-        if (axes_[i]->drive.node_id() != node) continue;
-        axes_[i]->drive.on_frame(received);
-        break;
+        Axis& a = *axes_[i];
+        if (for_all || is_write_to(a, received.frame)) a.another_master = true;
+        if (a.drive.node_id() == node) a.drive.on_frame(received);
       }
     }
+  }
+
+  // What we send ourselves does not come back. Whoever only reads by SDO does no harm.
+  static bool is_write_to(const Axis& a, const hal::CanFrame& frame) noexcept {
+    constexpr unsigned initiate_download = 1, block_download = 6;
+    const unsigned specifier = frame.data[0] >> 5U;
+    return frame.id == canopen::sdo_request_cob_id(a.drive.node_id()) &&
+           (specifier == initiate_download || specifier == block_download);
   }
 
   void control(Axis& a, hal::Time now) noexcept {
@@ -306,25 +342,32 @@ class ControlLoop {
 
   // Returns true when the axis is enabled and may be given force in this period.
   bool supervise(Axis& a, const hal::DriveFeedback<Scalar>& feedback, bool was_running, hal::Time now) noexcept {
-    const std::uint16_t emergency_code = new_emergency(a);
+    const AxisHealth health{.heartbeat_lost = a.drive.heartbeat_lost(),
+                            .emergency_code = a.drive.take_emergency(),
+                            .bus_off = port_->bus_state() == hal::BusState::bus_off,
+                            .control_fault = a.controller.fault(),
+                            .another_master = std::exchange(a.another_master, false),
+                            .node_id_conflict = a.drive.node_id_conflict(),
+                            .reference_lost = a.drive.reference_lost(),
+                            .on_its_way = is_on_its_way(a.controller)};
     if (feedback.state == hal::DriveState::unusable) {
       a.status.fault = AxisFault::drive_unusable;
       return false;
     }
+    const AxisFault before = a.supervisor.fault();
     if (feedback.stop_not_obeyed) {
       a.supervisor.latch(AxisFault::stop_not_obeyed, 0, now);
       a.status.stop_not_obeyed = true;
     }
-    if (!was_running) watch_idle(a, feedback, now);
-    if (was_running) {
-      const AxisHealth health{a.drive.heartbeat_lost(), emergency_code, port_->bus_state() == hal::BusState::bus_off,
-                              a.controller.fault()};
-      if (a.supervisor.check(feedback, health, now) != AxisFault::none) {
-        a.drive.request_stop();
-        port_->purge_transmit_queue();
-      }
-    }
+    if (was_running)
+      a.supervisor.check(feedback, health, now);
+    else
+      watch_idle(a, feedback, health, now);
     a.status.fault = a.supervisor.fault();
+    if (a.status.fault != before) {
+      a.drive.request_stop();
+      port_->purge_transmit_queue();
+    }
     if (a.status.fault != AxisFault::none) return false;
     if (feedback.state == hal::DriveState::disabled && a.wanted && !waiting_) a.drive.request_enable();
     return a.wanted && feedback.state == hal::DriveState::enabled && feedback.ever_valid &&
@@ -363,32 +406,36 @@ class ControlLoop {
     a.status.running = false;
   }
 
-  // A drive that is in fault before it ever ran, or that a reset did not help, is named as well; so is one that is
-  // never enabled.
-  void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, hal::Time now) noexcept {
+  // A drive that is in fault before it ever ran, or that a reset did not help, is named as well; so is whatever keeps
+  // an axis that is wanted from running.
+  void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health,
+                  hal::Time now) noexcept {
     if (a.reset_periods > 0 && feedback.state != hal::DriveState::configuring) --a.reset_periods;
     if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
       a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);
     }
-    if (feedback.state != hal::DriveState::enabling || !a.wanted) return a.enabling_since.reset();
-    if (!a.enabling_since) a.enabling_since = now;
-    if (now - *a.enabling_since <= enable_time) return;
-    a.supervisor.latch(AxisFault::enable_timed_out, 0, now);
-    a.drive.request_stop();
+    if (!a.wanted || waiting_) return a.unfulfilled_since.reset();
+    a.supervisor.check_idle(health, now);
+    if (!a.unfulfilled_since) a.unfulfilled_since = a.enabling_since = now;
+    if (feedback.state != hal::DriveState::enabling) a.enabling_since = now;
+    if (now - a.enabling_since <= enable_time && now - *a.unfulfilled_since <= set_up_time) return;
+    // An error that the drive told of says more than that it does not come.
+    const std::uint16_t code = a.drive.last_emcy().code;
+    a.supervisor.latch(code != 0 ? AxisFault::emergency : AxisFault::enable_timed_out, code, now);
   }
 
-  // Returns the code of an EMCY message that came since the last step.
-  static std::uint16_t new_emergency(Axis& a) noexcept {
-    const bool is_new = a.drive.emcy_count() != a.emergencies_seen;
-    a.emergencies_seen = a.drive.emcy_count();
-    return is_new ? a.drive.last_emcy().code : std::uint16_t{0};
+  // Only a law that is designed for its friction is sure to reach its target.
+  static bool is_on_its_way(const Controller& c) noexcept {
+    if constexpr (requires { c.parameters().friction.upper_N; }) return c.mode() != law::Mode::hold;
+    return false;
   }
 
   void begin(Axis& a) noexcept {
     a.controller.reset();
     a.controller.limit_force(a.drive.max_force_N());
     a.supervisor.begin_motion(a.last_error_m);
-    a.supervisor.begin_commands();
+    a.supervisor.begin_commands(a.status.feedback.position_m);
+    a.unfulfilled_since.reset();
   }
 
   // Frames still queued when the next step starts are stale by then: the port drops them.

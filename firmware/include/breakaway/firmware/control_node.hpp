@@ -42,6 +42,9 @@ class ControlNode {
   // Returns what keeps the node from running. If anything does, step() does nothing and the bus stays silent.
   NodeVerdict verdict() const noexcept { return verdict_; }
 
+  // Its loop, to look at.
+  const auto& loop() const noexcept { return loop_; }
+
   // Does the work of one period.
   void step(hal::Time now) noexcept {
     if (!verdict_.ok()) return;

@@ -78,6 +78,7 @@ constexpr void visit_drive(Drive& drive, Visitor& visit) {
   visit.value("heartbeat_timeout", drive.heartbeat_timeout, "ns");
   visit.value("sdo_timeout", drive.sdo_timeout, "ns");
   visit.value("invert_direction", drive.invert_direction, "");
+  visit.value("absolute_encoder", drive.absolute_encoder, "");
 }
 
 template <class Limits, class Visitor>

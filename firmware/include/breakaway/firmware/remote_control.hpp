@@ -1,14 +1,15 @@
 // Another node on the bus commands a controller node, and is told about it, by the controller's own first PDOs.
 //
-//   command, RPDO1 of the node, 8 bytes: axis | bit 0 enable, bit 1 reset fault | 0 | 0 | target in counts, int32
+//   command, RPDO1 of the node, 8 bytes: axis | bit 0 enable, 1 reset fault, 2 reference | 0 | 0 | target, int32 counts
 //   status,  TPDO1 of the node, 8 bytes: axis | AxisFault | Mode | DriveState  | position in counts, int32
 //
 // Numbers are little-endian, and the axes of a node count from 0. A target and "not enabled" act as long as they are
-// said. "Enable" acts on its rising edge, and so does the reset, which goes on until it is taken while it is said: a
-// controller that was restarted energises nothing because somebody still repeats an old command.
+// said. "Enable" acts on its rising edge, and so do the reset and the reference, which go on until they are taken while
+// they are said: a controller that was restarted energises nothing because somebody still repeats an old command. The
+// reference says that the axis stands at the target now, by definition.
 //
 // A commander says its commands again before LoopConfig::command_timeout is over. An axis whose commander falls silent
-// for longer stops, and needs a new edge.
+// for longer stops with the fault "commander lost", and needs a reset and a new edge.
 #pragma once
 
 #include <array>
@@ -19,6 +20,7 @@
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/hal/can_port.hpp"
 #include "breakaway/hal/time.hpp"
 
@@ -28,19 +30,22 @@ struct MotionCommand {
   std::uint8_t axis = 0;
   bool enable = false;
   bool reset_fault = false;
+  bool reference = false;  // the axis stands at the target
   std::int32_t target_counts = 0;
 };
 
 inline std::optional<MotionCommand> decode_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
   if (frame.id != canopen::rpdo_cob_id(1, node_id) || frame.remote || frame.size != 8) return {};
   const auto target = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
-  return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, target};
+  return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, (frame.data[1] & 4U) != 0,
+                       target};
 }
 
 inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t node_id) noexcept {
   hal::CanFrame frame{.id = canopen::rpdo_cob_id(1, node_id), .size = 8};
   frame.data[0] = command.axis;
-  frame.data[1] = static_cast<std::uint8_t>((command.enable ? 1U : 0U) | (command.reset_fault ? 2U : 0U));
+  frame.data[1] = static_cast<std::uint8_t>((command.enable ? 1U : 0U) | (command.reset_fault ? 2U : 0U) |
+                                            (command.reference ? 4U : 0U));
   canopen::store_little_endian(frame.data, command.target_counts, 4);
   return frame;
 }
@@ -85,18 +90,21 @@ class RemoteAxis {
     if (new_target) loop.set_target_counts(axis, command.target_counts);
     const bool resets = last_ && command.reset_fault && !last_->reset_fault;
     const bool refused = resets && !loop.reset_fault(axis);
+    const bool refers = last_ && command.reference && !last_->reference;
+    const bool not_taken = refers && !loop.set_reference_counts(axis, command.target_counts);
     if (last_ && command.enable && !last_->enable) loop.request_enable(axis);
     if (!command.enable) loop.request_stop(axis);
     last_ = command;
     last_->reset_fault = command.reset_fault && !refused;
+    last_->reference = command.reference && !not_taken;
     heard_at_ = now;
   }
 
-  // Once a period: stops the axis when nothing was heard for longer than `timeout`.
+  // Once a period: stops the axis by name when nothing was heard for longer than `timeout`.
   template <class Loop>
   void watch(Loop& loop, typename Loop::AxisId axis, hal::Time now, hal::Duration timeout) noexcept {
     if (!last_ || now - heard_at_ <= timeout) return;
-    loop.request_stop(axis);
+    loop.stop_with(axis, AxisFault::commander_lost, now);
     last_.reset();
   }
 

@@ -4,6 +4,8 @@
 // force and a stop request to the drive, is the ControlLoop's, in the same step.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -41,6 +43,11 @@ enum class AxisFault : std::uint8_t {
   force_not_commanded,    // the drive reports a force that it was not told to give
   no_motion_under_force,  // the encoder shows nothing under a force that must move the axis
   enable_timed_out,       // the drive was told to enable and did not within the time that it takes
+  commander_lost,         // the node that commands this one fell silent
+  another_master,         // somebody else sends SYNC, our heartbeat, or writes to the drive
+  node_id_conflict,       // every SYNC is answered by two drives of one node id
+  reference_lost,         // the drive booted anew, and what it counts from is not known
+  target_not_reached,     // the axis came no nearer to its target for long, and does not hold there
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -91,6 +98,16 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "no motion under force";
     case AxisFault::enable_timed_out:
       return "enable timed out";
+    case AxisFault::commander_lost:
+      return "commander lost";
+    case AxisFault::another_master:
+      return "another master on the bus";
+    case AxisFault::node_id_conflict:
+      return "node id conflict";
+    case AxisFault::reference_lost:
+      return "reference lost";
+    case AxisFault::target_not_reached:
+      return "target not reached";
   }
   return "unknown axis fault";
 }
@@ -125,11 +142,18 @@ struct AxisHealth {
   std::uint16_t emergency_code = 0;  // of an EMCY message that came in this period; 0000 means that an error went away
   bool bus_off = false;
   law::ControlFault control_fault = law::ControlFault::none;
+  bool another_master = false;
+  bool node_id_conflict = false;
+  bool reference_lost = false;
+  bool on_its_way = false;  // the law has its target to reach, and does not hold there yet
 };
 
 template <class Scalar>
 class Supervisor {
  public:
+  // No lawful motion takes so long to come nearer to its target.
+  static constexpr hal::Duration progress_timeout = std::chrono::seconds{60};
+
   constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
       : limits_{limits},
         commanded_{model.max_force_N, model.slow_lag},
@@ -141,12 +165,16 @@ class Supervisor {
   // The drive was just enabled, or the target just moved: the error may be this large from now on.
   void begin_motion(Scalar position_error_m) noexcept {
     allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
+    least_error_m_ = AxisLimits<Scalar>::unlimited;
   }
 
-  // The axis was just enabled: nothing was commanded yet.
-  void begin_commands() noexcept {
+  // The axis was just enabled at this position, and nothing was commanded yet. One that stands beyond a limit of
+  // position may come back from there, and go no further out.
+  void begin_commands(Scalar position_m = 0) noexcept {
     commanded_.restart();
     motion_.restart();
+    lowest_m_ = std::min(limits_.position_min_m, position_m);
+    highest_m_ = std::max(limits_.position_max_m, position_m);
   }
   // The drive is told this force in this period.
   void command(Scalar force_N) noexcept { commanded_.command(force_N); }
@@ -156,6 +184,7 @@ class Supervisor {
     if (feedback.fresh) {
       commanded_.report(feedback.force_N, feedback.force_step_N);
       motion_.sample(feedback.travel_m, feedback.force_N, since_previous_s(feedback));
+      note_progress(std::abs(feedback.position_offset_m), now);
     }
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
@@ -163,6 +192,12 @@ class Supervisor {
     }
     if (feedback.fresh) remember(feedback);
     return fault_;
+  }
+
+  // The same while an axis that is wanted does not run yet.
+  void check_idle(const AxisHealth& health, hal::Time now) noexcept {
+    latch(of_the_bus(health), 0, now);
+    if (health.heartbeat_lost) latch(AxisFault::heartbeat_lost, 0, now);
   }
 
   // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.
@@ -190,13 +225,23 @@ class Supervisor {
 
   // The order matters: what comes first explains what comes after it.
   AxisFault first_violation(const Feedback& f, const AxisHealth& health, hal::Time now) const noexcept {
-    if (health.bus_off) return AxisFault::bus_off;
+    if (const AxisFault fault = of_the_bus(health); fault != AxisFault::none) return fault;
     if (health.emergency_code != 0) return AxisFault::emergency;
     if (f.state == hal::DriveState::fault) return AxisFault::drive_fault;
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
     if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
+    if (health.on_its_way && now - progress_time_ > progress_timeout) return AxisFault::target_not_reached;
     if (f.fresh) return measured_violation(f, health);
+    return AxisFault::none;
+  }
+
+  // The reference is one of them, because it goes with what the drive lost of its set-up.
+  static AxisFault of_the_bus(const AxisHealth& health) noexcept {
+    if (health.bus_off) return AxisFault::bus_off;
+    if (health.another_master) return AxisFault::another_master;
+    if (health.node_id_conflict) return AxisFault::node_id_conflict;
+    if (health.reference_lost) return AxisFault::reference_lost;
     return AxisFault::none;
   }
 
@@ -205,8 +250,7 @@ class Supervisor {
                         std::isfinite(f.travel_m) && std::isfinite(f.force_N);
     if (!finite) return AxisFault::not_a_number;
     if (health.control_fault != law::ControlFault::none) return named(health.control_fault);
-    if (f.position_m < limits_.position_min_m || f.position_m > limits_.position_max_m)
-      return AxisFault::position_limit;
+    if (f.position_m < lowest_m_ || f.position_m > highest_m_) return AxisFault::position_limit;
     if (too_fast(f)) return AxisFault::speed_limit;
     if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
     if (commanded_.exceeded()) return AxisFault::force_not_commanded;
@@ -245,7 +289,15 @@ class Supervisor {
     return has_previous_ ? static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick : Scalar{0};
   }
 
+  void note_progress(Scalar error_m, hal::Time now) noexcept {
+    if (!(error_m < least_error_m_)) return;
+    least_error_m_ = error_m;
+    progress_time_ = now;
+  }
+
   void remember(const Feedback& f) noexcept {
+    lowest_m_ = std::min(limits_.position_min_m, std::max(lowest_m_, f.position_m));
+    highest_m_ = std::max(limits_.position_max_m, std::min(highest_m_, f.position_m));
     previous_time_ = f.sample_time;
     has_previous_ = true;
   }
@@ -254,6 +306,9 @@ class Supervisor {
   CommandedForce<Scalar> commanded_;
   MotionUnderForce<Scalar> motion_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
+  Scalar least_error_m_ = AxisLimits<Scalar>::unlimited;  // since the last target change
+  Scalar lowest_m_ = limits_.position_min_m, highest_m_ = limits_.position_max_m;
+  hal::Time progress_time_{};
   hal::Time previous_time_{};
   hal::Time fault_time_{};
   std::uint16_t fault_code_ = 0;

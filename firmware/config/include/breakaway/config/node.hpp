@@ -80,6 +80,7 @@ struct Drive {
   double encoder_resolution_m = 1e-6;         // one count
   double current_loop_time_constant_s = 0;    // first-order lag from demand to force
   bool invert_direction = false;              // the drive's positive direction is the axis' negative one
+  bool absolute_encoder = false;              // its counts mean the same after a reboot of the drive
   hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
   hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -38,20 +39,20 @@ class EmcyConsumer {
     last_.code = load_little_endian<std::uint16_t>(frame.data);
     last_.error_register = frame.data[2];
     std::copy(frame.data.begin() + 3, frame.data.end(), last_.manufacturer.begin());
-    ++count_;
+    if (unseen_error_ == 0) unseen_error_ = last_.code;
     return true;
   }
   constexpr void forget() noexcept { last_ = {}; }
 
   constexpr const Emcy& last() const noexcept { return last_; }
   constexpr bool active() const noexcept { return last_.code != 0; }
-  // Counts the messages since construction, those that say that an error is gone included.
-  constexpr std::uint32_t count() const noexcept { return count_; }
+  // Returns the first error code that came since the last call, also where the node has taken it back; 0: none came.
+  constexpr std::uint16_t take_error() noexcept { return std::exchange(unseen_error_, std::uint16_t{0}); }
 
  private:
   std::uint16_t cob_id_;
   Emcy last_;
-  std::uint32_t count_ = 0;
+  std::uint16_t unseen_error_ = 0;
 };
 
 }  // namespace breakaway::canopen

@@ -92,10 +92,11 @@ class Drive {
     const std::uint32_t reboots = node_.reboots();
     node_.update(now);
     if (was_ready && !node_.ready()) forget_commands();
-    if (node_.reboots() != reboots) ever_valid_ = counted_ = has_force_ = false;
+    if (node_.reboots() != reboots) on_reboot();
     if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
     if (was_forced && !node_.forcing_stop()) has_force_ = false;
     if (node_.forcing_stop() && !has_force_) node_.end_forced_stop(now);
+    watch_samples(now);
     if (node_.ready() && node_.heartbeat_lost() && !has_force_) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
@@ -142,6 +143,12 @@ class Drive {
   }
   void command(Scalar force_N) noexcept { force_N_ = force_N; }
   void set_datum_counts(std::int32_t counts) noexcept { datum_counts_ = static_cast<std::uint32_t>(counts); }
+  // The newest sample was taken at this count.
+  void set_reference_counts(std::int32_t counts) noexcept {
+    origin_counts_ += static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(counts_);
+    counts_ = counts;
+    reference_lost_ = false;
+  }
   void request_enable() noexcept {
     if (!node_.forcing_stop()) machine_.request_enable();
   }
@@ -169,7 +176,12 @@ class Drive {
   std::optional<canopen::NmtState> nmt_state() const noexcept { return node_.nmt_state(); }
   bool heartbeat_lost() const noexcept { return node_.heartbeat_lost(); }
   const canopen::Emcy& last_emcy() const noexcept { return node_.emcy().last(); }
-  std::uint32_t emcy_count() const noexcept { return node_.emcy().count(); }
+  // The first error code of an EMCY message since the last call; 0: none came.
+  std::uint16_t take_emergency() noexcept { return node_.take_emergency(); }
+  // Every SYNC is answered twice.
+  bool node_id_conflict() const noexcept { return doubled_ >= conflict_periods; }
+  // The drive booted anew, its encoder is incremental, and nobody has said yet where the axis stands.
+  bool reference_lost() const noexcept { return reference_lost_; }
   std::uint32_t reboots() const noexcept { return node_.reboots(); }
   std::uint16_t statusword() const noexcept { return statusword_; }
   std::optional<State> cia402_state() const noexcept { return machine_.state(); }
@@ -193,7 +205,8 @@ class Drive {
     if (!canopen::unpack_pdo(feedback_pdo_, received.frame, values)) return;
     on_statusword(static_cast<std::uint16_t>(values[0]));
     const auto shown = static_cast<std::uint32_t>(values[1]);
-    const std::uint32_t counts = config_.invert_direction ? 0U - shown : shown;
+    const std::uint32_t counts = (config_.invert_direction ? 0U - shown : shown) + origin_counts_;
+    ++samples_;
     if (counted_) travel_counts_ += counts - static_cast<std::uint32_t>(counts_);
     counts_ = static_cast<std::int32_t>(counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
@@ -202,6 +215,23 @@ class Drive {
     sample_time_ = answers_sync ? *sync_time_ : received.time;
     fresh_ = ever_valid_ = counted_ = true;
   }
+
+  void on_reboot() noexcept {
+    ever_valid_ = counted_ = has_force_ = false;
+    reference_lost_ = !config_.absolute_encoder;
+  }
+
+  // A drive without force that does not answer SYNC may have been switched on by somebody else unseen. Late samples
+  // come in pairs, too, but then none came in the period before.
+  void watch_samples(hal::Time now) noexcept {
+    const unsigned samples = std::exchange(samples_, 0U);
+    doubled_ = samples > 1 ? std::min(doubled_ + 1, conflict_periods) : 0;
+    const bool answers = samples > 0 || !node_.operational() || node_.forcing_stop();
+    if (answers || has_force_ || !answered_at_) answered_at_ = now;
+    if (now - *answered_at_ > obeys_within()) set_up_anew(now);
+  }
+
+  hal::Duration obeys_within() const noexcept { return std::max(stop_time, stop_periods * period_); }
 
   // Takes a statusword that a PDO or an SDO brought. One that says nothing of force leaves what was seen before.
   void on_statusword(std::uint16_t statusword) noexcept {
@@ -241,6 +271,7 @@ class Drive {
     if (has_force_ || machine_.enable_wished()) return;
     reset_pending_ = true;
     if (node_.ready() || node_.phase() == SetupPhase::refused) set_up_anew(now);
+    node_.forget_heartbeat_loss();
   }
 
   void follow_fault() noexcept {
@@ -262,13 +293,14 @@ class Drive {
     if (!unwished_since_) unwished_since_ = now;
     const bool stops_by_itself =
         machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
-    const hal::Duration obeys_within = std::max(stop_time, stop_periods * period_);
-    if (now - *unwished_since_ <= obeys_within + (stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{}))
+    if (now - *unwished_since_ <= obeys_within() + (stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{}))
       return;
     unwished_since_.reset();
     forget_commands();
     node_.force_stop(now);
   }
+
+  static constexpr unsigned conflict_periods = 5;  // in a row
 
   bool usable() const noexcept { return own_status_ == SetupStatus::ready && node_.phase() != SetupPhase::refused; }
 
@@ -318,6 +350,7 @@ class Drive {
 
   Scalar force_N_{0};
   std::uint32_t datum_counts_ = 0;
+  std::uint32_t origin_counts_ = 0;  // where the drive shows 0
   std::uint16_t statusword_ = 0;
   std::int32_t counts_ = 0;
   std::int16_t torque_ = 0;
@@ -329,6 +362,10 @@ class Drive {
   bool has_force_ = false;  // as it was seen last
   bool was_faulty_ = false;
   bool reset_asked_ = false;
+  bool reference_lost_ = false;
+  unsigned samples_ = 0;  // since the last update()
+  unsigned doubled_ = 0;  // periods in a row with more than one
+  std::optional<hal::Time> answered_at_;
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
   std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it

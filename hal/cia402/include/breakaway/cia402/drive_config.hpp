@@ -31,6 +31,7 @@ struct DriveConfig {
   hal::Duration sdo_timeout = std::chrono::milliseconds{50};  // for a single answer, above 0
 
   bool invert_direction = false;  // the drive's positive direction is the axis' negative one
+  bool absolute_encoder = false;  // its counts mean the same after a reboot
 };
 
 // The period of SYNC as 60C2h wants it: units x 10^exponent seconds.

@@ -101,6 +101,10 @@ class DriveNode {
   // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
   void forget_errors() noexcept;
+  // A node that is waited for is lost no longer: it is expected, and heard again or not.
+  void forget_heartbeat_loss() noexcept {
+    if (phase_ == SetupPhase::waiting) heartbeat_.stop();
+  }
 
   SetupPhase phase() const noexcept { return phase_; }
   bool ready() const noexcept { return phase_ == SetupPhase::ready; }
@@ -127,6 +131,7 @@ class DriveNode {
   std::optional<canopen::NmtState> nmt_state() const noexcept { return heartbeat_.state(); }
   bool heartbeat_lost() const noexcept { return heartbeat_.lost(); }
   const canopen::EmcyConsumer& emcy() const noexcept { return emcy_; }
+  std::uint16_t take_emergency() noexcept { return emcy_.take_error(); }
   // Counts the boot-ups since the node was first heard: each takes its set-up and its reference.
   std::uint32_t reboots() const noexcept { return reboots_; }
 

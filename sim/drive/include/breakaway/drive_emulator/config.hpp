@@ -28,6 +28,8 @@ struct Quirks {
   bool torque_relative_to_max = false;
   // 60C2h:02 accepts -3 only.
   bool interpolation_in_ms_only = false;
+  // The encoder is incremental: 6064h is 0 where the axis stands at power-on and at NMT Reset node.
+  bool counts_from_power_on = false;
 };
 
 struct EmulatorConfig {

@@ -61,6 +61,14 @@ class DriveEmulator {
   void set_silent(bool silent) { silent_ = silent; }
   void suppress_heartbeat(bool suppressed) { heartbeat_suppressed_ = suppressed; }
 
+  // Safe torque off is Switch on disabled, a missing supply of the power stage Ready to switch on or Switched on: the
+  // drive does not go beyond, and falls back to it, unannounced. Nothing: whatever it was is over.
+  void inhibit_beyond(std::optional<cia402::State> highest, hal::Time time);
+  // The most that the motor can do from here on, > 0: a supply that has dropped, or a hot motor.
+  void limit_peak_force(double peak_force_N, hal::Time time);
+  // SDO answers take so long from here on, >= 0.
+  void delay_sdo_responses(hal::Duration delay) { sdo_response_delay_ = delay; }
+
   // These tell what is true, whatever the bus says.
   cia402::State state() const { return drive_.state(); }
   // boot_up: the drive is off or boots.
@@ -135,6 +143,7 @@ class DriveEmulator {
   std::mt19937_64 random_;
 
   hal::Time now_{};
+  hal::Duration sdo_response_delay_;
   bool powered_ = false;
   bool silent_ = false;
   bool heartbeat_suppressed_ = false;

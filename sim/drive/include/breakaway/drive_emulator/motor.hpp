@@ -26,6 +26,8 @@ class Motor {
   // Returns the largest |force| from the beginning until time_s.
   double largest_force_N(double time_s) const;
   double peak_force_N() const { return peak_force_N_; }
+  // From time_s on; > 0.
+  void limit_peak_force(double peak_force_N, double time_s);
 
  private:
   double peak_force_N_;

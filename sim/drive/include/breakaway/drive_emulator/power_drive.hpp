@@ -48,6 +48,11 @@ class PowerDrive {
   void advance_mechanism_to(hal::Time time);
   // Takes the torque demand to zero, whatever the state.
   void cut_power(hal::Time time);
+  // Keeps the drive from every state beyond this one that is no fault; nothing: no longer.
+  void inhibit_beyond(std::optional<cia402::State> highest) { inhibited_beyond_ = highest; }
+  void limit_peak_force(double peak_force_N, hal::Time time) {
+    motor_.limit_peak_force(peak_force_N, hal::seconds(time));
+  }
 
   cia402::State state() const { return machine_.state(); }
   const Motor& motor() const { return motor_; }
@@ -84,9 +89,11 @@ class PowerDrive {
   std::int64_t requested_mode_ = 0;
   bool enable_needs_edge_ = false;  // after a silent drop
   bool limited_ = false;            // the demand is less than what was asked for
+  std::optional<cia402::State> inhibited_beyond_;
   cia402::State watched_state_ = cia402::State::not_ready_to_switch_on;
   std::set<std::uint16_t> faults_;  // tripped since the last reset
   std::set<std::uint16_t> causes_;  // of these, those whose cause is still there
+  double origin_m_ = 0;             // where 6064h is 0
   std::optional<hal::Time> last_sync_;
   std::int32_t last_sync_counts_ = 0;
 };

@@ -34,7 +34,8 @@ class StateMachine {
   void trip();                                         // transition 13, from any state but the fault states
   void stop_finished(std::int64_t quick_stop_option);  // transition 14, or 12 where 605Ah says so
   void disable_voltage();                              // transitions 7, 9, 10, 12, as by controlword
-  void fall_back_to_switched_on();                     // transition 5, but unasked
+  // To a state without force, unasked, from one beyond it that is no fault.
+  void fall_back_to(State highest);
 
  private:
   void apply(Command command, std::int64_t quick_stop_option);
