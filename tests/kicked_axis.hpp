@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "breakaway/design/braked_kicks.hpp"
@@ -35,6 +36,14 @@ struct TrueAxis {
   double lag_s = 0;
   double load_N = 0;
   int latency_periods = 1;
+};
+
+// What else a loop on a bus brings along.
+struct Disturbance {
+  double jitter_s = 0;    // new forces begin, and samples are taken, up to this after their whole periods
+  double noise_m = 0;     // of a reading, whole counts either way
+  double lost_share = 0;  // of samples
+  std::uint64_t seed = 0;
 };
 
 // What a friction law may look at.
@@ -124,6 +133,36 @@ class Slider {
   double x_, v_, u_ = 0, t_ = 0;
 };
 
+// The disturbances of one run, an extreme as often as not.
+class Disturber {
+ public:
+  Disturber(const Disturbance& d, double count_m)
+      : d_{d}, noise_counts_{std::floor(d.noise_m / count_m * (1 + 1e-9))}, bits_{d.seed} {}
+
+  // Of the whole jitter: when the next sample is taken, and when the force begins that answers one.
+  struct Delay {
+    double sample_s, force_s;
+  };
+  Delay next_delay() {
+    if (!(d_.jitter_s > 0)) return {0, 0};
+    const double force_s = d_.jitter_s * extreme_share();
+    return {force_s * extreme_share(), force_s};
+  }
+  double noise_counts() { return noise_counts_ > 0 ? std::round((2 * extreme_share() - 1) * noise_counts_) : 0; }
+  bool loses_sample() { return d_.lost_share > 0 && share() < d_.lost_share; }
+
+ private:
+  double share() { return std::ldexp(static_cast<double>(bits_() >> 11), -53); }
+  double extreme_share() {
+    const double choice = share();
+    return choice < 0.25 ? 0 : choice < 0.5 ? 1 : share();
+  }
+
+  Disturbance d_;
+  double noise_counts_;
+  std::mt19937_64 bits_;
+};
+
 struct RunEnd {
   bool held = false;
   law::ControlFault fault = law::ControlFault::none;
@@ -134,6 +173,8 @@ struct RunEnd {
   int kicks = 0;
   int far_kicks = 0;        // from beyond the reach of the table
   double first_kick_m = 0;  // true distance at the first kick
+  double first_kick_s = 0;  // when it was decided on
+  long lost_samples = 0;    // since then
   bool moving_in_hold = false;
   double approach_m_s = 0;   // the greatest |speed| in the approach,
   double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
@@ -150,25 +191,42 @@ template <class Real>
 RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3,
                        const law::BrakedKicks<Real>& kicks, const TrueAxis& truth, const Friction& friction,
                        double start_m, double start_m_s, double longest_s, int slices = 8, int hold_periods = 200,
-                       double encoder_offset = 0.3, Retarget retarget = {}) {
+                       double encoder_offset = 0.3, Retarget retarget = {}, const Disturbance& disturbance = {}) {
   law::AxisController<Real> controller{p, k3, kicks};
   Slider axis{truth, friction, start_m, start_m_s};
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
-  std::deque<double> samples;
+  Disturber disturber{disturbance, q};
+  std::deque<std::optional<double>> samples;
   RunEnd end;
   int held = 0;
-  double kicked_from = 0;
+  double kicked_from = 0, force_began_s = 0;
+  Real force_N = 0;
   const auto periods = static_cast<long>(longest_s / T);
   double target_m = 0;
   for (long k = 0; k < periods; ++k) {
-    samples.push_back(std::round(axis.position_m() / q + encoder_offset) - encoder_offset);
+    const auto delay = disturber.next_delay();
+    const double now_s = static_cast<double>(k) * T;
+    const auto pass = [&](double until_s) {
+      if (until_s > force_began_s) axis.run(static_cast<double>(force_N), until_s - force_began_s, slices);
+      force_began_s = std::max(force_began_s, until_s);
+    };
+    pass(now_s + delay.sample_s);
+    const double counts = std::round(axis.position_m() / q + encoder_offset) - encoder_offset;
+    samples.emplace_back(counts + disturber.noise_counts());
+    if (disturber.loses_sample()) samples.back().reset();
+    pass(now_s + delay.force_s);
     while (samples.size() > static_cast<std::size_t>(truth.latency_periods) + 1) samples.pop_front();
-    if (static_cast<double>(k) * T >= retarget.at_s) {
+    if (now_s >= retarget.at_s) {
       target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
       controller.shift_target(static_cast<Real>(target_m));
       retarget.at_s = INFINITY;
     }
-    const auto out = controller.update({static_cast<Real>(samples.front() * q - target_m)});
+    const std::optional<double>& seen = samples.front();
+    if (!seen && end.kicks > 0) ++end.lost_samples;
+    const std::uint32_t kicks_before = controller.kicks();
+    const auto out = controller.update({static_cast<Real>(seen.value_or(0) * q - target_m), 0, seen.has_value()});
+    force_N = out.force_N;
+    if (controller.kicks() > kicks_before && controller.kicks() == 1) end.first_kick_s = now_s;
     if (out.kicked) {
       if (++end.kicks == 1) end.first_kick_m = std::fabs(axis.position_m());
       kicked_from = axis.position_m();
@@ -176,7 +234,7 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
     }
     if (out.mode == law::Mode::hold && axis.velocity_m_s() != 0) end.moving_in_hold = true;
     const double before_m_s = axis.velocity_m_s();
-    axis.run(static_cast<double>(out.force_N), T, slices);
+    pass(now_s + T);
     if (out.mode == law::Mode::approach) {
       end.approach_m_s = std::max(end.approach_m_s, std::fabs(axis.velocity_m_s()));
       end.approach_m_s2 = std::max(end.approach_m_s2, std::fabs(axis.velocity_m_s() - before_m_s) / T);

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "breakaway/design/kick_promise.hpp"
 #include "random_braked_axis.hpp"
 
 namespace breakaway::campaign {
@@ -16,56 +17,72 @@ namespace {
 
 struct Tally {
   long certified = 0, runs = 0, most_kicks = 0;
-  double furthest_counts = 0;
+  double furthest = 0, longest = 0;  // as shares of what is promised
+
+  void note(const testing::RunEnd& end, const BrakedClass& c, double promised_s) {
+    ++runs;
+    most_kicks = std::max<long>(most_kicks, end.kicks);
+    furthest = std::max(furthest, end.beyond_m / c.reading_error_m());
+    if (end.kicks > 0) longest = std::max(longest, (end.time_s - end.first_kick_s) / promised_s);
+  }
 };
 
-void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, Random& r, Tally& tally) {
-  const double q = c.encoder_resolution_m;
-  const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
+testing::TrueAxis true_axis(const BrakedClass& c, Random& r) {
+  return {r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s), r.inside({-c.load_N, c.load_N}),
+          c.latency_periods};
+}
+
+void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, double tolerance_m,
+         const design::KickPromise& promise, Random& r, Tally& tally) {
+  const double q = c.encoder_resolution_m, read_m = c.reading_error_m();
   const auto p = parameters(c, tolerance_m);
   const law::K3Table<float> unused;
+  const double from_m = design::kicks_begin_m(design);
+  // Nobody waits longer than this for the approach and the kicks.
+  const double longest_s = 20 + 2 * promise.most_s(from_m) + 20 * c.period_s * design.kicks.patient_periods;
   for (int kind = 0; kind < kinds; ++kind) {
-    const testing::TrueAxis truth{r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s),
-                                  r.inside({-c.load_N, c.load_N}), c.latency_periods};
+    const testing::TrueAxis truth = true_axis(c, r);
     const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
-    const Friction friction =
-        friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind), std::max(3 * design.floor_m, q));
-    // Nobody waits longer than for the most kicks, each with the longest proof of rest.
-    const int allowed = design::most_kicks(c, design, std::fabs(start_m), tolerance_m) + 20;
-    const double longest_s = (allowed + 20) * c.period_s * (2 * design.kicks.either_way_periods + 1500) + 20;
+    const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind),
+                                               std::max(3 * design.floor_m, q), tolerance_m);
+    // The target is a count. Where the tolerance is less than one, the places of the counts matter.
+    const double encoder_offset = tolerance_m < q ? 0 : r.between(-0.5, 0.5);
     const auto end = testing::run_kicked_axis<float>(p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 4,
-                                                     50, r.between(-0.5, 0.5));
-    const int certified = design::most_kicks(c, design, std::max(end.first_kick_m, tolerance_m), tolerance_m);
-    ++tally.runs;
-    tally.most_kicks = std::max<long>(tally.most_kicks, end.kicks);
-    tally.furthest_counts = std::max(tally.furthest_counts, end.beyond_m / q);
+                                                     50, encoder_offset, {}, disturbance(c, r));
+    const double first_m = std::max(end.first_kick_m, tolerance_m);
+    const double promised_s = promise.most_s(first_m) + static_cast<double>(end.lost_samples) * c.period_s;
+    tally.note(end, c, promised_s);
     const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_EQ(end.fault, law::ControlFault::none) << where << ": " << to_string(end.fault);
     EXPECT_TRUE(end.held) << where << ": " << end.kicks << " kicks, error " << end.error_m;
     EXPECT_FALSE(end.moving_in_hold) << where;
-    EXPECT_LE(std::fabs(end.error_m), (tolerance_m + q / 2) * (1 + 1e-6)) << where;
-    EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
-    EXPECT_LE(end.kicks, certified) << where;
-    EXPECT_LE(end.first_kick_m, design::kicks_begin_m(design) + q) << where;
+    EXPECT_LE(std::fabs(end.error_m), (tolerance_m + read_m) * (1 + 1e-6)) << where;
+    EXPECT_LE(end.beyond_m, read_m * (1 + 1e-6)) << where;
+    EXPECT_LE(end.kicks, promise.most_kicks(first_m)) << where;
+    EXPECT_LE(end.first_kick_m, from_m + q) << where;
+    EXPECT_LE(end.kicks > 0 ? end.time_s - end.first_kick_s : 0, promised_s) << where;
   }
 }
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
-  const long axes = asked_for("BREAKAWAY_BRAKED_AXES", 60);
+  const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_BRAKED_AXES", 60);
   Tally tally;
-  for (long number = 0; number < axes; ++number) {
+  for (long number = first; number < first + axes; ++number) {
     Random r{static_cast<std::uint64_t>(number)};
     const BrakedClass c = random_axes(r);
     const auto design = design::design_braked_kicks<float>(c);
     if (!design.possible()) continue;
-    const int kicks = design::most_kicks(c, design, design::kicks_begin_m(design), design.least_tolerance_m);
+    const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
+    const design::KickPromise promise{c, design, tolerance_m};
+    const int kicks = promise.most_kicks(design::kicks_begin_m(design));
     if (kicks == 0 || kicks > law::AxisController<float>::most_kicks) continue;
     ++tally.certified;
-    run(number, c, design, r, tally);
+    run(number, c, design, tolerance_m, promise, r, tally);
   }
-  std::printf("%ld of %ld axes certified, %ld runs, at most %ld kicks, at most %.3f counts beyond\n", tally.certified,
-              axes, tally.runs, tally.most_kicks, tally.furthest_counts);
-  EXPECT_GE(tally.certified, axes * 9 / 10);
+  std::printf(
+      "%ld of %ld axes certified, %ld runs, at most %ld kicks, %.3f of what may be beyond, %.3f of the time promised\n",
+      tally.certified, axes, tally.runs, tally.most_kicks, tally.furthest, tally.longest);
+  EXPECT_GE(tally.certified, axes / 2);
 }
 
 // A random move that the class can keep to; nothing where it can keep to none.
@@ -97,10 +114,10 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
   p.max_approach_speed_m_s = 1e6F;
   const law::K3Table<float> unused;
   for (int kind = 0; kind < kinds; ++kind) {
-    const testing::TrueAxis truth{r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s),
-                                  r.inside({-c.load_N, c.load_N}), c.latency_periods};
-    const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind),
-                                               std::max(3 * design.floor_m, c.encoder_resolution_m));
+    const testing::TrueAxis truth = true_axis(c, r);
+    const Friction friction =
+        friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind),
+                         std::max(3 * design.floor_m, c.encoder_resolution_m), design.least_tolerance_m);
     const double start_m = r.share() < 0.5 ? c.move->distance_m : -c.move->distance_m;
     const double longest_s =
         150 * c.period_s * (2 * design.kicks.either_way_periods + 1500) + 20 + 20 * design::least_move_s(*c.move);
@@ -172,7 +189,7 @@ TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
     const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
     const int kind = static_cast<int>(kinds * r.share());
     const Friction friction = friction_of_kind(kind, true_class, static_cast<std::uint64_t>(number),
-                                               std::max(3 * design.floor_m, c.encoder_resolution_m));
+                                               std::max(3 * design.floor_m, c.encoder_resolution_m), tolerance_m);
     const double longest_s = 300 * c.period_s * (2 * design.kicks.patient_periods + 1500) + 100;
     const auto end = testing::run_kicked_axis<float>(parameters(c, tolerance_m), unused, design.kicks, truth.axis,
                                                      friction, start_m, 0, longest_s, 4, 50, r.between(-0.5, 0.5));

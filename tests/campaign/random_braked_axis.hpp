@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "../kicked_axis.hpp"
 
@@ -17,7 +18,7 @@ using design::Interval;
 using testing::Friction;
 using testing::Moment;
 
-constexpr int kinds = 12;  // of friction
+constexpr int kinds = 13;  // of friction
 
 class Random {
  public:
@@ -39,25 +40,37 @@ class Random {
   std::mt19937_64 bits_;
 };
 
+// The whole range that is accepted: masses of a gram to ten tonnes, counts of a nanometre to a millimetre.
 inline BrakedClass random_axes(Random& r) {
   BrakedClass c;
-  const double m = r.decades(1e-2, 1e3), B = r.decades(0.1, 1e3),
+  const double m = r.decades(1e-3, 1e4), B = r.decades(0.1, 1e3),
                A = r.share() < 0.1 ? 0.999 * B : B * r.between(0.1, 1);
   c.friction = {A, B};
   c.period_s = 1e-3 * r.one_of<7>({0.1, 0.25, 0.5, 1, 2, 4, 10});
-  c.encoder_resolution_m = r.decades(1e-8, 1e-4);
+  c.encoder_resolution_m = r.decades(1e-9, 1e-3);
   c.max_force_N = B * (1.5 + 20 * std::pow(r.share(), 2));
-  c.force_step_N = c.max_force_N / r.one_of<7>({2000, 2000, 1000, 400, 100, 50, 20});
+  c.force_step_N =
+      r.share() < 0.2 ? A * r.decades(0.1, 4) : c.max_force_N / r.one_of<7>({2000, 2000, 1000, 400, 100, 50, 20});
   c.latency_periods = static_cast<int>(r.between(0, 4));
   const auto about = [&](double value, double most_share) {
     const double share = r.share() < 0.5 ? 0 : most_share * r.share();
     return Interval{value * (1 - share), value * (1 + share)};
   };
-  c.mass_kg = about(m, 0.1);
-  c.force_gain = about(1, 0.1);
+  c.mass_kg = about(m, 0.2);
+  c.force_gain = about(1, 0.2);
   c.lag_s = about(r.share() < 0.3 ? 0 : c.period_s * r.between(0, 5), 0.2);
   c.load_N = r.share() < 0.6 ? 0 : r.between(0, 0.5 * A);
+  if (r.share() < 0.3) c.jitter_s = c.period_s * design::most_jitter * (r.share() < 0.3 ? 1 : r.share());
+  if (r.share() < 0.3) c.encoder_noise_m = c.encoder_resolution_m;
   return c;
+}
+
+// A bus of this class, which loses a sample of a hundred beside.
+inline testing::Disturbance disturbance(const BrakedClass& c, Random& r) {
+  return {.jitter_s = c.jitter_s,
+          .noise_m = c.encoder_noise_m,
+          .lost_share = r.share() < 0.5 ? 0.01 : 0,
+          .seed = static_cast<std::uint64_t>(1e9 * r.share())};
 }
 
 inline law::AxisParameters<float> parameters(const BrakedClass& c, double tolerance_m) {
@@ -72,6 +85,7 @@ inline law::AxisParameters<float> parameters(const BrakedClass& c, double tolera
   p.max_approach_speed_m_s = 10;
   p.position_tolerance_m = static_cast<float>(tolerance_m);
   p.encoder_resolution_m = static_cast<float>(c.encoder_resolution_m);
+  p.encoder_noise_m = static_cast<float>(c.encoder_noise_m);
   p.period_s = static_cast<float>(c.period_s);
   p.latency_periods = static_cast<std::uint8_t>(c.latency_periods);
   p.coast = law::Coast::brake;
@@ -103,13 +117,55 @@ class Adversary {
   bool slipped_ = false;
 };
 
+// A friction that steers the axis, at each instant, to the place that is worst: it predicts where the axis would stop
+// under its least, takes it while that is short of the place, and its greatest otherwise. For each slip it draws the
+// place anew: as far beyond the target as the axis gets, where it hardly moved, just out of the tolerance on either
+// side of the target, or where a reading is off by the most.
+class GreedyAdversary {
+ public:
+  struct Aim {
+    double mass_kg, tolerance_m, reading_error_m;
+  };
+  GreedyAdversary(double low_N, double high_N, const Aim& aim, std::uint64_t seed)
+      : low_N_{low_N}, high_N_{high_N}, aim_{aim}, random_{seed} {}
+
+  double operator()(const Moment& now) {
+    if (now.velocity_m_s == 0) {
+      if (!std::exchange(resting_, true)) draw(now);
+      return hard_to_break_ ? high_N_ : low_N_;
+    }
+    resting_ = false;
+    const double direction = now.velocity_m_s > 0 ? 1 : -1;
+    const double braking_N = low_N_ - now.force_N * direction;
+    const double way_m = aim_.mass_kg * now.velocity_m_s * now.velocity_m_s / (2 * braking_N);
+    const bool gets_there = !(braking_N > 0) || direction * (now.position_m - place_m_) + way_m > 0;
+    return gets_there ? high_N_ : low_N_;
+  }
+
+ private:
+  void draw(const Moment& now) {
+    const double towards = now.position_m > 0 ? -1 : 1, edge_m = aim_.tolerance_m + aim_.reading_error_m;
+    const std::array<double, 5> places{towards * INFINITY, now.position_m, -towards * edge_m, towards * edge_m,
+                                       now.position_m + towards * aim_.reading_error_m};
+    place_m_ = random_.one_of(places);
+    hard_to_break_ = random_.share() < 0.7;
+  }
+
+  double low_N_, high_N_;
+  Aim aim_;
+  Random random_;
+  double place_m_ = 0;
+  bool resting_ = false, hard_to_break_ = true;
+};
+
 inline double hashed_share(double cell, std::uint64_t seed) {
   std::uint64_t h = static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) * 0x9E3779B97F4A7C15U + seed;
   h = (h ^ (h >> 31)) * 0xBF58476D1CE4E5B9U;
   return static_cast<double>((h ^ (h >> 29)) & 0xFFFFU) / 65535;
 }
 
-inline Friction friction_of_kind(int kind, const BrakedClass& c, std::uint64_t seed, double length_m) {
+inline Friction friction_of_kind(int kind, const BrakedClass& c, std::uint64_t seed, double length_m,
+                                 double tolerance_m) {
   const double A = c.friction.lower_N, B = c.friction.upper_N, T = c.period_s;
   const auto r = std::make_shared<Random>(seed);
   const double middle = r->between(A, B), phase = r->between(0, 6);
@@ -144,6 +200,8 @@ inline Friction friction_of_kind(int kind, const BrakedClass& c, std::uint64_t s
       };
     case 10:
       return Adversary{A, B, T, seed};
+    case 11:
+      return GreedyAdversary{A, B, {c.mass_kg.most, tolerance_m, c.reading_error_m()}, seed};
     default:
       return [=](const Moment& now) {
         const bool closing = now.position_m * now.velocity_m_s < 0;

@@ -65,8 +65,8 @@ void run(long number, const design::AxisDesign& a, Random& r) {
     const testing::TrueAxis truth{a.mass_kg, 1, a.current_loop_lag_s, 0, a.latency_ticks};
     const double away_m = std::min(std::max(floor_m, q) * std::pow(10, 1 + 3 * r.share()), 1.0);
     const double start_m = r.share() < 0.5 ? away_m : -away_m;
-    const Friction friction =
-        friction_of_kind(kind, bounds, static_cast<std::uint64_t>(number * kinds + kind), std::max(3 * floor_m, q));
+    const Friction friction = friction_of_kind(kind, bounds, static_cast<std::uint64_t>(number * kinds + kind),
+                                               std::max(3 * floor_m, q), a.position_tolerance_m);
     const auto end = testing::run_kicked_axis<float>(p, built.table, {}, truth, friction, start_m, 0, patience_s(a), 4,
                                                      100, r.between(-0.5, 0.5));
     EXPECT_TRUE(end.held) << "axis " << number << ", friction " << kind << ": " << to_string(end.fault);

@@ -6,7 +6,6 @@
 
 #include "kick_class.hpp"
 #include "kick_table_builder.hpp"
-#include "worst_kicks.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -14,16 +13,26 @@ namespace {
 using detail::KickClass;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double longest_count = 30000;  // of periods
-constexpr int most_counted = 100000;     // kicks
 
 std::uint16_t counted(double periods) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(periods), 1.0, longest_count));
 }
 
-// Without a count of motion for so many periods an axis that loses speed under this net force is at rest.
+// What readings may differ by while they count as unchanged, and the reading errors at both ends.
+double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 4 * axes.encoder_noise_m; }
+
+// Without a count of motion for so many periods an axis that loses speed under this net force is at rest. The readings
+// may lie nearer together by the jitter, and the first may show the axis as long before the force came down.
 double still_periods(const BrakedClass& axes, double net_force_N) {
   if (!(net_force_N > 0)) return infinity;
-  return std::sqrt(2 * axes.encoder_resolution_m * axes.mass_kg.most / net_force_N) / axes.period_s;
+  const double needed_s = std::sqrt(2 * unseen_m(axes) * axes.mass_kg.most / net_force_N);
+  return (needed_s + 2 * axes.jitter_s) / axes.period_s;
+}
+
+// The least reading that an axis may be kicked from. Without noise what is read is the same at the same place, and one
+// count is the least that is not zero. With noise an axis that a kick took beyond its target must not be kicked back.
+double least_seen_m(const BrakedClass& axes) {
+  return axes.encoder_noise_m > 0 ? 2.001 * axes.reading_error_m() : 0.51 * axes.encoder_resolution_m;
 }
 
 double spread(const Interval& interval) { return (interval.most - interval.least) / (interval.most + interval.least); }
@@ -96,32 +105,39 @@ void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const K
 
 template <class Real>
 law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kicks) {
-  const double T = axes.period_s, q = axes.encoder_resolution_m, m = axes.mass_kg.most;
+  const double T = axes.period_s, q = unseen_m(axes), m = axes.mass_kg.most;
   const double stop_N = kicks.least_friction_N() + axes.force_gain.least * kicks.brake_N();
   const double gap_N = kicks.most_friction_N() - kicks.least_friction_N();
   const double gentle = stop_N / m, lag_s = (axes.lag_s.least + axes.lag_s.most) / 2;
   const double response_s = T + 2 * lag_s;
   // A share g of a reading's surprise lets the estimated speed err by g q / T for the count and by doubt T / (m g) for
   // what is not known of the force: the sum is least at the g below. More of it than force for it would be no use.
-  const double doubt_N = gap_N + (0.02 + spread(axes.mass_kg) + spread(axes.force_gain)) * stop_N;
+  // What is off while the drive brakes hard is still in the estimate when the brake takes over. Jitter makes a speed be
+  // read off by its share of the period.
+  const double hard = 0.8 * (axes.force_gain.least * kicks.limit_N() + kicks.least_friction_N()) / m;
+  const double unknown_share = spread(axes.mass_kg) + spread(axes.force_gain);
+  const double hard_N = m * hard - kicks.least_friction_N();
+  const double doubt_N = gap_N + std::max((0.02 + unknown_share) * stop_N, unknown_share * hard_N);
   const double most_correction = 0.5 * (kicks.limit_N() - kicks.most_friction_N()) * T * response_s / (m * q);
-  const double correction = std::clamp(std::min(T * std::sqrt(doubt_N / (m * q)), most_correction), 1e-3, 1.0);
+  const double jitter = axes.jitter_s / T, unshaken = jitter > 0 ? 0.1 / jitter : infinity;
+  const double correction =
+      std::clamp(std::min({T * std::sqrt(doubt_N / (m * q)), most_correction, unshaken}), 1e-3, 1.0);
   const double speed_error = correction * q / T + doubt_N * T / (m * correction);
   // Below the last of these speeds the axis might stick where the plan asks for no more force than friction takes.
-  const double speed = std::max({5 * speed_error, 2 * gap_N * (response_s + axes.latency_periods * T) / m,
+  const double speed = std::max({5 * speed_error / (1 - 5 * correction * jitter),
+                                 2 * gap_N * (response_s + axes.latency_periods * T) / m,
                                  gentle * (T * (1 + 0.4 * axes.latency_periods) + axes.lag_s.most)});
-  law::BrakedApproach<Real> plan{
-      .mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
-      .friction_N = static_cast<Real>(kicks.least_friction_N()),
-      .hard_m_s2 = static_cast<Real>(0.8 * (axes.force_gain.least * kicks.limit_N() + kicks.least_friction_N()) / m),
-      .gentle_m_s2 = static_cast<Real>(gentle),
-      .switch_speed_m_s = static_cast<Real>(speed),
-      .switch_distance_m = static_cast<Real>(speed * speed / (2 * gentle)),
-      .short_of_target_m = static_cast<Real>(speed * gap_N * T / stop_N),
-      .response_s = static_cast<Real>(response_s),
-      .lag_s = static_cast<Real>(lag_s),
-      .correction = static_cast<Real>(correction),
-      .move = {}};
+  law::BrakedApproach<Real> plan{.mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
+                                 .friction_N = static_cast<Real>(kicks.least_friction_N()),
+                                 .hard_m_s2 = static_cast<Real>(hard),
+                                 .gentle_m_s2 = static_cast<Real>(gentle),
+                                 .switch_speed_m_s = static_cast<Real>(speed),
+                                 .switch_distance_m = static_cast<Real>(speed * speed / (2 * gentle)),
+                                 .short_of_target_m = static_cast<Real>(speed * gap_N * T / stop_N),
+                                 .response_s = static_cast<Real>(response_s),
+                                 .lag_s = static_cast<Real>(lag_s),
+                                 .correction = static_cast<Real>(correction),
+                                 .move = {}};
   limit(plan, axes, kicks);
   return plan;
 }
@@ -227,9 +243,11 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .preload_N = exact(kicks.preload_N()),
           .resting_force_N = exact(theta_N),
           .holding_force_N = static_cast<Real>(holding_N),
-          .fast_lag = share_left<Real>(axes.period_s, axes.lag_s.least, Real{0}),
-          .slow_lag = share_left<Real>(axes.period_s, axes.lag_s.most, Real{1}),
-          .coast_per_N = static_cast<Real>(gains / (kicks.least_friction_N() + axes.force_gain.least * b)),
+          .fast_lag = share_left<Real>(kicks.longest_period_s(), axes.lag_s.least, Real{0}),
+          .slow_lag = share_left<Real>(kicks.shortest_period_s(), axes.lag_s.most, Real{1}),
+          .short_lag = share_left<Real>(kicks.shortest_period_s(), axes.lag_s.least, Real{0}),
+          .coast_per_N = static_cast<Real>((1 + axes.jitter_s / axes.period_s) * gains /
+                                           (kicks.least_friction_N() + axes.force_gain.least * b)),
           .least_seen_N = {},
           .most_seen_N = {},
           .still_periods = counted(still),
@@ -256,7 +274,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   if (!design.breaks_away) return design;
 
   detail::KickTableBuilder<Real> builder{axes, kicks};
-  builder.build(std::max(least.distance_m, axes.encoder_resolution_m / 2));
+  builder.build(std::max(least.distance_m, axes.reading_error_m()));
   design.kicks = numbers<Real>(axes, kicks, design.rest_is_seen);
   design.kicks.table = builder.table();
   design.kicks.least_seen_N = static_cast<Real>(builder.seen_N().least);
@@ -267,7 +285,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   design.aim_lost = builder.aim_lost();
   design.peak_speed_m_s = builder.peak_speed_m_s();
   design.table_bytes = sizeof(design.kicks.table);
-  design.least_tolerance_m = std::max(design.floor_m, 0.51 * axes.encoder_resolution_m);
+  design.least_tolerance_m = std::max(design.floor_m, least_seen_m(axes));
   return design;
 }
 
@@ -288,20 +306,6 @@ double kicks_begin_m(const BrakedDesign<Real>& design) {
   return std::max(design.reach_m, hand_over_m(design));
 }
 
-template <class Real>
-int most_kicks(const BrakedClass& axes, const BrakedDesign<Real>& design, double distance_m, double tolerance_m) {
-  if (!design.possible() || tolerance_m < design.least_tolerance_m * (1 - 1e-9)) return 0;
-  const detail::WorstKicks worst{axes, design.kicks.table, tolerance_m, std::max(design.reach_m, tolerance_m)};
-  int count = 0;
-  double error_m = distance_m;
-  while (error_m + axes.encoder_resolution_m / 2 > tolerance_m) {
-    const double next_m = worst.after(error_m);
-    if (!(next_m < error_m) || ++count > most_counted) return 0;
-    error_m = next_m;
-  }
-  return count;
-}
-
 template struct BrakedDesign<float>;
 template struct BrakedDesign<double>;
 template BrakedDesign<float> design_braked_kicks(const BrakedClass&);
@@ -316,7 +320,5 @@ template double move_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
 template double move_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
 template double kicks_begin_m(const BrakedDesign<float>&);
 template double kicks_begin_m(const BrakedDesign<double>&);
-template int most_kicks(const BrakedClass&, const BrakedDesign<float>&, double, double);
-template int most_kicks(const BrakedClass&, const BrakedDesign<double>&, double, double);
 
 }  // namespace breakaway::design

@@ -52,9 +52,9 @@ double KickClass::rounded_down_N(double force_N) const {
 
 double KickClass::cut_N(double force_N, int periods, int cut_periods) const {
   if (axes_.lag_s.least == 0 || cut_periods == 0) return 0;
-  const double end_N = force_N + (preload_N_ - force_N) * std::exp(-periods * axes_.period_s / axes_.lag_s.least);
-  const double left = std::exp(-cut_periods * axes_.period_s / axes_.lag_s.least);
-  return (brake_N_ + end_N * left) / -std::expm1(-cut_periods * axes_.period_s / axes_.lag_s.least);
+  const double end_N = force_N + (preload_N_ - force_N) * std::exp(-periods * shortest_period_s() / axes_.lag_s.least);
+  const double cut = cut_periods * longest_period_s() / axes_.lag_s.least;
+  return (brake_N_ + end_N * std::exp(-cut)) / -std::expm1(-cut);
 }
 
 int KickClass::cut_periods(double force_N, int periods) const {
@@ -68,15 +68,16 @@ double KickClass::travel_at(const Corner& corner, double force_N, int periods, i
   const double gain = corner.force_gain;
   return travel_m({.start_N = gain * corner.start_N,
                    .pulse_N = gain * force_N,
-                   .pulse_periods = periods,
+                   .pulse_s = periods * axes_.period_s + corner.longer_s,
                    .cut_N = gain * cut_N,
-                   .cut_periods = cut_periods,
+                   .cut_s = cut_periods > 0 ? cut_periods * axes_.period_s - corner.longer_s : 0,
                    .brake_N = gain * brake_N_},
-                  {corner.mass_kg, corner.friction_N, corner.lag_s, axes_.period_s});
+                  {corner.mass_kg, corner.friction_N, corner.lag_s});
 }
 
 double KickClass::most_travel_m(double force_N, int periods, int cut_periods) const {
-  const Corner furthest{axes_.force_gain.most, axes_.mass_kg.least, least_friction_N_, axes_.lag_s.least, brake_N_};
+  const Corner furthest{axes_.force_gain.most, axes_.mass_kg.least, least_friction_N_, axes_.lag_s.least, brake_N_,
+                        axes_.jitter_s};
   const double whole_cut_N = cut_N(force_N, periods, cut_periods);
   const double weakest_cut_N = listed() ? rounded_down_N(whole_cut_N * (1 - cut_rounding))
                                         : whole_cut_N - axes_.force_step_N * (1 + cut_rounding);
@@ -84,7 +85,8 @@ double KickClass::most_travel_m(double force_N, int periods, int cut_periods) co
 }
 
 double KickClass::least_travel_m(double force_N, int periods, int cut_periods) const {
-  const Corner nearest{axes_.force_gain.least, axes_.mass_kg.most, most_friction_N_, axes_.lag_s.most, preload_N_};
+  const Corner nearest{axes_.force_gain.least, axes_.mass_kg.most, most_friction_N_,
+                       axes_.lag_s.most,       preload_N_,         -axes_.jitter_s};
   const double whole_cut_N = cut_N(force_N, periods, cut_periods);
   const double strongest_cut_N = listed() ? rounded_down_N(whole_cut_N * (1 + cut_rounding)) : whole_cut_N;
   return travel_at(nearest, force_N, periods, cut_periods, strongest_cut_N);
@@ -93,7 +95,7 @@ double KickClass::least_travel_m(double force_N, int periods, int cut_periods) c
 // Without lag the travel is tau^2 (F - A) (F + b) / (2 m (A + b)), which is a good start with a lag.
 double KickClass::force_N(double distance_m, int periods, int cut_periods) const {
   const double gain = axes_.force_gain.most, A = least_friction_N_, b = gain * brake_N_;
-  const double pulse_s = periods * axes_.period_s, m = axes_.mass_kg.least;
+  const double pulse_s = periods * axes_.period_s + axes_.jitter_s, m = axes_.mass_kg.least;
   const double g = A + b;
   const double start_N = ((g + std::sqrt(g * g + 8 * g * m * distance_m / (pulse_s * pulse_s))) / 2 - b) / gain;
   if (axes_.lag_s.least == 0) return start_N;
@@ -112,7 +114,8 @@ double KickClass::force_N(double distance_m, int periods, int cut_periods) const
 
 double KickClass::needed_N(int periods) const {
   const double gain = axes_.force_gain.least;
-  const double left = axes_.lag_s.most > 0 ? std::exp(-periods * axes_.period_s / axes_.lag_s.most) : 0;
+  const double left =
+      axes_.lag_s.most > 0 ? std::exp(-(periods * axes_.period_s - axes_.jitter_s) / axes_.lag_s.most) : 0;
   const double needed_N = (surely_above * most_friction_N_ / gain - preload_N_ * left) / (1 - left);
   return std::ceil(needed_N / axes_.force_step_N * (1 - step_rounding)) * axes_.force_step_N;
 }

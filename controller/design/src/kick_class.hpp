@@ -1,4 +1,8 @@
 // The numbers that follow from a BrakedClass: brake, preload, and what a pulse does at the corners of the class.
+//
+// With jitter a pulse lasts up to that much longer or shorter than its periods, and so does its cut. The cut is made
+// for the shortest pulse and the longest cut, so that the force never falls below the brake's; furthest goes an axis
+// whose pulse is the longest and whose cut the shortest.
 #pragma once
 
 #include "breakaway/design/braked_kicks.hpp"
@@ -16,6 +20,8 @@ class KickClass {
   double held_N() const { return least_friction_N_ / axes_.force_gain.most; }  // A' as a command
   double limit_N() const { return limit_N_; }                                  // whole steps within max_force_N
   double rounded_down_N(double force_N) const;
+  double longest_period_s() const { return axes_.period_s + axes_.jitter_s; }
+  double shortest_period_s() const { return axes_.period_s - axes_.jitter_s; }
   // There are so few forces that each pulse is known with its very cut.
   bool listed() const { return limit_N_ / axes_.force_step_N <= most_listed_steps; }
 
@@ -35,6 +41,7 @@ class KickClass {
   // An axis at an end of the class, and the force from which its pulse starts.
   struct Corner {
     double force_gain, mass_kg, friction_N, lag_s, start_N;
+    double longer_s;  // the pulse, by so much; the cut is as much shorter
   };
 
   double travel_at(const Corner& corner, double force_N, int periods, int cut_periods, double cut_N) const;

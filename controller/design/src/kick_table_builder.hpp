@@ -50,7 +50,8 @@ class KickTableBuilder {
       const typename Table::Entry& e = table_.entries[i];
       const double force_N = table_.list ? double{e.a1} : std::max(double{e.a0}, double{e.a0} + e.a1 + e.a2 + e.a3);
       const double net_N = axes_.force_gain.most * std::min(force_N, kicks_.limit_N()) - kicks_.least_friction_N();
-      most = std::max(most, net_N * table_.periods[i] * axes_.period_s / axes_.mass_kg.least);
+      const double longest_s = table_.periods[i] * axes_.period_s + axes_.jitter_s;
+      most = std::max(most, net_N * longest_s / axes_.mass_kg.least);
     }
     return most;
   }
@@ -134,8 +135,10 @@ class KickTableBuilder {
   }
   double share_taken(int periods, double distance_m) const {
     const int at_limit = kicks_.cut_periods(kicks_.limit_N(), periods);
-    const double wanted_N = kicks_.force_N(distance_m, periods, at_limit);
-    return real(std::min(wanted_N, kicks_.limit_N()), periods, at_limit).least_m / distance_m;
+    const bool limited = kicks_.most_travel_m(kicks_.limit_N(), periods, at_limit) <= distance_m;
+    const double force_N = limited ? kicks_.limit_N() : kicks_.force_N(distance_m, periods, at_limit);
+    const double taken_N = kicks_.rounded_down_N(std::min(force_N, kicks_.limit_N()));
+    return kicks_.least_travel_m(taken_N, periods, at_limit) / distance_m;
   }
 
   int cuts_for(double force_N, int periods) const {
@@ -254,13 +257,12 @@ class KickTableBuilder {
     std::vector<RealPulse> all;
     const int steps = static_cast<int>(std::lround(kicks_.limit_N() / axes_.force_step_N));
     for (int n = 1; n <= longest_pulse_periods; ++n) {
-      for (int k = 1; k <= steps; ++k) {
+      for (int k = std::max(1, static_cast<int>(kicks_.held_N() / axes_.force_step_N)); k <= steps; ++k) {
         const double force_N = k * axes_.force_step_N;
         // A longer cut is rounded to steps otherwise, and may go further for certain.
         const int least_cut = kicks_.cut_periods(force_N, n), most_cut = least_cut > 0 ? least_cut + 3 : 0;
         for (int cut = least_cut; cut <= most_cut; ++cut) {
-          const RealPulse p = real(force_N, n, cut);
-          if (p.least_m > 0) all.push_back(p);
+          if (kicks_.least_travel_m(force_N, n, cut) > 0) all.push_back(real(force_N, n, cut));
         }
       }
     }

@@ -48,8 +48,15 @@ class Motion {
   double speed(double command_N, double t) const {
     return v_ + (command_N - friction_N_) * t + transient(command_N) * t * phi1(z(t));
   }
-  double net(double command_N, double t) const {
-    return command_N - friction_N_ + transient(command_N) * std::exp(-z(t));
+  struct SpeedAndForce {
+    double speed, net_N;
+  };
+  // speed() and its slope, with one exponential.
+  SpeedAndForce both_after(double command_N, double t) const {
+    const double steady_N = command_N - friction_N_;
+    if (lag_s_ == 0) return {v_ + steady_N * t, steady_N};
+    const double gone = std::expm1(-t / lag_s_), transient_N = u_ - command_N;
+    return {v_ + steady_N * t - transient_N * lag_s_ * gone, steady_N + transient_N * (1 + gone)};
   }
 
   // Returns the time that is left once the axis has broken away; 0: it has not.
@@ -86,9 +93,9 @@ class Motion {
   double stop_time(double command_N, double latest) const {
     double before = 0, after = latest, t = latest;
     for (int i = 0; i < 60; ++i) {
-      const double v = speed(command_N, t);
+      const auto [v, net_N] = both_after(command_N, t);
       (v > 0 ? before : after) = t;
-      double next = t - v / net(command_N, t);
+      double next = t - v / net_N;
       if (!(next > before && next < after)) next = (before + after) / 2;
       if (std::fabs(next - t) <= 4e-16 * t) return next;
       t = next;
@@ -105,8 +112,8 @@ class Motion {
 
 double travel_m(const KickForces& kick, const KickedAxis& axis) noexcept {
   Motion motion{kick.start_N, axis.friction_N, axis.lag_s};
-  motion.pass(kick.pulse_N, kick.pulse_periods * axis.period_s);
-  if (kick.cut_periods > 0) motion.pass(-kick.cut_N, kick.cut_periods * axis.period_s);
+  motion.pass(kick.pulse_N, kick.pulse_s);
+  if (kick.cut_s > 0) motion.pass(-kick.cut_N, kick.cut_s);
   motion.finish(-kick.brake_N);
   return motion.travel() / axis.mass_kg;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/kick_promise.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "breakaway/stability/attractivity.hpp"
@@ -203,7 +204,9 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   checks.push_back(below("kicks_contract", "from the floor to the end of the table each kick takes 3 % away",
                          design.floor_m, design.reach_m, "accuracy floor against the reach of a kick",
                          "narrow the uncertainties, or use a drive with a finer step of force"));
-  checks.push_back(below("tolerance_above_floor", "the floor of the kick table, and 0.51 counts",
+  checks.push_back(below("tolerance_above_floor",
+                         c.encoder_noise_m > 0 ? "the floor of the kick table, and twice what a reading may be off"
+                                               : "the floor of the kick table, and 0.51 counts",
                          design.least_tolerance_m, axis.position_tolerance_m,
                          "the least tolerance against position_tolerance_m",
                          "widen the tolerance, shorten the period, or know the axis better", Equality::holds));
@@ -233,6 +236,9 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
   checks.push_back(below("speed_is_seen_well_enough", tested, least_move_speed_m_s(design), move.speed_m_s,
                          "eight times the speed at which brake and kicks take over against [move] speed_m_s",
                          "raise it, use a finer encoder, or know friction and mass better", Equality::holds));
+  checks.push_back(below("move_keeps_time", "the limits of a move are for a loop without jitter", c.jitter_s, 0,
+                         "[uncertainty] jitter_s against 0 where there is a [move]", "leave [move] out",
+                         Equality::holds));
   if (!checks.front().holds) return checks;
   const double planned_m_s = static_cast<double>(design.kicks.approach.move.speed_m_s);
   checks.push_back(
@@ -256,13 +262,15 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
 
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
+  const KickPromise kicks{c, design, axis.position_tolerance_m};
   BrakedPromise p{.floor_m = design.floor_m,
                   .least_tolerance_m = design.least_tolerance_m,
-                  .error_m = axis.position_tolerance_m + c.encoder_resolution_m / 2,
-                  .beyond_m = c.encoder_resolution_m / 2,
+                  .error_m = axis.position_tolerance_m + c.reading_error_m(),
+                  .beyond_m = c.reading_error_m(),
                   .reach_m = design.reach_m,
                   .hand_over_m = hand_over_m(design),
-                  .most_kicks = most_kicks(c, design, kicks_begin_m(design), axis.position_tolerance_m),
+                  .most_kicks = kicks.most_kicks(kicks_begin_m(design)),
+                  .kicks_s = kicks.most_s(kicks_begin_m(design)),
                   .brake_N = static_cast<double>(design.kicks.brake_N),
                   .peak_speed_m_s = design.peak_speed_m_s,
                   .rest_s = design.kicks.still_periods * c.period_s,
@@ -273,7 +281,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .promise = {}};
   p.promise = "at rest the true error is at most " + brief(p.error_m) + " m, no kick goes more than " +
               brief(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +
-              std::to_string(p.most_kicks) + " kicks are needed";
+              std::to_string(p.most_kicks) + " kicks are needed, which take " + brief(p.kicks_s) + " s at most";
   return p;
 }
 
@@ -319,7 +327,12 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
       "the drive gives " + range(c.force_gain, " times the force") +
           " that is commanded, in whole periods, behind a current loop with a time constant of " + range(c.lag_s, " s"),
       "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
-      "a reading is off by half a count at most",
+      c.encoder_noise_m > 0 ? "a reading is off by half a count and " + brief(c.encoder_noise_m) + " m at most"
+                            : "a reading is off by half a count at most",
+      "samples are taken and forces begin " +
+          (c.jitter_s > 0 ? "within " + brief(c.jitter_s) + " s of whole periods, one against another"
+                          : std::string{"in whole periods"}) +
+          ", and no command is lost; a sample that is lost costs a period",
       tested};
   if (c.move)
     conditions.emplace_back(

@@ -10,6 +10,7 @@
 
 #include "breakaway/law/kick_table.hpp"
 #include "kick_class.hpp"
+#include "kick_time.hpp"
 
 namespace breakaway::design::detail {
 
@@ -18,30 +19,40 @@ namespace breakaway::design::detail {
 class WorstKicks {
  public:
   template <class Real>
-  WorstKicks(const BrakedClass& axes, const law::KickTable<Real>& table, double tolerance_m, double reach_m)
-      : half_count_m_{axes.encoder_resolution_m / 2}, readings_m_{places(table, tolerance_m, reach_m)} {
+  WorstKicks(const BrakedClass& axes, const law::BrakedKicks<Real>& flashed, double tolerance_m, double reach_m)
+      : reading_error_m_{axes.reading_error_m()}, readings_m_{places(flashed.table, tolerance_m, reach_m)} {
     const KickClass kicks{axes};
-    double left_m = 0;
+    const KickTime time{axes, flashed};
+    double left_m = 0, longest_s = 0;
     for (std::size_t i = 0; i + 1 < readings_m_.size(); ++i) {
-      const law::Pulse<Real> p = table.pulse(static_cast<Real>(readings_m_[i] * (1 + 1e-9)));
+      const law::Pulse<Real> p = flashed.table.pulse(static_cast<Real>(readings_m_[i] * (1 + 1e-9)));
       const double force_N = kicks.rounded_down_N(std::min(static_cast<double>(p.force_N), kicks.limit_N()));
       const double taken_m = kicks.least_travel_m(force_N, p.periods, p.cut_periods);
       if (i == 0) least_m_ = taken_m;
-      left_m = std::max(left_m, readings_m_[i + 1] + half_count_m_ - taken_m);
+      left_m = std::max(left_m, readings_m_[i + 1] + reading_error_m_ - taken_m);
       left_m_.push_back(left_m);
       taken_m_.push_back(taken_m);
       beyond_m_ = taken_m;
+      const double cut_N = kicks.cut_N(force_N, p.periods, p.cut_periods);
+      longest_s = std::max(longest_s, time.periods(force_N, p.periods, p.cut_periods, cut_N) * axes.period_s);
+      longest_s_.push_back(longest_s);
     }
   }
 
-  // The error after a kick from this error, which may be read half a count too near or too far.
+  // The error after a kick from this error, which may be read too near or too far.
   double after(double error_m) const {
-    const double nearest_m = error_m - half_count_m_;
+    const double nearest_m = error_m - reading_error_m_;
     if (nearest_m > readings_m_.back()) return error_m - beyond_m_;
     const auto next = std::ranges::upper_bound(readings_m_, nearest_m) - readings_m_.begin();
     const double least_left_m = next > 0 ? left_m_[std::min(static_cast<std::size_t>(next) - 1, left_m_.size() - 1)]
                                          : std::min(left_m_.front(), error_m - least_m_);
-    return std::max(least_left_m, error_m - least_taken_m(static_cast<std::size_t>(next), error_m + half_count_m_));
+    return std::max(least_left_m, error_m - least_taken_m(static_cast<std::size_t>(next), error_m + reading_error_m_));
+  }
+
+  // The longest time of a kick from an error up to this.
+  double longest_s(double error_m) const {
+    const auto next = std::ranges::upper_bound(readings_m_, error_m + reading_error_m_) - readings_m_.begin();
+    return longest_s_[std::min(static_cast<std::size_t>(next), longest_s_.size() - 1)];
   }
 
  private:
@@ -69,10 +80,10 @@ class WorstKicks {
     return all;
   }
 
-  double half_count_m_;
+  double reading_error_m_;
   double least_m_ = 0;   // that is taken near the tolerance
   double beyond_m_ = 0;  // that is taken at the end of the table and beyond
-  std::vector<double> readings_m_, left_m_, taken_m_;
+  std::vector<double> readings_m_, left_m_, taken_m_, longest_s_;
 };
 
 }  // namespace breakaway::design::detail

@@ -37,6 +37,7 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.max_approach_speed_m_s = static_cast<Real>(axis.controller.max_approach_speed_m_s);
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
+  p.encoder_noise_m = static_cast<Real>(axis.uncertainty.encoder_noise_m);
   p.period_s = static_cast<Real>(node.period_s());
   p.latency_periods = axis.latency_periods;
   p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;
@@ -57,7 +58,9 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .max_force_N = max_force_N(axis),
           .force_step_N = axis.drive->force_quantum_N(),
           .period_s = node.period_s(),
+          .jitter_s = u.jitter_s,
           .encoder_resolution_m = axis.drive->encoder_resolution_m,
+          .encoder_noise_m = u.encoder_noise_m,
           .latency_periods = axis.latency_periods,
           .move = move_request(axis)};
 }

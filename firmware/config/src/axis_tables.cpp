@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "read_told.hpp"
 #include "surroundings.hpp"
@@ -113,7 +114,7 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, double mas
     section.fail("coast", "is \"brake\", which takes whole periods of a [loop]; give one, or \"pd\"");
 }
 
-Uncertainty read_uncertainty(const Section& section, const Friction& friction) {
+Uncertainty read_uncertainty(const Section& section, const Friction& friction, double period_s) {
   constexpr Range relative{0, 0.9};
   Uncertainty u;
   section.read({
@@ -121,7 +122,14 @@ Uncertainty read_uncertainty(const Section& section, const Friction& friction) {
       optional("force_gain", number(u.force_gain, "", relative)),
       optional("force_N", number(u.force_N, "N", not_negative)),
       optional("current_loop_time_constant", number(u.current_loop_time_constant, "", relative)),
+      optional("jitter_s", number(u.jitter_s, "s", up_to_a_second)),
+      optional("encoder_noise_m", number(u.encoder_noise_m, "m", {0, 1})),
   });
+  if (u.jitter_s > design::most_jitter * period_s)
+    section.fail("jitter_s",
+                 fmt::format("is {:g}, more than half the period of {:g} s, so that no pulse is sure to last; "
+                             "take a longer [loop] period_s, or a bus that delays more evenly",
+                             u.jitter_s, period_s));
   if (u.force_N >= friction.bounds.lower_N)
     section.fail("force_N", fmt::format("is {:g}, not below the least friction of {:g} N, so that nothing holds the "
                                         "axis at rest; feed a known force forward, or narrow its bounds",
@@ -315,7 +323,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
   if (drive_) check_in_node(*drive_, *axis.drive, node);
   if (told_) read_told(*told_, axis);
-  if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction);
+  if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction, node.period_s());
   if (limits_) axis.limits = read_limits(*limits_);
   if (move_) axis.move = read_move(*move_, axis.controller);
   check_force(*controller_, axis);

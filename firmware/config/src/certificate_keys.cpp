@@ -50,9 +50,7 @@ constexpr std::array rows{
                    "the table out where the spring is as good as rigid"},
     CertificateKey{"plant", "backlash", refused,
                    "a certificate is of a mechanism without play; simulate it, or leave the table out"},
-    CertificateKey{"plant", "encoder_error", refused,
-                   "a certificate is of readings that are off by half a count at most; state an encoder_resolution_m "
-                   "that the noise stays below, and leave the table out"},
+    CertificateKey{"plant", "encoder_error", bounded},
     CertificateKey{"plant", "machine", apart},
 
     CertificateKey{"friction", "lower_N", counted},
@@ -116,6 +114,8 @@ constexpr std::array rows{
     CertificateKey{"uncertainty", "force_gain", counted},
     CertificateKey{"uncertainty", "force_N", counted},
     CertificateKey{"uncertainty", "current_loop_time_constant", counted},
+    CertificateKey{"uncertainty", "jitter_s", counted},
+    CertificateKey{"uncertainty", "encoder_noise_m", counted},
 
     CertificateKey{"move", "distance_m", counted},
     CertificateKey{"move", "speed_m_s", counted},

@@ -78,11 +78,11 @@ void check_tolerances(const Section& run, const Node& node) {
   if (node.settle_tolerance_m == 0) return;
   for (const Axis& axis : node.axes) {
     if (!axis.controller.impulsive) continue;
-    const double reached_m = axis.controller.position_tolerance_m + half_count_m(axis);
+    const double reached_m = axis.controller.position_tolerance_m + reading_error_m(axis);
     if (axis.controller.position_tolerance_m == 0 || reached_m <= node.settle_tolerance_m * (1 + 1e-9)) continue;
     run.fail(
         "settle_tolerance_m",
-        fmt::format("is {:g}, below position_tolerance_m of axis {} and half an encoder count, {:g}: there the law "
+        fmt::format("is {:g}, below position_tolerance_m of axis {} and what a reading may be off, {:g}: there the law "
                     "leaves the axis alone; raise the one or lower the other",
                     node.settle_tolerance_m, axis.name, reached_m));
   }

@@ -17,6 +17,7 @@ namespace {
 
 using law::Coast;
 
+constexpr double far_noise = 6;    // root mean squares that normally distributed noise is taken to stay within
 constexpr double rounding = 1e-9;  // relative: a bound that is set to the very number holds it
 
 std::string place(std::string_view table, std::string_view key) {
@@ -97,15 +98,17 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
   if (key == "cogging") to.force_N += nested_magnitude(section, key, "amplitude_N");
   if (key == "ripple") to.ripple = nested_magnitude(section, key, "share");
   if (key == "drift") to.drift = nested_magnitude(section, key, "share");
+  if (key == "encoder_error")
+    to.encoder_error_m =
+        far_noise * nested_magnitude(section, key, "noise_m") + nested_magnitude(section, key, "interpolation_m");
   if (key == "tpdo_delay_max_s") to.feedback_delay_s = magnitude(section, key);
   if (const auto law = section.table_at(key); table == "friction" && law) to.rise_per_m_s = slope_of(*law).rise_per_m_s;
 }
 
-// An encoder without an error is one that the file says nothing of.
+// A gap of nothing is one that the file says nothing of.
 bool is_nothing(const Section& section, std::string_view key) {
   const auto inner = section.table_at(key);
   if (!inner) return false;
-  if (key == "encoder_error") return magnitude(*inner, "noise_m") == 0 && magnitude(*inner, "interpolation_m") == 0;
   return key == "backlash" && magnitude(*inner, "gap_m") == 0;
 }
 
@@ -151,6 +154,7 @@ class Outside {
 
   std::vector<std::string> sentences() && {
     forces();
+    readings();
     if (axis_.surroundings.one_mass) friction(), told();
     law();
     bus();
@@ -179,6 +183,15 @@ class Outside {
       add("[plant] has {:.6g} N act beside the drive's force (force_N, cogging, and the ripple of the greatest force), "
           "above [uncertainty] force_N = {:.6g}; raise that",
           beside_N, axis_.uncertainty.force_N);
+  }
+
+  void readings() {
+    const double off_m = axis_.surroundings.encoder_error_m, told_m = axis_.uncertainty.encoder_noise_m;
+    if (off_m == 0 || (braked() && off_m <= told_m * (1 + rounding))) return;
+    add("[plant] encoder_error: a reading may be {:.6g} m off beside its count (interpolation_m and 6 times noise_m), "
+        "and "
+        "[uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
+        off_m, told_m);
   }
 
   void friction() {
@@ -225,7 +238,9 @@ class Outside {
 
   void law() {
     const Uncertainty& u = axis_.uncertainty;
-    if (!braked() && (u.mass > 0 || u.force_gain > 0 || u.force_N > 0 || u.current_loop_time_constant > 0))
+    const bool stated = u.mass > 0 || u.force_gain > 0 || u.force_N > 0 || u.current_loop_time_constant > 0 ||
+                        u.jitter_s > 0 || u.encoder_noise_m > 0;
+    if (!braked() && stated)
       add("[uncertainty] is stated, and the coast \"pd\" is certified for the very numbers of the file only; take "
           "coast "
           "= \"brake\"");
@@ -240,11 +255,17 @@ class Outside {
           "certificate "
           "needs 0",
           b.loss_probability);
-    if (b.most_delay_s > b.least_delay_s)
+    const double apart_s = b.most_delay_s - b.least_delay_s, jitter_s = axis_.uncertainty.jitter_s;
+    if (apart_s > 0 && !braked())
       add("[bus] delay_max_s = {:g} is above delay_min_s, so that a kick may be longer or shorter than its periods; "
           "make "
-          "them equal",
-          b.most_delay_s);
+          "them equal, or take coast = \"brake\" with [uncertainty] jitter_s = {:g}",
+          b.most_delay_s, apart_s);
+    else if (apart_s > jitter_s * (1 + rounding))
+      add("[bus] delay_max_s = {:g} and delay_min_s are {:g} s apart, so that a kick may be as much longer or shorter "
+          "than "
+          "its periods, and [uncertainty] jitter_s = {:g} is less; raise that",
+          b.most_delay_s, apart_s, jitter_s);
     if (!node_.loop || !node_.bit_rate) return;
     const auto needed_us =
         canopen::bus_budget(static_cast<unsigned>(node_.axes.size()), node_.loop->period, *node_.bit_rate).needed_us;

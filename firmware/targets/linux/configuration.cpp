@@ -90,7 +90,7 @@ Configuration read_configuration(const Options& options) {
     // Half a count for the decimal tolerance in float.
     c.axes.push_back({.name = axis.name,
                       .visits = {},
-                      .reached_m = tolerance_m(node, axis) + half_count_m(axis),
+                      .reached_m = tolerance_m(node, axis) + reading_error_m(axis),
                       .resolution_m = axis.drive->encoder_resolution_m,
                       .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N())});
     if (c.timed) plan_times(c.axes.back(), axis);

@@ -56,7 +56,7 @@ void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
       fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "
                   "move the axis",
                   force_N, friction_N));
-  require(judged_tolerance_m(s.node, axis) > config::half_count_m(axis),
+  require(judged_tolerance_m(s.node, axis) > config::reading_error_m(axis),
           "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach");
 }
 

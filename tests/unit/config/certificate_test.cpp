@@ -121,6 +121,25 @@ TEST(Certificate, RefusesByNameWhatIsNoRigidAxisOnFrictionThatHolds) {
   }
 }
 
+// Without limits of a move, which are certified for a loop without jitter only.
+TEST(Certificate, TakesNoiseAndJitterInUpToTheStatedBounds) {
+  std::string still = scene;
+  const auto move = still.find("[move]");
+  still.erase(move, still.find("[drive]") - move);
+  still = with(still, "position_tolerance_m = 5e-6", "position_tolerance_m = 5e-5");
+  const std::string noisy = more("[uncertainty]", "encoder_noise_m = 1e-6", still);
+  EXPECT_EQ(why_not(more("[plant]", "encoder_error = { noise_m = 1.6e-7 }", noisy)), "");
+  expect_refused(more("[plant]", "encoder_error = { noise_m = 1.7e-7 }", noisy), "[uncertainty] encoder_noise_m");
+  const std::string shaken = more("[uncertainty]", "jitter_s = 1e-4", still);
+  EXPECT_EQ(why_not(more("[bus]", "delay_max_s = 1e-4", shaken)), "");
+  expect_refused(more("[bus]", "delay_max_s = 1.1e-4", shaken), "jitter_s = 0.0001 is less");
+  expect_refused(more("[uncertainty]", "jitter_s = 1e-4"), "move_keeps_time");
+  EXPECT_NE(refusal([&] {
+              parse_node(more("[uncertainty]", "jitter_s = 6e-4", still), "axis.toml");
+            }).find("more than half the period"),
+            std::string::npos);
+}
+
 TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
   EXPECT_EQ(why_not(more("[plant]", "force_N = -0.3")), "");
   expect_refused(more("[plant]", "force_N = -0.31"), "raise that");
@@ -169,7 +188,8 @@ TEST(Certificate, RefusesKeysThatTheCoastIgnores) {
 
 TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
   expect_refused(more("[bus]", "loss_probability = 0.001"), "loss_probability");
-  expect_refused(more("[bus]", "delay_max_s = 1e-5"), "delay_max_s");
+  expect_refused(more("[bus]", "delay_max_s = 1e-5"), "[uncertainty] jitter_s = 0 is less");
+  expect_refused(more("[bus]", "delay_max_s = 1e-5", under_pd()), "delay_max_s");
   EXPECT_EQ(why_not(more("[bus]", "delay_min_s = 1e-5\ndelay_max_s = 1e-5")), "");
   EXPECT_EQ(why_not(more("[drive]", "tpdo_delay_max_s = 4e-4")), "");
   expect_refused(more("[drive]", "tpdo_delay_max_s = 9e-4"), "too late for its period");
@@ -272,6 +292,8 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"uncertainty.force_gain", {"force_gain = 0.02", "force_gain = 0.03"}},
       {"uncertainty.force_N", {"force_N = 0.3", "force_N = 0.4"}},
       {"uncertainty.current_loop_time_constant", {"constant = 0.2", "constant = 0.3"}},
+      {"uncertainty.jitter_s", {"[uncertainty]", "[uncertainty]\njitter_s = 1e-5"}},
+      {"uncertainty.encoder_noise_m", {"[uncertainty]", "[uncertainty]\nencoder_noise_m = 1e-6"}},
       {"move.distance_m", {"distance_m = 0.4", "distance_m = 0.3"}},
       {"move.speed_m_s", {"speed_m_s = 1\n", "speed_m_s = 0.9\n"}},
       {"move.acceleration_m_s2", {"acceleration_m_s2 = 20", "acceleration_m_s2 = 19"}},

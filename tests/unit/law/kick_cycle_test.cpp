@@ -34,9 +34,9 @@ TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
   using Approach = BrakedApproach<float>;
   const Kicks sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
   EXPECT_TRUE(are_usable(sound));
-  for (float Kicks::*const number :
-       {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N, &Kicks::holding_force_N,
-        &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::coast_per_N, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
+  for (float Kicks::*const number : {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N,
+                                     &Kicks::holding_force_N, &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::short_lag,
+                                     &Kicks::coast_per_N, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
     Kicks spoiled = sound;
     spoiled.*number = std::numeric_limits<float>::quiet_NaN();
     EXPECT_FALSE(are_usable(spoiled));

@@ -85,7 +85,7 @@ Moves run_moves(const design::MoveRequest& move, const Retarget& retarget = {}) 
   Moves all;
   for (int run = 0; run < 8 * campaign::kinds; ++run) {
     const int kind = run % campaign::kinds, seed = run / campaign::kinds;
-    const auto friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(run), 1e-5 * (1 + seed));
+    const auto friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(run), 1e-5 * (1 + seed), 2.5e-6);
     const double start_m = seed % 2 == 0 ? -move.distance_m : move.distance_m;
     const RunEnd end = breakaway::testing::run_kicked_axis<float>(p, unused, design.kicks, {1, 1, 1e-4, 0, 1}, friction,
                                                                   start_m, 0, 5, 4, 50, 0.3, retarget);

@@ -109,6 +109,7 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("latency_periods", p.latency_periods, "");
   visit.value("kick_shape", p.kick_shape, "");
   visit.value("coast", p.coast, "");
+  visit.value("encoder_noise_m", p.encoder_noise_m, "m");
 }
 
 template <class Table, class Visitor>
@@ -169,6 +170,7 @@ constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
   visit.value("holding_force_N", kicks.holding_force_N, "N");
   visit.value("fast_lag", kicks.fast_lag, "");
   visit.value("slow_lag", kicks.slow_lag, "");
+  visit.value("short_lag", kicks.short_lag, "");
   visit.value("coast_per_N", kicks.coast_per_N, "1/N");
   visit.value("least_seen_N", kicks.least_seen_N, "N");
   visit.value("most_seen_N", kicks.most_seen_N, "N");

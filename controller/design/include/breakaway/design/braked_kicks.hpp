@@ -31,7 +31,8 @@ struct MoveRequest {
   std::optional<double> jerk_m_s3{};  // of what is planned; friction that jumps moves the axis as it likes
 };
 
-// The axes that the kicks are made for. All but lags, load_N, encoder_resolution_m and latency_periods must be above 0.
+// The axes that the kicks are made for. All but lags, load_N, jitter_s, encoder_resolution_m, encoder_noise_m and
+// latency_periods must be above 0, and jitter_s at most most_jitter of the period.
 struct BrakedClass {
   Interval mass_kg{1, 1};
   Interval force_gain{1, 1};  // force that acts, per force that is commanded
@@ -41,12 +42,18 @@ struct BrakedClass {
   double max_force_N = 0;   // as commanded
   double force_step_N = 0;  // in which force can be commanded
   double period_s = 0;
+  double jitter_s =
+      0;  // by which the instants of sampling and of new forces are off whole periods, one against another
   double encoder_resolution_m = 0;
+  double encoder_noise_m = 0;  // by which a reading is off beside half a count, either way
   int latency_periods = 1;
   std::optional<MoveRequest> move{};
+
+  double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
 };
 
 constexpr int longest_pulse_periods = 255;
+constexpr double most_jitter = 0.5;  // of the period
 
 // Of the error before it, a kick takes at least this share away, under any friction of the class.
 constexpr double least_share = 0.03;

@@ -14,9 +14,9 @@ namespace breakaway::design {
 struct KickForces {
   double start_N = 0;  // of the current loop when the pulse begins; below the friction
   double pulse_N = 0;
-  int pulse_periods = 1;
+  double pulse_s = 1;  // how long
   double cut_N = 0;
-  int cut_periods = 0;
+  double cut_s = 0;
   double brake_N = 0;  // below the friction
 };
 
@@ -25,7 +25,6 @@ struct KickedAxis {
   double mass_kg = 1;
   double friction_N = 1;
   double lag_s = 0;
-  double period_s = 1;
 };
 
 // The travel from rest to the first stop [m]; 0 when the pulse does not break the axis away. Relative error about 1e-14

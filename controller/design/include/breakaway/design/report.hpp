@@ -39,6 +39,7 @@ struct BrakedPromise {
   double reach_m;            // the distance up to which one kick aims at the target
   double hand_over_m;        // the distance from the target at which the approach gives way to brake and kicks
   int most_kicks;            // from where kicks begin, reach_m or hand_over_m, to within the tolerance
+  double kicks_s;            // that those kicks take at most, from the first one's decision to the hold
   double brake_N;
   double peak_speed_m_s;  // which no kick exceeds
   double rest_s;          // without a count of motion, that proves rest after a kick

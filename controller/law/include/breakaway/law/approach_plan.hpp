@@ -89,7 +89,8 @@ class ApproachPlan {
   }
 
   bool turned_often() const noexcept { return turns_ >= most_turns; }
-  Scalar direction() const noexcept { return direction_; }
+  // In which the axis moves as the plan ends; a lag or a latency may have it on its way back by then.
+  Scalar heading() const noexcept { return speed_ < 0 ? -direction_ : direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_; }
   // Periods in which the brake alone is sure to stop the axis at its present speed.
   Scalar braking_periods() const noexcept {
@@ -123,7 +124,7 @@ class ApproachPlan {
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     if (towards != direction_) move_.turn();
     direction_ = towards;
-    forward_ = velocity_ * direction_ > 0;
+    forward_ = velocity_ * direction_ > standing_m_s();
   }
 
   void begin(Scalar x, Scalar force_N) noexcept {
@@ -169,10 +170,17 @@ class ApproachPlan {
     velocity_ += a_->correction * (mean_m_s - (velocity_ - gain_m_s * periods / 2));
     previous_m_ = x;
     missed_ = 0;
-    const bool forward = velocity_ * direction_ > 0;
-    if (forward_ && !forward && turns_ < most_turns) ++turns_;
-    forward_ = forward;
+    watch_turns(velocity_ * direction_);
   }
+
+  // What is read of an axis that hardly moves may point either way.
+  void watch_turns(Scalar towards_m_s) noexcept {
+    if (towards_m_s > standing_m_s()) forward_ = true;
+    if (!forward_ || !(towards_m_s < -standing_m_s())) return;
+    forward_ = false;
+    if (turns_ < most_turns) ++turns_;
+  }
+  Scalar standing_m_s() const noexcept { return a_->switch_speed_m_s / 4; }
 
   // Carries the estimate from the reading to now.
   void predict(Scalar x) noexcept {

@@ -57,7 +57,7 @@ class AxisController {
       : AxisController{parameters, table} {
     if (p_.coast != Coast::brake) return;
     braked_ = &kicks;
-    cycle_ = {kicks, p_.encoder_resolution_m, p_.max_force_N, p_.latency_periods};
+    cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
   }
 
@@ -200,7 +200,7 @@ class AxisController {
     if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
     if (arrived) {
       mode_ = Mode::coast;
-      cycle_.brake(plan_.direction(), plan_.braking_periods());
+      cycle_.brake(plan_.heading(), plan_.braking_periods());
       return give(0);
     }
     if (cycle_.patient() || plan_.turned_often()) {  // it seems to stick, or the plan does not lead there
@@ -268,7 +268,7 @@ class AxisController {
 
   // Leaving hold needs one count more than entering it, so that a reading between two counts does not toggle the mode.
   bool beyond_tolerance(Scalar x) const noexcept {
-    return std::abs(x) > p_.position_tolerance_m + p_.encoder_resolution_m * Scalar(1.5);
+    return std::abs(x) > p_.position_tolerance_m + p_.unseen_m() * Scalar(1.5);
   }
 
   ControlOutput<Scalar> enter_hold(Scalar x, Scalar v) noexcept {
@@ -340,8 +340,8 @@ class AxisController {
   void judge_last_kick(Scalar x) noexcept {
     if (!awaiting_result_ || exact()) return;
     awaiting_result_ = false;
-    const bool moved = std::abs(x - kicked_from_m_) > p_.encoder_resolution_m / 2;
-    const bool grew = std::abs(x) > std::abs(kicked_from_m_) + p_.position_tolerance_m + p_.encoder_resolution_m;
+    const bool moved = std::abs(x - kicked_from_m_) > p_.unseen_m() / 2;
+    const bool grew = std::abs(x) > std::abs(kicked_from_m_) + p_.position_tolerance_m + p_.unseen_m();
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
     note_least_error(std::abs(x), moved);
@@ -352,7 +352,7 @@ class AxisController {
 
   // Every lawful kick leads nearer. Near the target, where a kick may do less than a count, many may be needed to show.
   void note_least_error(Scalar error_m, bool moved) noexcept {
-    if (error_m < least_error_m_ - p_.encoder_resolution_m / 2) {
+    if (error_m < least_error_m_ - p_.unseen_m() / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
       if (braked_ == nullptr) {
@@ -372,12 +372,12 @@ class AxisController {
   // may be by another for noise. One kick may be disturbed, but not a few.
   void compare_with_told(Scalar travel_m, Scalar error_m) noexcept {
     if (cycle_.driven_back()) return contradict(braked_->brake_N, error_m);
-    if (!(travel_m > p_.encoder_resolution_m / 2) || cycle_.pulse_limited()) return;
+    if (!(travel_m > p_.unseen_m() / 2) || cycle_.pulse_limited()) return;
     const Scalar pulse_s = static_cast<Scalar>(cycle_.pulse_periods()) * p_.period_s;
     const auto seen_N = [&](Scalar d) {
       return friction_seen_N(braked_->approach.mass_kg, cycle_.pulse_N(), braked_->brake_N, pulse_s, d);
     };
-    const Scalar unsure_m = 2 * p_.encoder_resolution_m;
+    const Scalar unsure_m = 2 * p_.unseen_m();
     const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < braked_->least_seen_N;
     if (less || seen_N(travel_m + unsure_m) > braked_->most_seen_N) contradict(seen_N(travel_m), error_m);
   }

@@ -38,6 +38,11 @@ struct AxisParameters {
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
+  Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; for Coast::brake
+
+  // An axis whose reading differs from an earlier one by less than half of this may have rested since. One that moved
+  // by all of it has not: either reading is off by half a count and the noise.
+  constexpr Scalar unseen_m() const noexcept { return encoder_resolution_m + 4 * encoder_noise_m; }
 
   constexpr Scalar stick_radius_upper_m() const noexcept {
     return friction.upper_N / stiffness_N_per_m;
@@ -63,6 +68,7 @@ enum class ParameterError : std::uint8_t {
   max_approach_speed_not_positive,
   tolerance_negative,
   encoder_resolution_negative,
+  encoder_noise_negative,
   period_negative,
   brake_without_period,
 };
@@ -91,6 +97,8 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
       return "position tolerance must not be negative";
     case ParameterError::encoder_resolution_negative:
       return "encoder resolution must not be negative";
+    case ParameterError::encoder_noise_negative:
+      return "encoder noise must not be negative";
     case ParameterError::period_negative:
       return "control period must not be negative";
     case ParameterError::brake_without_period:
@@ -121,6 +129,7 @@ constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   if (!(p.max_approach_speed_m_s > 0)) return ParameterError::max_approach_speed_not_positive;
   if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;
+  if (!not_negative(p.encoder_noise_m)) return ParameterError::encoder_noise_negative;
   if (!not_negative(p.period_s)) return ParameterError::period_negative;
   if (p.coast == Coast::brake && !(p.period_s > 0 && p.encoder_resolution_m > 0))
     return ParameterError::brake_without_period;

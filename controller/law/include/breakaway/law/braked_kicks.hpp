@@ -37,6 +37,7 @@ struct BrakedKicks {
   Scalar holding_force_N{};  // an axis at rest stays there under this force, either way, for certain
   Scalar fast_lag{};         // e^(-T/tau): share of a change of force that is left after a period, at least ...
   Scalar slow_lag{};         // ... and at most
+  Scalar short_lag{};        // of the fastest current loop after the shortest period; without jitter that is fast_lag
   Scalar coast_per_N{};      // longest lawful coast, as a multiple of the pulse, per newton of its force
   Scalar least_seen_N{};     // that friction_seen_N() gives for the kicks of a lawful axis,
   Scalar most_seen_N{};      // and the most
@@ -61,7 +62,7 @@ constexpr Scalar friction_seen_N(Scalar mass_kg, Scalar force_N, Scalar brake_N,
 template <class Scalar>
 constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
   const BrakedApproach<Scalar>& a = k.approach;
-  const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.slow_lag && k.slow_lag < 1;
+  const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.short_lag && k.short_lag <= k.slow_lag && k.slow_lag < 1;
   const bool forces = k.brake_N >= 0 && k.force_step_N > 0 && k.preload_N <= k.brake_N &&
                       k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N &&
                       k.least_seen_N < k.most_seen_N;

@@ -21,7 +21,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/force_interval.hpp"
@@ -41,11 +43,9 @@ class KickCycle {
   };
 
   KickCycle() noexcept = default;
-  KickCycle(const BrakedKicks<Scalar>& kicks, Scalar resolution_m, Scalar max_force_N, std::uint8_t latency) noexcept
-      : kicks_{&kicks},
-        half_count_m_{resolution_m / 2},
-        reverse_limit_m_{resolution_m * Scalar(2.5)},
-        latency_{latency} {
+  // unseen_m: AxisParameters::unseen_m(), without noise a count.
+  KickCycle(const BrakedKicks<Scalar>& kicks, Scalar unseen_m, Scalar max_force_N, std::uint8_t latency) noexcept
+      : kicks_{&kicks}, half_count_m_{unseen_m / 2}, reverse_limit_m_{unseen_m * Scalar(2.5)}, latency_{latency} {
     limit_force(max_force_N);
     reduced_ = false;
   }
@@ -70,7 +70,9 @@ class KickCycle {
   // Takes the newest position. To be called once a period before next_steps(), where there is a reading.
   void see(Scalar position_m) noexcept {
     const Scalar moved_m = position_m - anchor_m_;
-    if (!anchored_ || moved_m > half_count_m_ || moved_m < -half_count_m_) {
+    // Millions of counts away a number of this type no longer holds each of them.
+    const Scalar unseen_m = half_count_m_ + std::abs(position_m) * std::numeric_limits<Scalar>::epsilon();
+    if (!anchored_ || moved_m > unseen_m || moved_m < -unseen_m) {
       anchor_m_ = position_m;
       anchored_ = true;
       still_ = 0;
@@ -222,10 +224,10 @@ class KickCycle {
     return whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left));
   }
 
-  // So much that the fastest loop has come down to the brake's force at the end of the cut, from the least force that
-  // it may have at the end of the pulse.
+  // So much that the fastest loop has come down to the brake's force at the end of the longest cut, from the least
+  // force that it may have at the end of the pulse.
   std::int32_t cut_steps() const noexcept {
-    const Scalar after_pulse = power(kicks_->fast_lag, pulse_periods_);
+    const Scalar after_pulse = power(kicks_->short_lag, pulse_periods_);
     const Scalar after_cut = power(kicks_->fast_lag, cut_periods_);
     const Scalar force_N = static_cast<Scalar>(pulse_steps_) * kicks_->force_step_N;
     const Scalar end_N = force_N + (kicks_->preload_N - force_N) * after_pulse;

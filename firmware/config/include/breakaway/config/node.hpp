@@ -37,6 +37,8 @@ struct Uncertainty {
   double force_gain = 0;                  // relative, either way: of the force that acts to the one that is commanded
   double force_N = 0;                     // either way: of a force beside the drive's
   double current_loop_time_constant = 0;  // relative, either way
+  double jitter_s = 0;                    // by which samples and new forces are off whole periods, one against another
+  double encoder_noise_m = 0;             // by which a reading is off beside half a count, either way
 };
 
 // Gains of the switching impulsive law (16).
@@ -124,6 +126,7 @@ struct Surroundings {
   double ripple = 0;            // share of the drive's force by which it varies along the travel
   double drift = 0;             // share of itself by which friction swells and falls
   double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
+  double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square
   double feedback_delay_s = 0;  // from SYNC to the drive's answer, at most
   bool one_mass = true;         // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
   std::vector<std::string> uncertified;  // what no certificate takes in, each in a sentence with its remedy
@@ -171,20 +174,22 @@ struct Node {
   double period_s() const { return loop ? std::chrono::duration<double>(loop->period).count() : 0; }
 };
 
-// The law holds to a reading, which is half a count off the truth at most.
-inline double half_count_m(const Axis& axis) { return axis.drive ? axis.drive->encoder_resolution_m / 2 : 0; }
+// The law holds to a reading, which is off the truth by this at most: half a count, and noise where it is stated.
+inline double reading_error_m(const Axis& axis) {
+  return axis.drive ? axis.drive->encoder_resolution_m / 2 + axis.uncertainty.encoder_noise_m : 0;
+}
 
 // The tolerance of the reading that the law holds to, and that is flashed and certified: position_tolerance_m, or else
 // what keeps the true error within settle_tolerance_m.
 inline double tolerance_m(const Node& node, const Axis& axis) {
   if (axis.controller.position_tolerance_m > 0 || !node.loop) return axis.controller.position_tolerance_m;
-  const double reading_m = node.settle_tolerance_m - half_count_m(axis);
+  const double reading_m = node.settle_tolerance_m - reading_error_m(axis);
   return reading_m > 0 ? reading_m : node.settle_tolerance_m;
 }
 
 // The true error that is promised and judged.
 inline double judged_tolerance_m(const Node& node, const Axis& axis) {
-  return node.settle_tolerance_m > 0 ? node.settle_tolerance_m : tolerance_m(node, axis) + half_count_m(axis);
+  return node.settle_tolerance_m > 0 ? node.settle_tolerance_m : tolerance_m(node, axis) + reading_error_m(axis);
 }
 
 // What is true of the axis, whatever its node is told.

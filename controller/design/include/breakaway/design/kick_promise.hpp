@@ -1,0 +1,45 @@
+// KickPromise: how many kicks any axis of a class may need, and how long they take.
+//
+// A kick from an error y takes at least D_min of the pulse that the worst of its readings asks for. What counts is the
+// worst of all errors up to y, so that the sequence y, y - D_min, ... bounds every sequence of kicks from there; and
+// so does the sum of the longest times, each over all errors up to one of the sequence. The time of one kick is
+//   preload + pulse + cut + the later of (the force is sure to be down, the axis has stopped) + the proof of rest,
+// from the sample that says how far to go to the one that proves rest. The axis stops within
+//   gain (F n T + 2 b tau) / (A' + gain b)
+// after its pulse, under any friction of the class: at the stop the impulse of the force, that of a lagging current
+// loop with what it owes, is spent by friction. A sample that is lost adds a period.
+#pragma once
+
+#include <memory>
+
+#include "breakaway/design/braked_kicks.hpp"
+
+namespace breakaway::design {
+
+namespace detail {
+class WorstKicks;
+}
+
+class KickPromise {
+ public:
+  // Promises nothing where the design is not possible or the tolerance is below its least.
+  template <class Real>
+  KickPromise(const BrakedClass& axes, const BrakedDesign<Real>& design, double tolerance_m);
+
+  // From the distance to within the tolerance; 0 where no end is promised or nothing is to do.
+  int most_kicks(double distance_m) const;
+  // From the decision for the first of these kicks to the hold [s]; infinite where no end is promised.
+  double most_s(double distance_m) const;
+
+ private:
+  struct Sequence {
+    int kicks;
+    double time_s;
+  };
+  Sequence from(double distance_m) const;
+
+  std::shared_ptr<const detail::WorstKicks> worst_;
+  double reading_error_m_, tolerance_m_;
+};
+
+}  // namespace breakaway::design
