@@ -59,7 +59,7 @@ void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& d
     EXPECT_LE(std::fabs(end.error_m), (tolerance_m + read_m) * (1 + 1e-6)) << where;
     EXPECT_LE(end.beyond_m, read_m * (1 + 1e-6)) << where;
     EXPECT_LE(end.kicks, promise.most_kicks(first_m)) << where;
-    EXPECT_LE(end.first_kick_m, from_m + q) << where;
+    EXPECT_LE(end.first_kick_m, from_m + std::max(q, read_m)) << where;
     EXPECT_LE(end.kicks > 0 ? end.time_s - end.first_kick_s : 0, promised_s) << where;
   }
 }
@@ -87,6 +87,7 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
 
 // A random move that the class can keep to; nothing where it can keep to none.
 std::optional<design::BrakedDesign<float>> random_move(BrakedClass& c, Random& r) {
+  c.jitter_s = 0;  // with which no move is certified
   const double least_m_s2 = design::least_acceleration_m_s2(c);
   c.move = design::MoveRequest{1, 1, least_m_s2 * r.decades(1, 30), {}};
   if (c.lag_s.most <= design::most_lag_with_jerk * c.period_s && r.share() < 0.7) {

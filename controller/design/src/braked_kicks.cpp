@@ -127,17 +127,19 @@ law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kic
   const double speed = std::max({5 * speed_error / (1 - 5 * correction * jitter),
                                  2 * gap_N * (response_s + axes.latency_periods * T) / m,
                                  gentle * (T * (1 + 0.4 * axes.latency_periods) + axes.lag_s.most)});
-  law::BrakedApproach<Real> plan{.mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
-                                 .friction_N = static_cast<Real>(kicks.least_friction_N()),
-                                 .hard_m_s2 = static_cast<Real>(hard),
-                                 .gentle_m_s2 = static_cast<Real>(gentle),
-                                 .switch_speed_m_s = static_cast<Real>(speed),
-                                 .switch_distance_m = static_cast<Real>(speed * speed / (2 * gentle)),
-                                 .short_of_target_m = static_cast<Real>(speed * gap_N * T / stop_N),
-                                 .response_s = static_cast<Real>(response_s),
-                                 .lag_s = static_cast<Real>(lag_s),
-                                 .correction = static_cast<Real>(correction),
-                                 .move = {}};
+  law::BrakedApproach<Real> plan{
+      .mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
+      .friction_N = static_cast<Real>(kicks.least_friction_N()),
+      .hard_m_s2 = static_cast<Real>(hard),
+      .gentle_m_s2 = static_cast<Real>(gentle),
+      .switch_speed_m_s = static_cast<Real>(speed),
+      .switch_distance_m = static_cast<Real>(speed * speed / (2 * gentle)),
+      .short_of_target_m = static_cast<Real>(speed * gap_N * T / stop_N),
+      .response_s = static_cast<Real>(response_s),
+      .lag_s = static_cast<Real>(lag_s),
+      .correction = static_cast<Real>(correction),
+      .standing_m_s = static_cast<Real>(axes.encoder_noise_m > 0 ? 2 * correction * q / T : 0),
+      .move = {}};
   limit(plan, axes, kicks);
   return plan;
 }
@@ -248,6 +250,7 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .short_lag = share_left<Real>(kicks.shortest_period_s(), axes.lag_s.least, Real{0}),
           .coast_per_N = static_cast<Real>((1 + axes.jitter_s / axes.period_s) * gains /
                                            (kicks.least_friction_N() + axes.force_gain.least * b)),
+          .load_N = static_cast<Real>(axes.load_N),
           .least_seen_N = {},
           .most_seen_N = {},
           .still_periods = counted(still),

@@ -76,8 +76,8 @@ double KickClass::travel_at(const Corner& corner, double force_N, int periods, i
 }
 
 double KickClass::most_travel_m(double force_N, int periods, int cut_periods) const {
-  const Corner furthest{axes_.force_gain.most, axes_.mass_kg.least, least_friction_N_, axes_.lag_s.least, brake_N_,
-                        axes_.jitter_s};
+  const Corner furthest{axes_.force_gain.most, axes_.mass_kg.least, least_friction_N_,
+                        axes_.lag_s.least,     most_start_N(),      axes_.jitter_s};
   const double whole_cut_N = cut_N(force_N, periods, cut_periods);
   const double weakest_cut_N = listed() ? rounded_down_N(whole_cut_N * (1 - cut_rounding))
                                         : whole_cut_N - axes_.force_step_N * (1 + cut_rounding);

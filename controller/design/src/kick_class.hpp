@@ -15,6 +15,8 @@ class KickClass {
 
   double brake_N() const { return brake_N_; }
   double preload_N() const { return preload_N_; }
+  // From which a pulse may start at most, as the law compares: a 512th of the way to holding_force_N above the brake.
+  double most_start_N() const { return axes_.lag_s.most > 0 ? brake_N_ + (held_N() - brake_N_) / 1000 : brake_N_; }
   double least_friction_N() const { return least_friction_N_; }                // A'
   double most_friction_N() const { return most_friction_N_; }                  // B'
   double held_N() const { return least_friction_N_ / axes_.force_gain.most; }  // A' as a command

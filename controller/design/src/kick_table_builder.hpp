@@ -86,7 +86,8 @@ class KickTableBuilder {
   }
 
  private:
-  static constexpr int samples = 32;  // of an interval
+  static constexpr int samples = 32;               // of an interval
+  static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
 
   RealPulse real(double force_N, int periods, int cut_periods) const {
     const double force = kicks_.rounded_down_N(force_N);
@@ -109,8 +110,11 @@ class KickTableBuilder {
       const double left = root_at(first + static_cast<std::uint32_t>(i));
       const double right = root_at(first + static_cast<std::uint32_t>(i) + 1);
       if (left * left > end_m) break;
-      periods =
-          best_periods(i == 0 ? 1 : periods, i == 0 ? longest_pulse_periods : periods + 4 + periods / 8, left, right);
+      const int near = i == 0 ? longest_pulse_periods : periods + 4 + periods / 8;
+      periods = best_periods(i == 0 ? 1 : periods, near, left, right);
+      // Behind a slow current loop the next length that is sure to move the axis may be far from the last.
+      if (share_taken(periods, left * left) < least_share)
+        periods = best_periods(periods, longest_pulse_periods, left, right);
       fit(i, left, right, periods);
       table_.count = static_cast<std::uint8_t>(i + 1);
     }
@@ -260,7 +264,8 @@ class KickTableBuilder {
       for (int k = std::max(1, static_cast<int>(kicks_.held_N() / axes_.force_step_N)); k <= steps; ++k) {
         const double force_N = k * axes_.force_step_N;
         // A longer cut is rounded to steps otherwise, and may go further for certain.
-        const int least_cut = kicks_.cut_periods(force_N, n), most_cut = least_cut > 0 ? least_cut + 3 : 0;
+        const int least_cut = kicks_.cut_periods(force_N, n),
+                  most_cut = least_cut > 0 ? std::min(least_cut + 3, longest_cut_periods) : 0;
         for (int cut = least_cut; cut <= most_cut; ++cut) {
           if (kicks_.least_travel_m(force_N, n, cut) > 0) all.push_back(real(force_N, n, cut));
         }

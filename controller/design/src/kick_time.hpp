@@ -41,10 +41,12 @@ class KickTime {
   double preload_periods() const {
     if (!(slow_ > 0)) return 0;
     law::ForceInterval<double> force{-std::max(holding_N_, brake_N_), std::max(holding_N_, brake_N_)};
+    const double most_N = brake_N_ + (holding_N_ - brake_N_) / 512;
     int periods = 0;
-    for (; periods < patient_ && force.lower_N < preload_N_; ++periods) {
-      const double command_N = (brake_N_ - force.upper_N * fast_) / (1 - fast_);
-      force.follow(std::floor(command_N / axes_.force_step_N) * axes_.force_step_N, fast_, slow_);
+    for (; periods < patient_ + settling_ && (force.lower_N < preload_N_ || force.upper_N > most_N); ++periods) {
+      const double wanted_N = (brake_N_ - force.upper_N * fast_) / (1 - fast_);
+      const double whole_N = std::floor(wanted_N / axes_.force_step_N) * axes_.force_step_N;
+      force.follow(force.upper_N > brake_N_ ? brake_N_ : whole_N, fast_, slow_);
     }
     return periods + 1;
   }

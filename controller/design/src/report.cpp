@@ -196,6 +196,10 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
       below("pulse_breaks_away", "a pulse must be sure to exceed the greatest friction and load by 0.2 %",
             design.pulse_needed_N, c.max_force_N, "the least sure pulse against max_force_N",
             "use a stronger drive, or one with a faster current loop", Equality::holds)};
+  checks.push_back(below("latency_is_bridged", "the approach carries its estimate on over the latency",
+                         c.latency_periods, law::ApproachPlan<float>::most_latency_periods,
+                         "the latency in periods against those that the approach has room for",
+                         "shorten the latency, or take a longer period", Equality::holds));
   if (!design.breaks_away) return checks;
   const law::BrakedKicks<float>& kicks = design.kicks;
   checks.push_back(below("rest_is_seen_in_time", "a moving axis loses a count within sqrt(2 q m / (A - theta))",

@@ -63,9 +63,8 @@ std::string shown(const toml::node& node) {
 }
 
 // Where an array is right, but not this one, its entries tell why.
-std::string shown_beside(const std::string& expects, const toml::node& node) {
-  const bool takes_arrays = expects.find("array, each") != expects.npos || expects.find("as [") != expects.npos;
-  return node.is_array() && takes_arrays ? entries_of(*node.as_array()) : shown(node);
+std::string shown_beside(const Value& value, const toml::node& node) {
+  return node.is_array() && value.takes_arrays ? entries_of(*node.as_array()) : shown(node);
 }
 
 }  // namespace
@@ -118,14 +117,17 @@ Value text(std::string& to) {
 }
 
 Value numbers(std::vector<double>& to, std::string_view unit, Range range) {
-  return {"an array, each entry " + describe(range, unit), [&to, range](const Entry& entry) {
-            if (!entry.node.is_array()) return false;
-            for (const toml::node& part : *entry.node.as_array()) {
-              const Value one = number([&to](double value) { to.push_back(value); }, "", range);
-              if (!one.take({part, entry.parent, entry.key})) return false;
-            }
-            return true;
-          }};
+  return {.expects = "an array, each entry " + describe(range, unit),
+          .take =
+              [&to, range](const Entry& entry) {
+                if (!entry.node.is_array()) return false;
+                for (const toml::node& part : *entry.node.as_array()) {
+                  const Value one = number([&to](double value) { to.push_back(value); }, "", range);
+                  if (!one.take({part, entry.parent, entry.key})) return false;
+                }
+                return true;
+              },
+          .takes_arrays = true};
 }
 
 Value table(std::function<void(const Section&)> read) {
@@ -214,7 +216,7 @@ void Section::read(const Key& row) const {
   const toml::node* node = table_->get(row.name);
   if (node == nullptr && row.required) fail(row.name, fmt::format("is missing; give it {}", row.value.expects));
   if (node != nullptr && !row.value.take({*node, *this, row.name})) {
-    fail(row.name, fmt::format("is {}, must be {}", shown_beside(row.value.expects, *node), row.value.expects));
+    fail(row.name, fmt::format("is {}, must be {}", shown_beside(row.value, *node), row.value.expects));
   }
 }
 

@@ -15,14 +15,16 @@ namespace {
 constexpr double largest_share = 1e6;  // levers and gears are far from it
 
 Value place_value(const std::function<PushedOrRead&()>& to) {
-  return {
-      fmt::format("the number of a coordinate, from 1, or an array of a share for each, as [1, 0.5], from {:g} to {:g}",
-                  -largest_share, largest_share),
-      [to](const Entry& entry) {
-        PushedOrRead& place = to();
-        if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;
-        return numbers(place.row, "", {-largest_share, largest_share}).take(entry);
-      }};
+  return {.expects = fmt::format(
+              "the number of a coordinate, from 1, or an array of a share for each, as [1, 0.5], from {:g} to {:g}",
+              -largest_share, largest_share),
+          .take =
+              [to](const Entry& entry) {
+                PushedOrRead& place = to();
+                if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;
+                return numbers(place.row, "", {-largest_share, largest_share}).take(entry);
+              },
+          .takes_arrays = true};
 }
 
 Eigen::VectorXd vector_of(const PushedOrRead& place, Eigen::Index coordinates, const char* key,

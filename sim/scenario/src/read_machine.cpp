@@ -33,20 +33,23 @@ bool take_row(const Entry& entry, std::vector<std::vector<double>>& rows) {
 Value matrix(MatrixXd& to, std::string_view unit) {
   const std::string expects = fmt::format("rows of equally many finite numbers{}{}, as [[1, 0], [0, 1]], at most {}",
                                           unit.empty() ? "" : " in ", unit, most_coordinates);
-  return {expects, [&to](const Entry& entry) {
-            const toml::array* lines = entry.node.as_array();
-            if (lines == nullptr || lines->empty() || lines->size() > most_coordinates) return false;
-            std::vector<std::vector<double>> rows;
-            for (const toml::node& line : *lines) {
-              if (!take_row({line, entry.parent, entry.key}, rows)) return false;
-            }
-            if (rows.front().size() > most_coordinates) return false;
-            to.resize(static_cast<Index>(rows.size()), static_cast<Index>(rows.front().size()));
-            for (Index i = 0; i < to.rows(); ++i) {
-              to.row(i) = VectorXd::Map(rows[static_cast<std::size_t>(i)].data(), to.cols());
-            }
-            return true;
-          }};
+  return {.expects = expects,
+          .take =
+              [&to](const Entry& entry) {
+                const toml::array* lines = entry.node.as_array();
+                if (lines == nullptr || lines->empty() || lines->size() > most_coordinates) return false;
+                std::vector<std::vector<double>> rows;
+                for (const toml::node& line : *lines) {
+                  if (!take_row({line, entry.parent, entry.key}, rows)) return false;
+                }
+                if (rows.front().size() > most_coordinates) return false;
+                to.resize(static_cast<Index>(rows.size()), static_cast<Index>(rows.front().size()));
+                for (Index i = 0; i < to.rows(); ++i) {
+                  to.row(i) = VectorXd::Map(rows[static_cast<std::size_t>(i)].data(), to.cols());
+                }
+                return true;
+              },
+          .takes_arrays = true};
 }
 
 Value vector(VectorXd& to, std::string_view unit, Range range = {}) {

@@ -114,16 +114,18 @@ std::size_t padding_in(const law::AxisParameters<float>& law) {
 }
 // Of a kick table the entries that are not there count as padding.
 std::size_t padding_in(const law::BrakedKicks<float>& braked) {
-  const auto& [brake, step, preload, resting, holding, fast, slow, short_lag, coast, least, most, still, either_way,
-               patient, settling, approach, table] = braked;
-  const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, move] = approach;
+  const auto& [brake, step, preload, resting, holding, fast, slow, short_lag, coast, load, least, most, still,
+               either_way, patient, settling, approach, table] = braked;
+  const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing, move] =
+      approach;
   const auto& [move_speed, acceleration, deceleration, jerk] = move;
   const auto& [entries, periods, cuts, first, count, list] = table;
   const auto& [a0, a1, a2, a3] = entries[0];
   const std::size_t absent = entries.size() - count;
-  return padding_of(braked, brake, step, preload, resting, holding, fast, slow, short_lag, coast, least, most, still,
-                    either_way, patient, settling, approach, table) +
-         padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, move) +
+  return padding_of(braked, brake, step, preload, resting, holding, fast, slow, short_lag, coast, load, least, most,
+                    still, either_way, patient, settling, approach, table) +
+         padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing,
+                    move) +
          padding_of(move, move_speed, acceleration, deceleration, jerk) +
          padding_of(table, entries, periods, cuts, first, count, list) + padding_of(entries[0], a0, a1, a2, a3) +
          absent * (sizeof entries[0] + sizeof periods[0] + sizeof cuts[0]);

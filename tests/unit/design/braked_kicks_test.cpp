@@ -120,6 +120,29 @@ TEST(BrakedKicks, NeverAimBeyondAndAlwaysTakeTheirShare) {
   }
 }
 
+// The longest cuts of a slow loop take up to the 255 periods that a table can hold.
+TEST(BrakedKicks, NeverAimBeyondBehindASlowCurrentLoop) {
+  BrakedClass c = example(1e-3, 0.15, 0.8);
+  c.max_force_N = 20;
+  expect_no_kick_beyond<float>(c, 1);
+}
+
+TEST(BrakedKicks, ArePossibleBehindACurrentLoopOfAnySpeed) {
+  for (const double lag_s : {0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4})
+    EXPECT_TRUE(design_braked_kicks<float>(example(1e-3, lag_s)).possible()) << lag_s;
+}
+
+TEST(BrakedKicks, NeverAimBeyondWhereTheLoopJittersAndReadingsAreNoisy) {
+  for (const double lag_s : {0.0, 1e-4, 2e-3}) {
+    for (const double jitter_s : {1e-4, 5e-4}) {
+      BrakedClass c = example(1e-3, lag_s, 0.025);
+      c.jitter_s = jitter_s;
+      c.encoder_noise_m = 1e-9;
+      expect_no_kick_beyond<float>(c, 2e-6);
+    }
+  }
+}
+
 // The curve before it is rounded to steps of the drive is the ideal kick's as the period tends to 0: k3 of a coast that
 // the brake and friction end, with hardly any feedback.
 TEST(BrakedKicks, TendToK3) {

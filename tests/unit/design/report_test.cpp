@@ -203,6 +203,7 @@ TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
        [](AxisDesign& a) {
          a.braked->mass_kg = {0.5, 1.5};
        }},
+      {"latency_is_bridged", [](AxisDesign& a) { a.braked->latency_periods = 9; }},
       {"pulse_breaks_away", [](AxisDesign& a) { a.braked->max_force_N = 4.5; }},
       {"brake_lets_the_axis_rest", [](AxisDesign& a) { a.braked->load_N = 2.5; }},
       {"kicks_contract",

@@ -263,6 +263,7 @@ class ControlLoop {
       model.friction_upper_N = c.parameters().friction.upper_N;
       model.encoder_resolution_m = c.parameters().encoder_resolution_m;
     }
+    if constexpr (requires { c.most_friction_N(); }) model.friction_upper_N = c.most_friction_N();
     if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();
     return model;
   }

@@ -134,6 +134,7 @@ constexpr void visit_approach(Approach& approach, Visitor& visit) {
   visit.value("response_s", approach.response_s, "s");
   visit.value("lag_s", approach.lag_s, "s");
   visit.value("correction", approach.correction, "");
+  visit.value("standing_m_s", approach.standing_m_s, "m/s");
   visit.group("move", [&] {
     visit.value("speed_m_s", approach.move.speed_m_s, "m/s");
     visit.value("acceleration_m_s2", approach.move.acceleration_m_s2, "m/s^2, 0: no limits are asked for");
@@ -172,6 +173,7 @@ constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
   visit.value("slow_lag", kicks.slow_lag, "");
   visit.value("short_lag", kicks.short_lag, "");
   visit.value("coast_per_N", kicks.coast_per_N, "1/N");
+  visit.value("load_N", kicks.load_N, "N");
   visit.value("least_seen_N", kicks.least_seen_N, "N");
   visit.value("most_seen_N", kicks.most_seen_N, "N");
   visit.value("still_periods", kicks.still_periods, "");

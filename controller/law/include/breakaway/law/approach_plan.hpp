@@ -43,11 +43,15 @@ class ApproachPlan {
         per_period_{1 / period_s},
         per_mass_{1 / a.mass_kg},
         max_speed_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
-        move_{a.move,
-              {a.switch_distance_m, a.switch_speed_m_s, std::min(a.gentle_m_s2, a.hard_m_s2)},
-              a.hard_m_s2,
-              period_s},
+        hard_m_s2_{a.hard_m_s2},
+        move_{move_plan()},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
+
+  // The drive gives this share of the force that the plan was made for: far away it brakes as much less.
+  void limit_force(Scalar share) noexcept {
+    hard_m_s2_ *= std::max(share, Scalar(1e-3));
+    move_ = move_plan();
+  }
 
   void restart() noexcept {
     primed_ = false;
@@ -79,13 +83,13 @@ class ApproachPlan {
     speed_ += owed_N * a_->lag_s * per_mass_;
     distance_ += owed_N * a_->lag_s * a_->lag_s * per_mass_;
     passed_ = a_->move.are_asked_for() && distance_ < -2 * a_->switch_distance_m;
-    return distance_ <= a_->switch_distance_m && !passed_ && speed_ <= a_->switch_speed_m_s * Scalar(1.25);
+    return distance_ <= a_->switch_distance_m && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
   }
 
   // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
   Scalar force_N() noexcept {
     if (a_->move.are_asked_for()) return force_of_move_N();
-    return direction_ * (a_->mass_kg * down_the_curves(-2 * a_->hard_m_s2) + a_->friction_N);
+    return direction_ * (a_->mass_kg * down_the_curves(-2 * hard_m_s2_) + a_->friction_N);
   }
 
   bool turned_often() const noexcept { return turns_ >= most_turns; }
@@ -98,8 +102,13 @@ class ApproachPlan {
   }
 
  private:
+  MovePlan<Scalar> move_plan() const noexcept {
+    const Scalar last_m_s2 = std::min(a_->gentle_m_s2, hard_m_s2_);
+    return {a_->move, {a_->switch_distance_m, a_->switch_speed_m_s, last_m_s2}, hard_m_s2_, period_s_};
+  }
+
   Scalar down_the_curves(Scalar least_m_s2) const noexcept {
-    const Scalar hard = a_->hard_m_s2, w1 = a_->switch_speed_m_s;
+    const Scalar hard = hard_m_s2_, w1 = a_->switch_speed_m_s;
     const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
     const Scalar near = onto_curve(a_->gentle_m_s2, distance_);
     const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
@@ -124,7 +133,7 @@ class ApproachPlan {
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     if (towards != direction_) move_.turn();
     direction_ = towards;
-    forward_ = velocity_ * direction_ > standing_m_s();
+    forward_ = velocity_ * direction_ > a_->standing_m_s;
   }
 
   void begin(Scalar x, Scalar force_N) noexcept {
@@ -175,12 +184,11 @@ class ApproachPlan {
 
   // What is read of an axis that hardly moves may point either way.
   void watch_turns(Scalar towards_m_s) noexcept {
-    if (towards_m_s > standing_m_s()) forward_ = true;
-    if (!forward_ || !(towards_m_s < -standing_m_s())) return;
+    if (towards_m_s > a_->standing_m_s) forward_ = true;
+    if (!forward_ || !(towards_m_s < -a_->standing_m_s)) return;
     forward_ = false;
     if (turns_ < most_turns) ++turns_;
   }
-  Scalar standing_m_s() const noexcept { return a_->switch_speed_m_s / 4; }
 
   // Carries the estimate from the reading to now.
   void predict(Scalar x) noexcept {
@@ -206,6 +214,7 @@ class ApproachPlan {
   Scalar per_period_{};
   Scalar per_mass_{};
   Scalar max_speed_m_s_{};
+  Scalar hard_m_s2_{};  // deceleration far away
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar velocity_{};  // of the axis at the newest reading

@@ -77,6 +77,8 @@ class AxisController {
   // that is under way goes on from where it is.
   void shift_target(Scalar shift_m) noexcept {
     velocity_.shift_origin(shift_m);
+    newest_m_ -= shift_m;
+    before_m_ -= shift_m;
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && braked_->approach.move.are_asked_for();
     if (!goes_on) return restart();
     forget_kicks();
@@ -88,6 +90,7 @@ class AxisController {
   // bound cannot break the axis away: then it ends up jammed, by name.
   void limit_force(Scalar force_N) noexcept {
     if (!(force_N < p_.max_force_N)) return;
+    if (braked_ != nullptr) plan_.limit_force(force_N / p_.max_force_N);
     p_.max_force_N = force_N;
     shaper_.limit_force(force_N);
     if (braked_ != nullptr) cycle_.limit_force(force_N);
@@ -109,7 +112,11 @@ class AxisController {
 
   Mode mode() const noexcept { return mode_; }
   ControlFault fault() const noexcept { return fault_; }
-  Scalar velocity_m_s() const noexcept { return braked_ != nullptr ? plan_.velocity_m_s() : velocity_.velocity_m_s(); }
+  // Under the brake, when the approach is over, the mean between the last two readings.
+  Scalar velocity_m_s() const noexcept {
+    if (braked_ == nullptr) return velocity_.velocity_m_s();
+    return mode_ == Mode::approach ? plan_.velocity_m_s() : (newest_m_ - before_m_) / p_.period_s;
+  }
   std::uint32_t kicks() const noexcept { return kicks_; }
   // About the friction that the last kick showed which went further or less far than what was told lets it, or the
   // brake, where that drove the axis back; 0: there was none.
@@ -118,6 +125,10 @@ class AxisController {
   Scalar period_s() const noexcept { return p_.period_s; }
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
   Scalar max_force_N() const noexcept { return p_.max_force_N; }
+  // With a force beside the drive's, as far as the law is told of one.
+  Scalar most_friction_N() const noexcept {
+    return p_.friction.upper_N + (braked_ != nullptr ? braked_->load_N : Scalar{0});
+  }
   // Share of a change of force that is left after a period behind the slowest current loop that the kicks are made for.
   // The coast "pd" is for loops that have followed by then.
   Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }
@@ -169,6 +180,8 @@ class AxisController {
   // One period of the coast "brake".
   ControlOutput<Scalar> flow_braked(Scalar x) noexcept {
     cycle_.see(x);
+    before_m_ = newest_m_;
+    newest_m_ = x;
     if (mode_ == Mode::approach) return approach_to_brake(x);
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return keep_holding();
@@ -203,7 +216,8 @@ class AxisController {
       cycle_.brake(plan_.heading(), plan_.braking_periods());
       return give(0);
     }
-    if (cycle_.patient() || plan_.turned_often()) {  // it seems to stick, or the plan does not lead there
+    // It seems to stick, or the plan does not lead there.
+    if (cycle_.patient() || plan_.turned_often() || hardly_gets_on(x)) {
       // Only without a force can rest be proved.
       mode_ = Mode::coast;
       cycle_.forget_patience();
@@ -211,6 +225,17 @@ class AxisController {
       return give(0);
     }
     return give(cycle_.whole_steps(plan_.force_N() + braked_->force_step_N / 2));
+  }
+
+  // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. Moves, which
+  // may begin as slowly, are not looked at.
+  bool hardly_gets_on(Scalar x) noexcept {
+    if (braked_->approach.move.are_asked_for() || ++since_mark_ < braked_->patient_periods) return false;
+    const Scalar speed_m_s = std::min(braked_->approach.switch_speed_m_s, p_.max_approach_speed_m_s) / 64;
+    const bool creeps = std::abs(x - mark_m_) < speed_m_s * p_.period_s * static_cast<Scalar>(braked_->patient_periods);
+    since_mark_ = 0;
+    mark_m_ = x;
+    return creeps;
   }
 
   // The axis rests: holds it there, or kicks it.
@@ -345,8 +370,8 @@ class AxisController {
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
     note_least_error(std::abs(x), moved);
-    if (braked_ == nullptr && futile_ >= futile_limit) fault_ = ControlFault::jammed;
-    if (growing_ >= growing_limit) fault_ = ControlFault::diverging;
+    if (braked_ == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
+    if (growing_ >= growing_limit) accuse(ControlFault::diverging);
     if (fault_ != ControlFault::none) mode_ = Mode::fault;
   }
 
@@ -365,7 +390,11 @@ class AxisController {
       moved_since_least_ = true;
     }
     if (++kicks_counted_ >= most_kicks && error_m > p_.position_tolerance_m)
-      fault_ = moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed;
+      accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
+  }
+  // Of one kick the first fault that it shows is the one to know.
+  void accuse(ControlFault fault) noexcept {
+    if (fault_ == ControlFault::none) fault_ = fault;
   }
 
   // A lawful kick goes as far as some friction within its bounds lets it. Two readings are off by a count together, and
@@ -383,8 +412,8 @@ class AxisController {
   }
   void contradict(Scalar seen_N, Scalar error_m) noexcept {
     seen_friction_N_ = seen_N;
-    if (++contradictions_ >= most_contradictions && error_m > p_.position_tolerance_m && fault_ == ControlFault::none)
-      fault_ = ControlFault::contradicted;
+    if (++contradictions_ >= most_contradictions && error_m > p_.position_tolerance_m)
+      accuse(ControlFault::contradicted);
   }
 
   void restart() noexcept {
@@ -401,6 +430,8 @@ class AxisController {
   void start_approach() noexcept {
     cycle_.restart();
     plan_.restart();
+    mark_m_ = largest;
+    since_mark_ = 0;
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     rest_.restart(p_.latency_periods);
     periods_left_ = 0;
@@ -429,6 +460,10 @@ class AxisController {
   Scalar kicked_from_m_{};
   Scalar seen_friction_N_{};
   Scalar creep_radius_m_{};
+  Scalar newest_m_{};  // readings under the brake, and the one before
+  Scalar before_m_{};
+  Scalar mark_m_ = largest;  // where the approach was when it was last seen to get on
+  std::int32_t since_mark_ = 0;
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::uint32_t kicks_ = 0;
   std::int32_t held_ = 0;  // periods

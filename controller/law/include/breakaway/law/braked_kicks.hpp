@@ -25,6 +25,7 @@ struct BrakedApproach {
   Scalar response_s{};         // in which the loop is to mend a speed that is off: a period, and more with lag
   Scalar lag_s{};              // of the current loop
   Scalar correction{};         // share of a reading's surprise that the estimated speed takes over, in (0, 1]
+  Scalar standing_m_s{};       // an estimated speed up to this may be that of noise; without noise 0
   MoveLimits<Scalar> move{};
 };
 
@@ -39,6 +40,7 @@ struct BrakedKicks {
   Scalar slow_lag{};         // ... and at most
   Scalar short_lag{};        // of the fastest current loop after the shortest period; without jitter that is fast_lag
   Scalar coast_per_N{};      // longest lawful coast, as a multiple of the pulse, per newton of its force
+  Scalar load_N{};           // of a force beside the drive's, either way: the most
   Scalar least_seen_N{};     // that friction_seen_N() gives for the kicks of a lawful axis,
   Scalar most_seen_N{};      // and the most
   std::uint16_t still_periods = 0;       // without a change of count that prove rest under theta
@@ -64,13 +66,13 @@ constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
   const BrakedApproach<Scalar>& a = k.approach;
   const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.short_lag && k.short_lag <= k.slow_lag && k.slow_lag < 1;
   const bool forces = k.brake_N >= 0 && k.force_step_N > 0 && k.preload_N <= k.brake_N &&
-                      k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N &&
+                      k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N && k.load_N >= 0 &&
                       k.least_seen_N < k.most_seen_N;
   const bool waits = k.still_periods > 0 && k.either_way_periods > 0 && k.patient_periods > 0;
   const bool approach = a.mass_kg > 0 && a.friction_N > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 &&
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
                         a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
-                        a.move.are_usable();
+                        a.standing_m_s >= 0 && a.move.are_usable();
   return lags && forces && waits && approach && k.coast_per_N > 0 && k.table.count > 0 &&
          k.table.count <= KickTable<Scalar>::most_entries;
 }

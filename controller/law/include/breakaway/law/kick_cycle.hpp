@@ -93,7 +93,7 @@ class KickCycle {
     either_way_ = driven_back_ = false;
     expect_rest_within(pulse_periods_ + cut_periods_ + longest_coast());
     if (kicks_->slow_lag > 0)
-      enter(Phase::preload, kicks_->patient_periods);
+      enter(Phase::preload, kicks_->patient_periods + kicks_->settling_periods);
     else
       enter(Phase::pulse, pulse_periods_);
   }
@@ -116,7 +116,7 @@ class KickCycle {
 
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
-    if (phase_ == Phase::preload && force().lower_N >= kicks_->preload_N) enter(Phase::pulse, pulse_periods_);
+    if (phase_ == Phase::preload && preloaded()) enter(Phase::pulse, pulse_periods_);
     pulsed_ = phase_ == Phase::pulse;
     pulse_starts_ = pulsed_ && left_ == pulse_periods_;
     const std::int32_t steps = steps_of_phase(free_steps);
@@ -161,10 +161,10 @@ class KickCycle {
   bool pulsed() const noexcept { return pulsed_; }
   const ForceInterval<Scalar>& interval() const noexcept { return interval_; }
 
-  // Rounds down.
+  // Rounds down. NaN becomes zero, because a force that nobody computed must not act.
   std::int32_t whole_steps(Scalar force_N) const noexcept {
     const Scalar steps = force_N / kicks_->force_step_N;
-    if (!(steps > Scalar(-32767))) return -32767;
+    if (!(steps > Scalar(-32767))) return steps <= Scalar(-32767) ? -32767 : 0;
     if (!(steps < Scalar(32767))) return 32767;
     const auto truncated = static_cast<std::int32_t>(steps);
     return static_cast<Scalar>(truncated) > steps ? truncated - 1 : truncated;
@@ -218,8 +218,17 @@ class KickCycle {
     return 0;
   }
 
-  // So much that the fastest loop reaches the brake's force at the end of the period.
+  // A pulse that started from more force than the brake's would go further than the table says.
+  bool preloaded() const noexcept {
+    const ForceInterval<Scalar> u = force();
+    const Scalar most_N = kicks_->brake_N + (kicks_->holding_force_N - kicks_->brake_N) / 512;
+    return u.lower_N >= kicks_->preload_N && u.upper_N <= most_N;
+  }
+
+  // So much that the fastest loop reaches the brake's force at the end of the period. From above it comes down by
+  // itself.
   std::int32_t preload_steps() const noexcept {
+    if (force().upper_N > kicks_->brake_N) return whole_steps(kicks_->brake_N + kicks_->force_step_N / 2);
     const Scalar left = kicks_->fast_lag;
     return whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left));
   }

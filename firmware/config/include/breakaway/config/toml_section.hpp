@@ -41,7 +41,8 @@ struct Entry {
 struct Value {
   std::string expects;
   std::function<bool(const Entry&)> take;
-  bool belongs_here = true;  // false: see elsewhere()
+  bool belongs_here = true;   // false: see elsewhere()
+  bool takes_arrays = false;  // where one is right, but not this one, an error shows its entries
 };
 
 struct Key {
