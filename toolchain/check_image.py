@@ -162,9 +162,10 @@ def memory_use(elf, ram_begin):
     code = ram = 0
     for name, address, size in re.findall(r"^ *\[ *\d+\] (\.\S+) +\w+ +(\w+) \w+ (\w+) \w+ +\w*A", run("arm-none-eabi-readelf", "-SW", elf),
                                           re.MULTILINE):
-        if int(address, 16) >= ram_begin:
+        constant = name == ".rodata"  # wherever it lies
+        if int(address, 16) >= ram_begin and not constant:
             ram += int(size, 16)
-        if int(address, 16) < ram_begin or name == ".data":
+        if int(address, 16) < ram_begin or constant or name == ".data":
             code += int(size, 16)
     return code, ram
 

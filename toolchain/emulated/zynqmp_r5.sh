@@ -4,7 +4,7 @@
 scenario=two_axes
 
 prove_images() {
-  prove 65536 65536 "$images"/*.elf "$tests"/{controller,replay_*}.elf
+  prove 98304 32768 "$images"/*.elf "$tests"/{controller,replay_*}.elf
   (cd -- "$work/emulated" && emulate "$tests/overflow.elf") ||
     fail "the stack outgrew its memory without a fault there ($?)"
   printf 'a stack that outgrows its memory faults\n'

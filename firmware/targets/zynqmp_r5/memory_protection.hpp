@@ -16,8 +16,9 @@ inline constexpr std::uint32_t read_only = 0b110U << 8, read_write = 0b011U << 8
 inline constexpr std::uint32_t normal_uncached = 0b001U << 3, strongly_ordered = 0;
 
 inline constexpr Region regions[] = {
-    {0x0000'0000, 16, read_only | normal_uncached},                 // TCM A: vectors, code, constants
+    {0x0000'0000, 16, read_only | normal_uncached},                 // TCM A: vectors, code
     {0x0002'0000, 16, read_write | no_execute | normal_uncached},   // TCM B: stack, data
+    {0x0002'8000, 15, read_only | no_execute | normal_uncached},    // its upper half: constants
     {0xFF00'0000, 24, read_write | no_execute | strongly_ordered},  // peripherals of the low-power domain
 };
 
