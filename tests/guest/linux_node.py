@@ -40,7 +40,7 @@ def scenario_with_period(period_s, path):
     floor_m = 4.5 * (4.5 - 2.5) * period_s**2 / (2 * 2.5)
     with open(bench.SCENARIO, encoding="utf-8") as text:
         changed = text.read()
-    for old, new in (("[controller]\n", "[controller]\ncoast = \"brake\"\n"),
+    for old, new in (("coast = \"pd\"", "coast = \"brake\""),
                      ("period_s = 0.001", f"period_s = {period_s}"),
                      ("position_tolerance_m = 1.8e-6", f"position_tolerance_m = {1.01 * floor_m:.3g}"),
                      ("settle_tolerance_m = 3e-6", f"settle_tolerance_m = {1.7 * floor_m:.3g}")):

@@ -55,13 +55,17 @@ TargetChange read_target(const Section& section) {
   return change;
 }
 
+Key kick_key(ImpulsiveGains& gains) {
+  return optional("kick",
+                  choice(gains.kick, {{"ideal", Kick::ideal}, {"two_phase", Kick::two_phase}, {"naive", Kick::naive}}));
+}
+
 std::vector<Key> gain_keys(ImpulsiveGains& gains) {
   return {
       required("k1_N_per_m", number(gains.stiffness_N_per_m, "N/m", positive)),
       required("k21_Ns_per_m", number(gains.approach_damping_Ns_per_m, "N s/m", positive)),
       required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
-      optional("kick",
-               choice(gains.kick, {{"ideal", Kick::ideal}, {"two_phase", Kick::two_phase}, {"naive", Kick::naive}})),
+      kick_key(gains),
       optional("coast", choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}})),
   };
 }
@@ -74,13 +78,22 @@ std::vector<Key> gain_keys(PidGains& gains) {
   };
 }
 
-Controller read_controller(const Section& section, bool sampled, std::vector<Key> others) {
+// What holds unless the file says otherwise. The coast "brake" needs whole periods and steps of force, and has kicks of
+// its own.
+ImpulsiveGains usual_gains(const Section& section, bool sampled, bool driven) {
+  ImpulsiveGains gains{.kick = sampled ? Kick::two_phase : Kick::ideal};
+  section.read(kick_key(gains));
+  if (sampled && driven && gains.kick != Kick::naive) gains.coast = law::Coast::brake;
+  return gains;
+}
+
+Controller read_controller(const Section& section, bool sampled, bool driven, std::vector<Key> others) {
   Controller controller;
   bool is_pid = false;
   const Key kind = optional("kind", choice(is_pid, {{"impulsive", false}, {"pid", true}}));
   section.read(kind);
   if (is_pid) controller.pid.emplace();
-  if (!is_pid) controller.impulsive.emplace().kick = sampled ? Kick::two_phase : Kick::ideal;
+  if (!is_pid) controller.impulsive = usual_gains(section, sampled, driven);
   const std::vector<Key> common{
       kind,
       optional("max_force_N", number(controller.max_force_N, "N", positive)),
@@ -319,7 +332,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   const AxisRows also = others.axis ? others.axis(place) : AxisRows{};
   need(plant_, "plant").read(std::vector<Key>{required("mass_kg", number(axis.mass_kg, "kg", positive))} + also.plant);
   axis.friction = read_friction(need(friction_, "friction"), axis.mass_kg, also.friction);
-  axis.controller = read_controller(need(controller_, "controller"), sampled, also.controller);
+  axis.controller = read_controller(need(controller_, "controller"), sampled, drive_.has_value(), also.controller);
   if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
   if (drive_) check_in_node(*drive_, *axis.drive, node);
   if (told_) read_told(*told_, axis);

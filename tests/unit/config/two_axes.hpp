@@ -23,6 +23,7 @@ upper_N = 4.5
 k1_N_per_m = 400
 k21_Ns_per_m = 32
 k22_Ns_per_m = 60
+coast = "pd"
 max_force_N = 50
 max_approach_speed_m_s = 5
 position_tolerance_m = 1.8e-6

@@ -20,7 +20,7 @@ using testing::with;
 
 // The first axis under the brake, with these lines in its [uncertainty].
 std::string braked(const std::string& lines = {}) {
-  const std::string coast = with(two_axes, "k1_N_per_m", "coast = \"brake\"\nk1_N_per_m");
+  const std::string coast = with(two_axes, "coast = \"pd\"", "coast = \"brake\"");
   return with(coast, "[axis.limits]\n", "[axis.uncertainty]\n" + lines + "\n[axis.limits]\n");
 }
 
@@ -60,6 +60,17 @@ TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
   EXPECT_EQ(flashed_node.axes[0].braked.table.entries[3].a0, design.kicks.table.entries[3].a0);
   EXPECT_EQ(flashed_node.axes[1].law.coast, law::Coast::pd);
   EXPECT_EQ(flashed_node.axes[1].braked.table.count, 0);
+}
+
+TEST(Brake, IsTheCoastOfAFileThatNamesNone) {
+  const Node node = parse_node(with(two_axes, "coast = \"pd\"\n", ""), "node.toml");
+  EXPECT_EQ(node.axes[0].controller.impulsive->coast, law::Coast::brake);
+  EXPECT_EQ(node.axes[1].controller.impulsive->coast, law::Coast::pd);
+}
+
+TEST(Brake, IsNotTheCoastOfTheNaiveKick) {
+  const Node node = parse_node(with(two_axes, "coast = \"pd\"", "kick = \"naive\""), "node.toml");
+  EXPECT_EQ(node.axes[0].controller.impulsive->coast, law::Coast::pd);
 }
 
 TEST(Brake, NeedsALoopAndADrive) {

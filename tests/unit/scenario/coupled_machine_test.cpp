@@ -35,6 +35,7 @@ upper_N = 4.5
 k1_N_per_m = 400
 k21_Ns_per_m = 32
 k22_Ns_per_m = 120
+coast = "pd"
 max_force_N = 5
 [drive]
 rated_torque_Nm = 1

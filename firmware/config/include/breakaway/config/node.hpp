@@ -47,7 +47,7 @@ struct ImpulsiveGains {
   double approach_damping_Ns_per_m = 0;  // k21
   double kick_damping_Ns_per_m = 0;      // k22
   Kick kick = Kick::ideal;
-  law::Coast coast = law::Coast::pd;
+  law::Coast coast = law::Coast::pd;  // brake, where a file with [loop] and [drive] names none, nor the naive kick
 };
 
 struct PidGains {
