@@ -288,6 +288,54 @@ TEST(Fault, DriveWithoutCyclicTorqueIsRefusedByName) {
   EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_object(), (canopen::ObjectAddress{0x6502, 0}));
 }
 
+struct Quirk {
+  const char* label;
+  void (*set)(drive_emulator::Quirks&);
+  cia402::SetupStatus expected = cia402::SetupStatus::ready;
+  std::uint16_t index = 0;  // of the object that is refused
+};
+
+class ADriveInTheField : public ::testing::TestWithParam<Quirk> {};
+
+TEST_P(ADriveInTheField, SettlesOrIsRefusedByName) {
+  RigConfig config;
+  GetParam().set(config.quirks);
+  Rig rig{config};
+  const auto& drive = rig.loop().drive(rig.id(0));
+  ASSERT_EQ(rig.start(), GetParam().expected == cia402::SetupStatus::ready) << to_string(drive.setup_status());
+  EXPECT_EQ(drive.setup_status(), GetParam().expected) << to_string(drive.setup_status());
+  EXPECT_EQ(drive.setup_object().index, GetParam().index);
+  if (GetParam().expected != cia402::SetupStatus::ready) {
+    EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+    return;
+  }
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Quirks, ADriveInTheField,
+    ::testing::Values(
+        Quirk{"ShowsItsModeLate", [](drive_emulator::Quirks& q) { q.mode_display_delay = 700ms; }},
+        Quirk{"NeedsAMode", [](drive_emulator::Quirks& q) { q.needs_mode_to_enable = true; }},
+        Quirk{"MissesFastControlwords", [](drive_emulator::Quirks& q) { q.min_controlword_interval = 3ms; }},
+        Quirk{"AlarmsAtALateSync", [](drive_emulator::Quirks& q) { q.sync_alarm_periods = 2; }},
+        Quirk{"TakesMillisecondsOnly", [](drive_emulator::Quirks& q) { q.interpolation_in_ms_only = true; }},
+        Quirk{"StartsByItself", [](drive_emulator::Quirks& q) { q.self_starting = true; }},
+        Quirk{"StartsByItselfAndMapsBeforeOnly",
+              [](drive_emulator::Quirks& q) { q.self_starting = q.maps_in_pre_operational_only = true; }},
+        Quirk{"SaysNoBootUp", [](drive_emulator::Quirks& q) { q.no_boot_up_message = true; }},
+        Quirk{"SaysNoBootUpAndStartsByItself",
+              [](drive_emulator::Quirks& q) {
+                q.no_boot_up_message = q.self_starting = q.maps_in_pre_operational_only = true;
+              }},
+        Quirk{"ReversesItsPosition", [](drive_emulator::Quirks& q) { q.position_reversed = true; },
+              cia402::SetupStatus::position_reversed, 0x607E},
+        Quirk{"WrapsItsPosition", [](drive_emulator::Quirks& q) { q.position_range_counts = 131072; },
+              cia402::SetupStatus::position_wraps, 0x607B}),
+    [](const auto& param_info) { return std::string{param_info.param.label}; });
+
 TEST(Fault, OfOneAxisLeavesTheOthersRunning) {
   Rig rig{{.axes = 2}};
   ASSERT_TRUE(rig.start());

@@ -38,6 +38,7 @@ struct RigConfig {
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
   std::uint32_t supported_modes = cia402::supports_cyclic_torque;
   bool absolute_encoder = true;
+  drive_emulator::Quirks quirks{};
 };
 
 class Rig {
@@ -144,6 +145,7 @@ class Rig {
     emulated.force_per_torque_N_per_Nm = 50;
     emulated.current_loop_time_constant_s = config_.current_loop_time_constant_s;
     emulated.supported_modes = config_.supported_modes;
+    emulated.quirks = config_.quirks;
     emulated.quirks.counts_from_power_on = !config_.absolute_encoder;
     drives_.push_back(&network_.add_drive(emulated, *mechanisms_.back()));
 

@@ -176,7 +176,7 @@ FileRows passed_over() {
                                             "cogging", "ripple", "encoder_error", "drift", "machine"}),
                             .friction = named({"law"}),
                             .controller = named({"scalar"}),
-                            .drive = named({"tpdo_delay_min_s", "tpdo_delay_max_s", "seed"})};
+                            .drive = named({"tpdo_delay_min_s", "tpdo_delay_max_s", "seed", "quirks"})};
           }};
 }
 

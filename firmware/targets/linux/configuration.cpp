@@ -92,7 +92,8 @@ Configuration read_configuration(const Options& options) {
                       .visits = {},
                       .reached_m = tolerance_m(node, axis) + reading_error_m(axis),
                       .resolution_m = axis.drive->encoder_resolution_m,
-                      .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N())});
+                      .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N()),
+                      .max_torque_per_mille = axis.drive->max_torque_per_mille});
     if (c.timed) plan_times(c.axes.back(), axis);
   }
   plan_tour(c, node, options.targets);

@@ -21,6 +21,7 @@ struct AxisPlan {
   double reached_m = 0;             // at the end of a run the reading is this near to the target, or the run failed
   double resolution_m = 0;          // one count
   float force_per_per_mille_N = 0;  // of the file's drive, for display
+  std::uint16_t max_torque_per_mille = 0;  // 6072h as the file has it
 };
 
 struct Configuration {

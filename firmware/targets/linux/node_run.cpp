@@ -19,6 +19,7 @@
 #include "breakaway/cia402/state.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "error_text.hpp"
 
 namespace breakaway::linux_node {
 namespace {
@@ -125,6 +126,7 @@ void NodeRun::note(std::size_t place) {
                             .drive = s.feedback.state,
                             .fault = s.fault,
                             .fault_code = loop_.supervisor(axis.id).fault_code(),
+                            .error_register = loop_.drive(axis.id).last_emcy().error_register,
                             .statusword = loop_.drive(axis.id).statusword(),
                             .axis = static_cast<std::uint8_t>(place),
                             .stop_not_obeyed = s.stop_not_obeyed,
@@ -351,10 +353,24 @@ std::string NodeRun::fault_text(const Axis& axis) const {
   if (axis.last_fault != AxisFault::none) text += fmt::format(", fault: {}", to_string(axis.last_fault));
   if (const std::uint16_t word = loop_.drive(axis.id).statusword(); axis.last_fault == AxisFault::enable_timed_out)
     text += fmt::format(" (statusword {:04X}h, {})", word, cia402::what_keeps_disabled(word));
+  if (const std::uint16_t code = loop_.supervisor(axis.id).fault_code(); code != 0)
+    text += fmt::format(" ({})", error_text(code, loop_.drive(axis.id).last_emcy().error_register));
   const auto& s = loop_.status(axis.id);
   if (s.stop_not_obeyed && axis.last_fault != AxisFault::stop_not_obeyed)
     text += fmt::format(", {}", to_string(AxisFault::stop_not_obeyed));
   return text;
+}
+
+// A node that is killed cannot put 6072h back, and the next one takes what it finds for the drive's own.
+std::string NodeRun::torque_limit_text(std::size_t place) const {
+  const cia402::DriveRating& rating = loop_.drive(axes_[place].id).rating();
+  const std::uint16_t found = rating.found_max_torque_per_mille;
+  if (found == 0 || found > rating.max_torque_per_mille || found >= plan(place).max_torque_per_mille) return {};
+  return fmt::format(
+      "            torque limit (6072h) was found at {} per mille, and the file says {}: a node that was killed may "
+      "have "
+      "left it so; switch the drive off and on, or write 6072h\n",
+      found, plan(place).max_torque_per_mille);
 }
 
 std::string NodeRun::report() const {
@@ -369,6 +385,7 @@ std::string NodeRun::report() const {
                        : "NOT CONFIRMED as stopped: the drive was told to by PDO, SDO and NMT and was not seen without "
                          "force; switch its power off",
         fault_text(axis), static_cast<double>(status(place).feedback.position_offset_m));
+    text += torque_limit_text(place);
   }
   return text + fmt::format(
                     "timing      {} ticks, {} missed, wake-up latency {:.1f} / {:.1f} / {:.1f} us (min / mean / max)\n"

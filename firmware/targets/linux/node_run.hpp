@@ -64,6 +64,7 @@ class NodeRun {
   void follow_tour();
   void visit(std::size_t place, std::size_t visit);
   bool rests_on_target(std::size_t place) const;
+  std::string torque_limit_text(std::size_t place) const;
   std::string fault_text(const Axis& axis) const;
   bool stops_are_confirmed();
   void stop_and_confirm();

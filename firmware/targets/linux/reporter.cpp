@@ -13,6 +13,7 @@
 
 #include "breakaway/cia402/state.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "error_text.hpp"
 #include "realtime.hpp"
 
 namespace breakaway::linux_node {
@@ -151,7 +152,7 @@ void Reporter::show_change(const StepRecord& step) {
     fmt::format_to(out, " (statusword {:04X}h, {})", step.statusword, cia402::what_keeps_disabled(step.statusword));
   if (step.reset_refused) fmt::format_to(out, " (reset refused: not seen without force yet, or no bus; try again)");
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
-  if (step.fault_code != 0) fmt::format_to(out, " (error code {:04X}h)", step.fault_code);
+  if (step.fault_code != 0) line_ += " (" + error_text(step.fault_code, step.error_register) + ")";
   print_line(false);
   shown_[step.axis] = step;
   shown_at_ = step.time;

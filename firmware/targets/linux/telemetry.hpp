@@ -25,6 +25,7 @@ struct StepRecord {
   hal::DriveState drive{};
   firmware::AxisFault fault{};
   std::uint16_t fault_code = 0;
+  std::uint8_t error_register = 0;  // 1001h, as the last EMCY had it
   std::uint16_t statusword = 0;
   std::uint8_t axis = 0;         // place in the node
   bool controlled = true;        // false: only listened to; mode and command say nothing

@@ -24,6 +24,9 @@ constexpr SetupStep write_mode{.kind = SetupStep::Kind::write,
                                .size = 1,
                                .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
 
+constexpr std::uint32_t reverses_position = 0x80;  // in 607Eh
+constexpr std::uint32_t lowest_position = 0x8000'0000, highest_position = 0x7FFF'FFFF;
+
 // Bit 31 of 1005h says nothing; bit 30 is that of another producer of SYNC.
 constexpr std::uint32_t meant_bits(std::uint16_t index) noexcept {
   return index == object::sync_cob_id ? ~canopen::cob_id_invalid : ~std::uint32_t{0};
@@ -54,11 +57,7 @@ void DriveNode::update(hal::Time now) noexcept {
     switch_off();
   }
   heartbeat_.update(now);
-  if (heartbeat_.take_boot_up()) {
-    if (known_) ++reboots_;
-    rating_ = {};
-    begin_configuration(now);
-  }
+  if (heartbeat_.take_boot_up()) on_boot_up(now);
   switch (phase_) {
     case SetupPhase::waiting:
       return wait_for_node(now);
@@ -75,6 +74,14 @@ void DriveNode::update(hal::Time now) noexcept {
     case SetupPhase::refused:
       return;
   }
+}
+
+void DriveNode::on_boot_up(hal::Time now) noexcept {
+  if (known_) ++reboots_;
+  rating_ = {};
+  begin_configuration(now);
+  // A node that starts by itself would refuse to have its PDOs mapped.
+  nmt_command_ = NmtCommand::enter_pre_operational;
 }
 
 void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
@@ -96,13 +103,18 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
   const bool heard = heartbeat_.state().has_value();
   const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
   const bool at_once = heard && !last_command_;
+  if (last_command_ && !answers_) ask_again(now);
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
+  // Some nodes say no boot-up, but answer.
+  if (reset_told_ && !heard && answers_) return on_boot_up(now);
   tell_while_waiting(heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication, now);
 }
 
 void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
   nmt_command_ = command;
   last_command_ = now;
+  reset_told_ = command == NmtCommand::reset_communication;
+  answers_ = false;
   heartbeat_.forget_state();
   switch_off();
 }
@@ -113,6 +125,13 @@ void DriveNode::switch_off() noexcept {
   constexpr std::array<std::uint8_t, 2> disable_voltage{};
   sdo_.cancel();
   static_cast<void>(sdo_.start_write(object::controlword, 0, disable_voltage));
+}
+
+// The controlword, until it is answered, be it by a refusal.
+void DriveNode::ask_again(hal::Time now) noexcept {
+  const SdoResult result = sdo_.poll(now);
+  answers_ = result == SdoResult::done || result == SdoResult::aborted;
+  if (result == SdoResult::timeout) switch_off();
 }
 
 void DriveNode::begin_configuration(hal::Time now) noexcept {
@@ -213,6 +232,12 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
       break;
     case object::rated_torque:
       on_rated_torque(value);
+      break;
+    case object::polarity:
+      if ((value & reverses_position) != 0) refuse(SetupStatus::position_reversed);
+      break;
+    case object::position_range:
+      if (value != 0 && value != lowest_position && value != highest_position) refuse(SetupStatus::position_wraps);
       break;
     case object::statusword:
       statusword_ = static_cast<std::uint16_t>(value);

@@ -59,6 +59,9 @@ void SetupPlan::read_rating() noexcept {
   read(object::rated_current, 0, may_be_missing);
   read(object::rated_torque, 0, must_exist);
   read(object::max_torque, 0, may_be_missing);
+  read(object::polarity, 0, may_be_missing);
+  read(object::position_range, 1, may_be_missing);
+  read(object::position_range, 2, may_be_missing);
 }
 
 void SetupPlan::bound_force() noexcept {

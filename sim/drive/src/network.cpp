@@ -87,6 +87,9 @@ void DriveEmulator::enter(NmtState state) {
   if (state == nmt_) return;
   if (operational()) drive_.communication_lost();
   nmt_ = state;
+  const bool locked = config_.quirks.maps_in_pre_operational_only && operational();
+  for (Pdo& pdo : rpdos_) pdo.lock(locked);
+  for (Pdo& pdo : tpdos_) pdo.lock(locked);
   latched_ = {};
   tpdo_states_ = {};
   timers_.cancel(sync_alarm);
@@ -120,8 +123,9 @@ void DriveEmulator::reset(NmtCommand command) {
 
 void DriveEmulator::finish_boot() {
   drive_.self_test_passed();
-  post_heartbeat(NmtState::boot_up);
+  if (!config_.quirks.no_boot_up_message) post_heartbeat(NmtState::boot_up);
   enter(NmtState::pre_operational);
+  if (config_.quirks.self_starting) enter(NmtState::operational);
   restart_heartbeat();
 }
 

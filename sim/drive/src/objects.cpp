@@ -103,6 +103,12 @@ void add_drive_objects(ObjectDictionary& dictionary, const EmulatorConfig& confi
   dictionary.add({object::statusword, 0}, {.type = Type::u16, .mapping = Mapping::transmit});
   dictionary.add({object::position_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
   dictionary.add({object::velocity_actual, 0}, {.type = Type::i32, .mapping = Mapping::transmit});
+  dictionary.add({object::polarity, 0},
+                 {.type = Type::u8, .access = rw, .value = config.quirks.position_reversed ? 0x80 : 0});
+  const std::uint32_t range = config.quirks.position_range_counts;
+  dictionary.add({object::position_range, 0}, {.type = Type::u8, .value = 2});
+  dictionary.add({object::position_range, 1}, {.type = Type::i32, .access = rw});
+  dictionary.add({object::position_range, 2}, {.type = Type::i32, .access = rw, .value = range == 0 ? 0 : range - 1});
   dictionary.add({own_object::motor_catalogue_number, 0}, {.type = Type::text, .access = rw});
   add_option_codes(dictionary);
   add_torque_objects(dictionary, config);

@@ -52,6 +52,7 @@ Pdo::Pdo(ObjectDictionary& dictionary, PdoDirection direction, unsigned number, 
 }
 
 std::optional<SdoAbort> Pdo::check_parameter(Address address, std::int64_t value) const {
+  if (locked_) return SdoAbort::device_state;
   if (address.sub == 2 && value > 240 && value < 254) return SdoAbort::invalid_value;
   if (address.sub == 3 && valid()) return SdoAbort::device_state;
   if (address.sub != 1) return std::nullopt;
@@ -63,7 +64,7 @@ std::optional<SdoAbort> Pdo::check_parameter(Address address, std::int64_t value
 }
 
 std::optional<SdoAbort> Pdo::check_mapping(Address address, std::int64_t value) const {
-  if (valid()) return SdoAbort::device_state;
+  if (locked_ || valid()) return SdoAbort::device_state;
   if (address.sub != 0) {
     if (get(mapping_, 0) != 0) return SdoAbort::device_state;
     return check_mapped_object(static_cast<std::uint32_t>(value));

@@ -105,9 +105,19 @@ void PowerDrive::clear_faults() {
 
 void PowerDrive::advance_mechanism_to(hal::Time time) { mechanism_.advance_to(hal::seconds(time), motor_.segment()); }
 
+bool PowerDrive::reversed() const { return (get(object::polarity) & 0x80) != 0; }
+
+std::int32_t PowerDrive::in_range(std::int32_t counts) const {
+  const std::int64_t low = dictionary_.get({object::position_range, 1});
+  const std::int64_t range = dictionary_.get({object::position_range, 2}) - low + 1;
+  if (range <= 1) return counts;
+  return static_cast<std::int32_t>(low + ((counts - low) % range + range) % range);
+}
+
 void PowerDrive::sample(hal::Time time, bool on_sync) {
   advance_mechanism_to(time);
-  const std::int32_t counts = encoder_counts(mechanism_.position_m() - origin_m_, config_.encoder_resolution_m);
+  const std::int32_t counts = in_range(
+      encoder_counts((reversed() ? -1 : 1) * (mechanism_.position_m() - origin_m_), config_.encoder_resolution_m));
   dictionary_.set({object::position_actual, 0}, counts);
   dictionary_.set({object::torque_actual, 0},
                   saturate_i16(motor_.force_at_N(hal::seconds(time)) / force_per_per_mille_N_));

@@ -126,6 +126,7 @@ class WorldReader {
     hal::Duration min_tpdo_delay = drive_emulator::EmulatorConfig{}.min_tpdo_delay;
     hal::Duration max_tpdo_delay = drive_emulator::EmulatorConfig{}.max_tpdo_delay;
     std::uint64_t seed = 1;
+    drive_emulator::Quirks quirks{};
   };
 
   // A deque, because the rows refer to its elements.
@@ -142,7 +143,29 @@ class WorldReader {
                 "scalar", choice(a.scalar, {{"float", ScalarType::float32}, {"double", ScalarType::float64}}))},
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
                       optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")),
-                      seed(a.seed)}};
+                      seed(a.seed),
+                      optional("quirks", table([&a](const Section& section) { read_quirks(section, a.quirks); }))}};
+  }
+
+  static void read_quirks(const Section& section, drive_emulator::Quirks& q) {
+    std::vector<Key> keys{
+        optional("mode_display_delay_s", duration_s(q.mode_display_delay, delay)),
+        optional("needs_mode_to_enable", boolean(q.needs_mode_to_enable)),
+        optional("min_controlword_interval_s", duration_s(q.min_controlword_interval, delay)),
+        optional("sync_alarm_periods",
+                 integer([&q](std::int64_t n) { q.sync_alarm_periods = static_cast<std::uint32_t>(n); }, 0, 1000)),
+        optional("torque_relative_to_max", boolean(q.torque_relative_to_max)),
+        optional("interpolation_in_ms_only", boolean(q.interpolation_in_ms_only)),
+        optional("position_reversed", boolean(q.position_reversed)),
+        optional(
+            "position_range_counts",
+            integer([&q](std::int64_t n) { q.position_range_counts = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
+        optional("self_starting", boolean(q.self_starting)),
+        optional("maps_in_pre_operational_only", boolean(q.maps_in_pre_operational_only)),
+        optional("no_boot_up_message", boolean(q.no_boot_up_message)),
+        optional("counts_from_power_on", boolean(q.counts_from_power_on)),
+    };
+    section.read(keys);
   }
 
   static std::vector<Key> plant_rows(AxisWorld& world) {
@@ -219,6 +242,7 @@ class WorldReader {
     c.min_tpdo_delay = axis.min_tpdo_delay;
     c.max_tpdo_delay = std::max(axis.min_tpdo_delay, axis.max_tpdo_delay);
     c.seed = axis.seed;
+    c.quirks = axis.quirks;
     return c;
   }
 

@@ -147,4 +147,16 @@ TEST(Emcy, RoundTripAndReset) {
   EXPECT_EQ(consumer.take_error(), 0);
 }
 
+TEST(Emcy, SaysWhatAnErrorCodeIsAbout) {
+  EXPECT_EQ(error_class(0x2310), "current on the output side");
+  EXPECT_EQ(error_class(0x3220), "voltage inside the device");
+  EXPECT_EQ(error_class(0x7305), "encoder or another sensor");
+  EXPECT_EQ(error_class(0x7700), "a module of the device");
+  EXPECT_EQ(error_class(0x8130), "communication");
+  EXPECT_EQ(error_class(0x8611), "position control");
+  EXPECT_EQ(error_class(0x8A00), "monitoring");
+  EXPECT_EQ(error_class(0xFF01), "the vendor's own");
+  EXPECT_EQ(error_class(0xA000), "not of the standard");
+}
+
 }  // namespace

@@ -19,7 +19,7 @@ TEST_F(DriveTest, SetsUpABootedNodeInTheProfilesOrder) {
       key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0), key(0x1800, 2),
       key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
   EXPECT_EQ(node.written, expected);
-  EXPECT_EQ(node.commands, (std::vector<NmtCommand>{NmtCommand::start}));
+  EXPECT_EQ(node.commands, (std::vector<NmtCommand>{NmtCommand::enter_pre_operational, NmtCommand::start}));
   EXPECT_EQ(node.objects[key(0x1600, 1)], 0x60400010U);
   EXPECT_EQ(node.objects[key(0x1600, 2)], 0x60710010U);
   EXPECT_EQ(node.objects[key(0x1A00, 2)], 0x60640020U);
@@ -137,6 +137,7 @@ TEST_F(DriveTest, AnswerThatTheStandardForbidsIsReportedWithItsObject) {
   node.boot();
   deliver();
   node.silent = true;
+  step();  // takes it to Pre-operational
   step();  // writes 6040h
   drive.on_frame(
       {.frame = {.id = sdo_response_cob_id(node_id), .size = 8, .data = {0xC0, 0x40, 0x60, 0x00}}, .time = now});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -227,6 +228,36 @@ TEST(ReadScenario, NamesOnlyThePartsThatTheFileNames) {
 TEST(ReadScenario, AcceptsEveryScenarioOfTheProject) {
   for (const auto& entry : std::filesystem::directory_iterator{BREAKAWAY_SOURCE_DIR "/sim/scenarios"}) {
     EXPECT_NO_THROW(read_any_scenario(entry.path())) << entry.path();
+  }
+}
+
+TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
+  using breakaway::drive_emulator::Quirks;
+  const auto quirks_of = [](const std::string& line) {
+    return parse_scenario(
+               sound + "[loop]\nperiod_s=0.001\n[bus]\nbit_rate=1_000_000\n" + drive + "[drive.quirks]\n" + line + "\n",
+               "axis.toml")
+        .worlds.front()
+        .drive->quirks;
+  };
+  EXPECT_EQ(quirks_of("mode_display_delay_s = 0.5").mode_display_delay, std::chrono::milliseconds{500});
+  EXPECT_EQ(quirks_of("min_controlword_interval_s = 0.002").min_controlword_interval, std::chrono::milliseconds{2});
+  EXPECT_EQ(quirks_of("sync_alarm_periods = 2").sync_alarm_periods, 2U);
+  EXPECT_EQ(quirks_of("position_range_counts = 131072").position_range_counts, 131072U);
+  struct Switch {
+    const char* key;
+    bool Quirks::*member;
+  };
+  for (const auto& [key, member] :
+       {Switch{"needs_mode_to_enable", &Quirks::needs_mode_to_enable},
+        Switch{"torque_relative_to_max", &Quirks::torque_relative_to_max},
+        Switch{"interpolation_in_ms_only", &Quirks::interpolation_in_ms_only},
+        Switch{"position_reversed", &Quirks::position_reversed}, Switch{"self_starting", &Quirks::self_starting},
+        Switch{"maps_in_pre_operational_only", &Quirks::maps_in_pre_operational_only},
+        Switch{"no_boot_up_message", &Quirks::no_boot_up_message},
+        Switch{"counts_from_power_on", &Quirks::counts_from_power_on}}) {
+    EXPECT_FALSE(quirks_of("").*member) << key;
+    EXPECT_TRUE(quirks_of(std::string{key} + " = true").*member) << key;
   }
 }
 

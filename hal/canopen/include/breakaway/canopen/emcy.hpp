@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
@@ -27,6 +28,54 @@ constexpr hal::CanFrame emcy_frame(const Emcy& emcy, std::uint8_t node_id) noexc
   std::copy(emcy.manufacturer.begin(), emcy.manufacturer.end(), frame.data.begin() + 3);
   return frame;
 }
+
+// Returns what an error code is about (CiA 301, table of emergency error codes, and CiA 402-2): the vendor's manual
+// says the rest.
+constexpr std::string_view error_class(std::uint16_t code) noexcept {
+  struct Name {
+    unsigned first, last;  // bits 8..15
+    std::string_view text;
+  };
+  constexpr Name names[] = {
+      {0x00, 0x00, "no error"},
+      {0x10, 0x1F, "generic error"},
+      {0x20, 0x20, "current"},
+      {0x21, 0x21, "current on the input side"},
+      {0x22, 0x22, "current inside the device"},
+      {0x23, 0x2F, "current on the output side"},
+      {0x30, 0x30, "voltage"},
+      {0x31, 0x31, "mains voltage"},
+      {0x32, 0x32, "voltage inside the device"},
+      {0x33, 0x3F, "output voltage"},
+      {0x40, 0x40, "temperature"},
+      {0x41, 0x41, "ambient temperature"},
+      {0x42, 0x4F, "temperature of the device"},
+      {0x50, 0x5F, "hardware of the device"},
+      {0x60, 0x6F, "software or data set of the device"},
+      {0x71, 0x72, "power electronics or motor"},
+      {0x73, 0x73, "encoder or another sensor"},
+      {0x70, 0x7F, "a module of the device"},
+      {0x81, 0x81, "communication"},
+      {0x82, 0x82, "length or deadline of a PDO"},
+      {0x83, 0x83, "torque control"},
+      {0x84, 0x84, "velocity control"},
+      {0x85, 0x86, "position control"},
+      {0x87, 0x87, "SYNC"},
+      {0x80, 0x8F, "monitoring"},
+      {0x90, 0x9F, "external error"},
+      {0xF0, 0xFE, "an additional function of the device"},
+      {0xFF, 0xFF, "the vendor's own"},
+  };
+  const unsigned high = code >> 8U;
+  for (const Name& name : names) {
+    if (high >= name.first && high <= name.last) return name.text;
+  }
+  return "not of the standard";
+}
+
+// The names of the bits of 1001h, from bit 0.
+inline constexpr std::array<std::string_view, 8> error_register_bits{
+    "generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"};
 
 // Remembers what one node reported last.
 class EmcyConsumer {

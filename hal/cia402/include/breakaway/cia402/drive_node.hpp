@@ -139,6 +139,8 @@ class DriveNode {
   void wait_for_node(hal::Time now) noexcept;
   void tell_while_waiting(canopen::NmtCommand command, hal::Time now) noexcept;
   void switch_off() noexcept;
+  void ask_again(hal::Time now) noexcept;
+  void on_boot_up(hal::Time now) noexcept;
   void begin_configuration(hal::Time now) noexcept;
   void configure(hal::Time now) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
@@ -178,6 +180,8 @@ class DriveNode {
   std::optional<hal::Time> since_;         // when the phase was entered
   std::optional<hal::Time> last_command_;  // when NMT was last told something in this phase
   std::optional<canopen::NmtCommand> nmt_command_;
+  bool reset_told_ = false;  // the last command in `waiting`
+  bool answers_ = false;     // by SDO, after that command
   std::size_t step_ = 0;
   unsigned attempts_ = 0;
   bool transfer_running_ = false;

@@ -44,12 +44,15 @@ inline constexpr std::uint16_t velocity_actual = 0x606C;        // i32, encoder 
 inline constexpr std::uint16_t target_torque = 0x6071;          // i16, per mille
 inline constexpr std::uint16_t max_torque = 0x6072;             // u16, per mille
 inline constexpr std::uint16_t torque_demand = 0x6074;          // i16, per mille
-inline constexpr std::uint16_t rated_current = 0x6075;          // u32, mA
-inline constexpr std::uint16_t rated_torque = 0x6076;           // u32, mNm
-inline constexpr std::uint16_t torque_actual = 0x6077;          // i16, per mille
-inline constexpr std::uint16_t torque_offset = 0x60B2;          // i16, per mille
-inline constexpr std::uint16_t interpolation_period = 0x60C2;   // :01 u8 x 10^(:02 i8) seconds
-inline constexpr std::uint16_t supported_modes = 0x6502;        // u32; bit 9 is cyclic synchronous torque
+// :01 i32 lowest, :02 i32 highest; 0 and 0, or the whole range, is none
+inline constexpr std::uint16_t position_range = 0x607B;
+inline constexpr std::uint16_t polarity = 0x607E;              // u8: bit 7 reverses the position
+inline constexpr std::uint16_t rated_current = 0x6075;         // u32, mA
+inline constexpr std::uint16_t rated_torque = 0x6076;          // u32, mNm
+inline constexpr std::uint16_t torque_actual = 0x6077;         // i16, per mille
+inline constexpr std::uint16_t torque_offset = 0x60B2;         // i16, per mille
+inline constexpr std::uint16_t interpolation_period = 0x60C2;  // :01 u8 x 10^(:02 i8) seconds
+inline constexpr std::uint16_t supported_modes = 0x6502;       // u32; bit 9 is cyclic synchronous torque
 
 }  // namespace breakaway::cia402::object
 

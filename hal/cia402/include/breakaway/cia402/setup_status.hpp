@@ -22,6 +22,8 @@ enum class SetupStatus : std::uint8_t {
   value_not_kept,         // an object that was written shows another value, and must not
   protocol_error,         // the drive answered a transfer with what CiA 301 forbids
   force_step_too_coarse,  // one per mille of the rated torque is more than the axis' force limit
+  position_reversed,      // 607Eh reverses the position, and not the torque
+  position_wraps,         // 607Bh keeps the position within a range
   stop_not_obeyed,        // the drive was told to stop and is not seen without force; it is told by other means
 };
 
@@ -65,6 +67,10 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
     case SetupStatus::force_step_too_coarse:
       return "the drive moves in steps of force larger than max_force_N; raise max_force_N, or take a drive of a lower "
              "rated torque (6076h)";
+    case SetupStatus::position_reversed:
+      return "the drive reverses its position, and not its torque (607Eh); set 607Eh to 0, and use invert_direction";
+    case SetupStatus::position_wraps:
+      return "the drive keeps its position within a range (607Bh); set both of its limits to 0";
     case SetupStatus::stop_not_obeyed:
       return "the drive does not obey a stop, and is told again by SDO and NMT; switch its power off where force must "
              "not stay on, and look for what else commands it";

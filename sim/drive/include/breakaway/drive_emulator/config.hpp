@@ -28,6 +28,16 @@ struct Quirks {
   bool torque_relative_to_max = false;
   // 60C2h:02 accepts -3 only.
   bool interpolation_in_ms_only = false;
+  // 607Eh reverses the position at power-on, and not the torque.
+  bool position_reversed = false;
+  // 607Bh keeps 6064h in 0..n - 1 at power-on; 0: it does not.
+  std::uint32_t position_range_counts = 0;
+  // The node goes on to Operational by itself after its boot-up.
+  bool self_starting = false;
+  // PDOs may be changed in Pre-operational only.
+  bool maps_in_pre_operational_only = false;
+  // There is no boot-up message.
+  bool no_boot_up_message = false;
   // The encoder is incremental: 6064h is 0 where the axis stands at power-on and at NMT Reset node.
   bool counts_from_power_on = false;
 };

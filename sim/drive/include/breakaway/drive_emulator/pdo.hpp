@@ -38,6 +38,9 @@ class Pdo {
   // Writes the mapped objects. `data` has size_bytes() at least; values out of range are left out.
   void unpack(std::span<const std::uint8_t> data);
 
+  // While it is locked nothing of it may be changed.
+  void lock(bool locked) { locked_ = locked; }
+
   std::uint16_t parameter_index() const { return parameter_; }
 
  private:
@@ -52,6 +55,7 @@ class Pdo {
   PdoDirection direction_;
   std::uint16_t parameter_;
   std::uint16_t mapping_;
+  bool locked_ = false;
 };
 
 }  // namespace breakaway::drive_emulator

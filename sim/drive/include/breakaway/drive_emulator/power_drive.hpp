@@ -72,6 +72,8 @@ class PowerDrive {
   void command_torque(double demand_per_mille, hal::Time time);
   void watch_stops(hal::Time time);
   std::uint16_t statusword() const;
+  bool reversed() const;
+  std::int32_t in_range(std::int32_t counts) const;
   std::int64_t get(std::uint16_t index) const { return dictionary_.get({index, 0}); }
 
   const EmulatorConfig& config_;
