@@ -336,6 +336,18 @@ INSTANTIATE_TEST_SUITE_P(
               cia402::SetupStatus::position_wraps, 0x607B}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });
 
+TEST(Fault, ANodeThatRefusesToStartIsNamedByTheErrorThatItTells) {
+  RigConfig config;
+  config.quirks.refuses_start_with = 0x6320;
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  rig.run(19s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  rig.run(2s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::emergency) << to_string(rig.status(0).fault);
+  EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), 0x6320);
+}
+
 TEST(Fault, OfOneAxisLeavesTheOthersRunning) {
   Rig rig{{.axes = 2}};
   ASSERT_TRUE(rig.start());

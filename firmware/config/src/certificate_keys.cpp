@@ -105,6 +105,7 @@ constexpr std::array rows{
     CertificateKey{"quirks", "interpolation_in_ms_only", apart},
     CertificateKey{"quirks", "position_reversed", apart},
     CertificateKey{"quirks", "position_range_counts", apart},
+    CertificateKey{"quirks", "refuses_start_with", apart},
     CertificateKey{"quirks", "self_starting", apart},
     CertificateKey{"quirks", "maps_in_pre_operational_only", apart},
     CertificateKey{"quirks", "no_boot_up_message", apart},

@@ -209,6 +209,9 @@ void NodeRun::refuse_standing_drives() const {
     if (state == hal::DriveState::stopping)
       throw InputError{fmt::format("{}: {}", named(place), to_string(drive.setup_status()))};
     if (state != hal::DriveState::configuring) continue;
+    if (const canopen::Emcy& told = drive.last_emcy(); told.code != 0)
+      throw InputError{fmt::format("{}: it does not get ready, and tells why: {}; see its manual", named(place),
+                                   error_text(told.code, told.error_register))};
     throw InputError{fmt::format("{}: the set-up stands still at object {} ({}); check the wiring", named(place),
                                  object_text(drive.setup_object()), to_string(drive.setup_status()))};
   }

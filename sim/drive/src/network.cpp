@@ -72,6 +72,7 @@ void DriveEmulator::on_nmt(const hal::CanFrame& frame) {
   if (frame.size != 2 || (frame.data[1] != canopen::all_nodes && frame.data[1] != config_.node_id)) return;
   switch (static_cast<NmtCommand>(frame.data[0])) {
     case NmtCommand::start:
+      if (config_.quirks.refuses_start_with != 0) return emergency_.raise(config_.quirks.refuses_start_with);
       return enter(NmtState::operational);
     case NmtCommand::stop:
       return enter(NmtState::stopped);

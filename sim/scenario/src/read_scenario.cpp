@@ -160,6 +160,8 @@ class WorldReader {
         optional(
             "position_range_counts",
             integer([&q](std::int64_t n) { q.position_range_counts = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
+        optional("refuses_start_with",
+                 integer([&q](std::int64_t n) { q.refuses_start_with = static_cast<std::uint16_t>(n); }, 0, 0xFFFF)),
         optional("self_starting", boolean(q.self_starting)),
         optional("maps_in_pre_operational_only", boolean(q.maps_in_pre_operational_only)),
         optional("no_boot_up_message", boolean(q.no_boot_up_message)),

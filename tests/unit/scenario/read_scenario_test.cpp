@@ -244,6 +244,7 @@ TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
   EXPECT_EQ(quirks_of("min_controlword_interval_s = 0.002").min_controlword_interval, std::chrono::milliseconds{2});
   EXPECT_EQ(quirks_of("sync_alarm_periods = 2").sync_alarm_periods, 2U);
   EXPECT_EQ(quirks_of("position_range_counts = 131072").position_range_counts, 131072U);
+  EXPECT_EQ(quirks_of("refuses_start_with = 0x6100").refuses_start_with, 0x6100);
   struct Switch {
     const char* key;
     bool Quirks::*member;

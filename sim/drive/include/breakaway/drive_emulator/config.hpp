@@ -36,6 +36,8 @@ struct Quirks {
   bool self_starting = false;
   // PDOs may be changed in Pre-operational only.
   bool maps_in_pre_operational_only = false;
+  // NMT Start is answered by an EMCY with this code, and the node stays where it is; 0: it starts.
+  std::uint16_t refuses_start_with = 0;
   // There is no boot-up message.
   bool no_boot_up_message = false;
   // The encoder is incremental: 6064h is 0 where the axis stands at power-on and at NMT Reset node.
