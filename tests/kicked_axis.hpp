@@ -60,6 +60,7 @@ class Slider {
 
   double position_m() const { return x_; }
   double velocity_m_s() const { return v_; }
+  bool moves(double /*resolution_m*/) const { return v_ != 0; }
 
   // The drive is given a command for a period.
   void run(double command_N, double period_s, int slices) {
@@ -186,14 +187,14 @@ struct Retarget {
   double shift_m = 0;
 };
 
-// Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0.
-template <class Real>
-RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3,
-                       const law::BrakedKicks<Real>& kicks, const TrueAxis& truth, const Friction& friction,
-                       double start_m, double start_m_s, double longest_s, int slices = 8, int hold_periods = 200,
-                       double encoder_offset = 0.3, Retarget retarget = {}, const Disturbance& disturbance = {}) {
+// Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0. Axis: Slider, or
+// what moves as it does.
+template <class Real, class Axis>
+RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3, const law::BrakedKicks<Real>& kicks,
+                Axis axis, int latency_periods, double longest_s, int slices = 8, int hold_periods = 200,
+                double encoder_offset = 0.3, Retarget retarget = {}, const Disturbance& disturbance = {}) {
   law::AxisController<Real> controller{p, k3, kicks};
-  Slider axis{truth, friction, start_m, start_m_s};
+  const double start_m = axis.position_m();
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
   Disturber disturber{disturbance, q};
   std::deque<std::optional<double>> samples;
@@ -215,7 +216,7 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
     samples.emplace_back(counts + disturber.noise_counts());
     if (disturber.loses_sample()) samples.back().reset();
     pass(now_s + delay.force_s);
-    while (samples.size() > static_cast<std::size_t>(truth.latency_periods) + 1) samples.pop_front();
+    while (samples.size() > static_cast<std::size_t>(latency_periods) + 1) samples.pop_front();
     if (now_s >= retarget.at_s) {
       target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
       controller.shift_target(static_cast<Real>(target_m));
@@ -232,7 +233,7 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
       kicked_from = axis.position_m();
       if (std::fabs(kicked_from) > static_cast<double>(kicks.table.reach_m()) - q) ++end.far_kicks;
     }
-    if (out.mode == law::Mode::hold && axis.velocity_m_s() != 0) end.moving_in_hold = true;
+    if (out.mode == law::Mode::hold && axis.moves(q)) end.moving_in_hold = true;
     const double before_m_s = axis.velocity_m_s();
     pass(now_s + T);
     if (out.mode == law::Mode::approach) {
@@ -255,6 +256,15 @@ RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Re
   end.held = held >= hold_periods;
   end.error_m = axis.position_m() - target_m;
   return end;
+}
+
+template <class Real>
+RunEnd run_kicked_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3,
+                       const law::BrakedKicks<Real>& kicks, const TrueAxis& truth, const Friction& friction,
+                       double start_m, double start_m_s, double longest_s, int slices = 8, int hold_periods = 200,
+                       double encoder_offset = 0.3, Retarget retarget = {}, const Disturbance& disturbance = {}) {
+  return run_axis(p, k3, kicks, Slider{truth, friction, start_m, start_m_s}, truth.latency_periods, longest_s, slices,
+                  hold_periods, encoder_offset, retarget, disturbance);
 }
 
 }  // namespace breakaway::testing

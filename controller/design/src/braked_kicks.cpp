@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "kick_class.hpp"
 #include "kick_table_builder.hpp"
@@ -25,7 +26,9 @@ double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 4 
 // may lie nearer together by the jitter, and the first may show the axis as long before the force came down.
 double still_periods(const BrakedClass& axes, double net_force_N) {
   if (!(net_force_N > 0)) return infinity;
-  const double needed_s = std::sqrt(2 * unseen_m(axes) * axes.mass_kg.most / net_force_N);
+  // The reading of one that may ring may change by a count either way.
+  const double way_m = unseen_m(axes) * (axes.presliding_stiffness_N_per_m > 0 ? 2.5 : 1);
+  const double needed_s = std::sqrt(2 * way_m * axes.mass_kg.most / net_force_N);
   return (needed_s + 2 * axes.jitter_s) / axes.period_s;
 }
 
@@ -217,6 +220,27 @@ LeastPulse least_pulse(const KickClass& kicks) {
   return least;
 }
 
+// Friction as a spring, on which the mass rings with the frequency omega, or faster.
+template <class Real>
+law::FrictionSpring<Real> spring(const BrakedClass& axes, const KickClass& kicks) {
+  const double s0 = axes.presliding_stiffness_N_per_m, q = axes.encoder_resolution_m, T = axes.period_s;
+  if (!(s0 > 0)) return {};
+  const double omega = std::sqrt(s0 / axes.mass_kg.most);
+  // A force that follows the axis late pumps its ringing. One that follows the mean over some ringing does not.
+  const double delay_s = T * std::max(axes.latency_periods, 1) + axes.lag_s.most;
+  const double gain = std::min(0.03 * omega, 0.15 / delay_s) * s0 * T;
+  // From one limit to the other, while the axis reads half a count beside the target.
+  const double crossing = 2 * kicks.spring_N() / (gain * q / 2);
+  // Dahl's friction takes so much from each period of the ringing that its amplitude a obeys 1/a' = 1/a + 4 s0/(3 f).
+  const double ringing = 1.5 * kicks.most_friction_N() / (s0 * q) * 2 * std::numbers::pi / omega / T;
+  return {.reach_m = static_cast<Real>(2.5 * kicks.least_friction_N() / s0 + q),
+          .most_N = static_cast<Real>(kicks.spring_N()),
+          .gain_N_per_m = static_cast<Real>(gain),
+          .share = static_cast<Real>(std::min(omega * T / 5, 1.0)),
+          .longest_periods = counted(2 * crossing + ringing + 100),
+          .ringing_periods = counted(2 * ringing)};
+}
+
 // In periods.
 struct Waits {
   double still, either_way, settling;
@@ -225,7 +249,11 @@ struct Waits {
 // theta_N: the force under which a reading that stays proves rest after a kick; holding_N: either way.
 Waits waits(const BrakedClass& axes, const KickClass& kicks, double theta_N, double holding_N) {
   const double gain = theta_N > 0 ? axes.force_gain.most : axes.force_gain.least, A = kicks.least_friction_N();
-  return {still_periods(axes, A - gain * theta_N), still_periods(axes, A - axes.force_gain.most * holding_N),
+  // Half a period of the bristles' ringing shows it by a count.
+  const double s0 = axes.presliding_stiffness_N_per_m;
+  const double ringing = s0 > 0 ? std::numbers::pi * std::sqrt(axes.mass_kg.most / s0) / axes.period_s : 0;
+  return {std::max(still_periods(axes, A - gain * theta_N), ringing),
+          std::max(still_periods(axes, A - axes.force_gain.most * holding_N), ringing),
           std::ceil(4 * axes.lag_s.most / axes.period_s)};
 }
 
@@ -257,6 +285,7 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .either_way_periods = counted(either_way),
           .patient_periods = counted(std::max(still, either_way) + 30 + axes.latency_periods + settling),
           .settling_periods = counted(settling),
+          .spring = spring<Real>(axes, kicks),
           .approach = approach<Real>(axes, kicks),
           .table = {}};
 }
@@ -304,6 +333,24 @@ double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) 
   return 8 * hand_over_m(design) + in_a_period_m;
 }
 
+// Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the
+// other way. With that as speed from the start it goes v0 t F / A and (1.75 A / s0) further.
+template <class Real>
+double bent_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+  if (!(axes.presliding_stiffness_N_per_m > 0)) return 0;
+  const KickClass kicks{axes};
+  const double A = kicks.least_friction_N(), bend_m = 1.75 * A / axes.presliding_stiffness_N_per_m;
+  const double start_m_s = std::sqrt(2 * A * bend_m / axes.mass_kg.least);
+  double impulse_Ns = 0;
+  const law::KickTable<Real>& table = design.kicks.table;
+  for (std::size_t i = 0; i < table.count; ++i) {
+    const auto& e = table.entries[i];
+    const auto force_N = static_cast<double>(table.list ? e.a1 : std::max(e.a0, e.a0 + e.a1 + e.a2 + e.a3));
+    impulse_Ns = std::max(impulse_Ns, std::min(force_N, kicks.limit_N()) * table.periods[i] * axes.period_s);
+  }
+  return start_m_s * axes.force_gain.most * impulse_Ns / A + bend_m;
+}
+
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design) {
   return std::max(design.reach_m, hand_over_m(design));
@@ -321,6 +368,8 @@ template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
 template double move_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
 template double move_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
+template double bent_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
+template double bent_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
 template double kicks_begin_m(const BrakedDesign<float>&);
 template double kicks_begin_m(const BrakedDesign<double>&);
 

@@ -9,6 +9,7 @@ namespace breakaway::design::detail {
 namespace {
 
 constexpr double brake_share = 0.9;     // of the least friction
+constexpr double spring_share = 0.75;   // of the same, of a force that bends friction
 constexpr double preload_share = 0.1;   // of the least friction, by which a pulse may start below the brake's force
 constexpr double quick_lag = 0.11;      // in periods: a loop as quick as this may start a pulse from either brake
 constexpr double step_rounding = 1e-9;  // relative: a whole number of steps must not lose one
@@ -36,13 +37,17 @@ double rising_root(const Function& f, RootEnd below, RootEnd above, double toler
   return above.x;
 }
 
+// A brake would drive the axis back on what bends.
+bool bends(const BrakedClass& axes) { return axes.presliding_stiffness_N_per_m > 0; }
+
 }  // namespace
 
 KickClass::KickClass(const BrakedClass& axes)
     : axes_{axes},
       least_friction_N_{axes.friction.lower_N - axes.load_N},
       most_friction_N_{axes.friction.upper_N + axes.load_N},
-      brake_N_{std::max(rounded_down_N(brake_share * held_N()), 0.0)},
+      brake_N_{bends(axes) ? 0.0 : std::max(rounded_down_N(brake_share * held_N()), 0.0)},
+      spring_N_{bends(axes) ? rounded_down_N(spring_share * held_N()) : 0.0},
       preload_N_{axes.lag_s.most > quick_lag * axes.period_s ? brake_N_ - preload_share * held_N() : -brake_N_},
       limit_N_{rounded_down_N(axes.max_force_N)} {}
 

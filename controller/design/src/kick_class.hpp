@@ -21,6 +21,7 @@ class KickClass {
   double most_friction_N() const { return most_friction_N_; }                  // B'
   double held_N() const { return least_friction_N_ / axes_.force_gain.most; }  // A' as a command
   double limit_N() const { return limit_N_; }                                  // whole steps within max_force_N
+  double spring_N() const { return spring_N_; }                                // of a force that is kept at rest
   double rounded_down_N(double force_N) const;
   double longest_period_s() const { return axes_.period_s + axes_.jitter_s; }
   double shortest_period_s() const { return axes_.period_s - axes_.jitter_s; }
@@ -51,7 +52,7 @@ class KickClass {
   static constexpr double most_listed_steps = 64;
 
   BrakedClass axes_;
-  double least_friction_N_, most_friction_N_, brake_N_, preload_N_, limit_N_;
+  double least_friction_N_, most_friction_N_, brake_N_, spring_N_, preload_N_, limit_N_;
 };
 
 }  // namespace breakaway::design::detail

@@ -45,6 +45,9 @@ std::string brief(double value) {
 enum class Equality { fails, holds };
 constexpr double rounding = 1e-12;  // relative: a tolerance set to the very value of its bound is not below it
 
+// Of an axis whose friction bends: tests/campaign.
+constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64;
+
 // A required check of value < limit. `what` names both in words.
 Check below(std::string name, std::string source, double value, double limit, const std::string& what,
             const std::string& remedy, Equality equality = Equality::fails) {
@@ -227,6 +230,33 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   return checks;
 }
 
+// Friction that bends before it slides: what random axes needed to settle in closed loop (tests/campaign).
+std::vector<Check> checks_of_presliding(const BrakedClass& c) {
+  const std::string tested = "tested, not proved: what sufficed for all of many axes whose friction bends";
+  const double least_N = c.friction.lower_N - c.load_N, most_N = c.friction.upper_N + c.load_N;
+  const double stiffness = c.presliding_stiffness_N_per_m, counts = least_N / stiffness / c.encoder_resolution_m;
+  return {below("bending_is_few_counts", tested, counts, most_bending_counts,
+                "least friction / presliding_stiffness_N_per_m in counts against 30",
+                "use a coarser encoder, or know a stiffer bound", Equality::holds),
+          below("bending_rings_visibly", tested, least_ringing_per_period,
+                std::sqrt(stiffness / c.mass_kg.most) * c.period_s,
+                "a quarter against sqrt(presliding_stiffness_N_per_m / mass) period_s", "take a longer period",
+                Equality::holds),
+          below("bending_bounds_are_apart", tested, least_N, most_N / least_apart,
+                "the least friction less the load against the greatest and the load over 1.5", "state wider bounds",
+                Equality::holds),
+          below("bending_loop_is_fast", tested, c.lag_s.most, 0.2 * c.period_s,
+                "the time constant of the current loop against a fifth of period_s", "take a longer period",
+                Equality::holds),
+          below("bending_load_is_small", tested, c.load_N, 0.1 * c.friction.lower_N,
+                "the force beside the drive's against a tenth of the least friction", "feed a known force forward",
+                Equality::holds),
+          below("bending_is_read_in_time", tested, c.jitter_s + c.encoder_noise_m, 0,
+                "jitter_s and encoder_noise_m together against 0", "state neither", Equality::holds),
+          below("bending_force_is_fine", tested, most_coarse_steps * c.force_step_N, c.max_force_N,
+                "64 steps of force against max_force_N", "use a drive with a finer step of force")};
+}
+
 // What a move asks for must be possible for every axis of the class.
 std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float>& design) {
   const MoveRequest& move = *c.move;
@@ -267,10 +297,11 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const KickPromise kicks{c, design, axis.position_tolerance_m};
+  const bool bends = c.presliding_stiffness_N_per_m > 0;
   BrakedPromise p{.floor_m = design.floor_m,
                   .least_tolerance_m = design.least_tolerance_m,
-                  .error_m = axis.position_tolerance_m + c.reading_error_m(),
-                  .beyond_m = c.reading_error_m(),
+                  .error_m = axis.position_tolerance_m + (bends ? 2 * c.encoder_resolution_m : c.reading_error_m()),
+                  .beyond_m = c.reading_error_m() + bent_beyond_m(c, design),
                   .reach_m = design.reach_m,
                   .hand_over_m = hand_over_m(design),
                   .most_kicks = kicks.most_kicks(kicks_begin_m(design)),
@@ -304,6 +335,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
                               const std::optional<BrakedDesign<float>>& braked) {
   if (!braked) return checks_of_pd(axis, report);
   std::vector<Check> checks = checks_of_brake(axis, *braked);
+  if (axis.braked->presliding_stiffness_N_per_m > 0)
+    for (Check& check : checks_of_presliding(*axis.braked)) checks.push_back(std::move(check));
   if (axis.braked->move && braked->brake_holds)
     for (Check& check : checks_of_move(*axis.braked, *braked)) checks.push_back(std::move(check));
   for (Check& check : checks_of_pd(axis, report)) {
@@ -327,7 +360,8 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
           " N at any position, speed and time, as it likes",
-      "the moving mass is " + range(c.mass_kg, " kg") + ", and the mechanism is rigid",
+      "the moving mass is " + range(c.mass_kg, " kg") + ", and the mechanism is rigid" +
+          (c.presliding_stiffness_N_per_m > 0 ? " but for the friction" : ""),
       "the drive gives " + range(c.force_gain, " times the force") +
           " that is commanded, in whole periods, behind a current loop with a time constant of " + range(c.lag_s, " s"),
       "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
@@ -338,6 +372,11 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
                           : std::string{"in whole periods"}) +
           ", and no command is lost; a sample that is lost costs a period",
       tested};
+  if (c.presliding_stiffness_N_per_m > 0)
+    conditions.push_back(
+        "friction is a spring of " + brief(c.presliding_stiffness_N_per_m) +
+        " N/m or stiffer before it slides, by the law of Dahl or LuGre with at most critical damping; "
+        "tested, not proved: that the axis settles, how far a kick goes beyond, and how many are needed");
   if (c.move)
     conditions.emplace_back(
         "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "

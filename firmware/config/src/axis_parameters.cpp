@@ -62,6 +62,7 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .encoder_resolution_m = axis.drive->encoder_resolution_m,
           .encoder_noise_m = u.encoder_noise_m,
           .latency_periods = axis.latency_periods,
+          .presliding_stiffness_N_per_m = axis.friction.presliding_stiffness_N_per_m,
           .move = move_request(axis)};
 }
 

@@ -31,6 +31,7 @@ Friction read_friction(const Section& section, double mass_kg, std::vector<Key> 
   const std::string_view unit = coefficients ? "" : "N";
   double gravity_m_s2 = 0;
   std::vector<Key> keys{
+      optional("presliding_stiffness_N_per_m", number(f.presliding_stiffness_N_per_m, "N/m", positive)),
       optional("smooth_slope_Ns_per_m", number(f.smooth_slope_Ns_per_m, "N s/m", {-1e12, 1e12})),
       required(lower, number(f.bounds.lower_N, unit, positive)),
       required(upper, number(f.bounds.upper_N, unit, positive)),
@@ -162,6 +163,14 @@ Move read_move(const Section& section, const Controller& controller) {
     section.fail("speed_m_s",
                  "is for the coast \"brake\", the only one that keeps to it; set [controller] coast = \"brake\"");
   return move;
+}
+
+// What friction does before it slides is for the coast "brake" to know.
+void check_presliding(const Section& friction, const Axis& axis) {
+  if (axis.friction.presliding_stiffness_N_per_m == 0) return;
+  if (!axis.controller.impulsive || axis.controller.impulsive->coast != law::Coast::brake)
+    friction.fail("presliding_stiffness_N_per_m",
+                  "is for the coast \"brake\", the only one that ends on a spring; set [controller] coast = \"brake\"");
 }
 
 Value thousandths(std::uint32_t& to, std::string_view unit) {
@@ -339,6 +348,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction, node.period_s());
   if (limits_) axis.limits = read_limits(*limits_);
   if (move_) axis.move = read_move(*move_, axis.controller);
+  check_presliding(*friction_, axis);
   check_force(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)
     controller_->fail("coast", "is \"brake\", which counts in the steps of a drive's force; give the axis a [drive]");

@@ -97,6 +97,10 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
   if (key == "force_N") to.force_N += magnitude(section, key);
   if (key == "cogging") to.force_N += nested_magnitude(section, key, "amplitude_N");
   if (key == "ripple") to.ripple = nested_magnitude(section, key, "share");
+  if (key == "presliding") {
+    to.presliding_stiffness_N_per_m = nested_magnitude(section, key, "stiffness_N_per_m");
+    to.presliding_damping_Ns_per_m = nested_magnitude(section, key, "damping_Ns_per_m");
+  }
   if (key == "drift") to.drift = nested_magnitude(section, key, "share");
   if (key == "encoder_error")
     to.encoder_error_m =
@@ -155,6 +159,7 @@ class Outside {
   std::vector<std::string> sentences() && {
     forces();
     readings();
+    presliding();
     if (axis_.surroundings.one_mass) friction(), told();
     law();
     bus();
@@ -213,6 +218,29 @@ class Outside {
           "does "
           "not know; widen the bounds so that they hold it at the greatest speed, and leave it out",
           axis_.friction.smooth_slope_Ns_per_m);
+  }
+
+  void presliding() {
+    const double stiffness = axis_.surroundings.presliding_stiffness_N_per_m;
+    const double told = axis_.friction.presliding_stiffness_N_per_m;
+    if (stiffness == 0) return;
+    if (told == 0) {
+      add("[plant] presliding: a certificate is of friction that holds the axis without a spring, and here it bends "
+          "before it slides; state [friction] presliding_stiffness_N_per_m = {:.6g} under the coast \"brake\", "
+          "simulate "
+          "it, or leave the table out where the bending is far below a count",
+          stiffness);
+      return;
+    }
+    if (stiffness < told * (1 - rounding))
+      add("[plant] presliding: stiffness_N_per_m = {:.6g} is below [friction] presliding_stiffness_N_per_m = {:.6g}; "
+          "lower that",
+          stiffness, told);
+    const double critical = 2 * std::sqrt(stiffness * truth_of(axis_).mass_kg);
+    if (axis_.surroundings.presliding_damping_Ns_per_m > critical * (1 + rounding))
+      add("[plant] presliding: damping_Ns_per_m = {:.6g} is above 2 sqrt(stiffness mass) = {:.6g}, so that friction "
+          "exceeds its bounds while it bends; simulate it, or lower that",
+          axis_.surroundings.presliding_damping_Ns_per_m, critical);
   }
 
   // That `truth` is within what the controller is told; u: relative, either way.

@@ -49,7 +49,8 @@ TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
 
 TEST_F(Command, SaysTheSameOfACertificateWhicheverIsAsked) {
   const std::vector<std::pair<std::string, std::string>> scenes{{"can_axis.toml", ""},
-                                                                {"presliding_axis.toml", "[plant] presliding: "},
+                                                                {"presliding_axis.toml", ""},
+                                                                {"belt_axis.toml", "[plant] load: "},
                                                                 {"worn_axis.toml", "[plant] backlash: "}};
   for (const auto& [file, reason] : scenes) {
     const Ended design = run("design " + scenarios + file), motion = run("simulate " + scenarios + file);

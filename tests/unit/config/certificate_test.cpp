@@ -140,6 +140,38 @@ TEST(Certificate, TakesNoiseAndJitterInUpToTheStatedBounds) {
             std::string::npos);
 }
 
+// Bristles of 1e7 N/m on an axis that is told of at least this stiffness.
+std::string bending(const std::string& told, const std::string& plant = "presliding = { stiffness_N_per_m = 1e7 }") {
+  const std::string key = told.empty() ? "" : joined({"presliding_stiffness_N_per_m = ", told});
+  const std::string stiff = more("[friction]", key, more("[plant]", plant));
+  return with(stiff, "force_N = 0.3\n", "force_N = 0.2\n");
+}
+
+TEST(Certificate, TakesInFrictionThatBendsWhereItIsToldHowStiffItIsAtLeast) {
+  EXPECT_EQ(why_not(bending("1e7")), "");
+  EXPECT_EQ(why_not(bending("1e6")), "");
+  EXPECT_EQ(why_not(bending("1e7", "")), "") << "what holds at once is stiffer than any bound";
+  expect_refused(bending(""), "state [friction] presliding_stiffness_N_per_m = 1e+07");
+  expect_refused(bending("1.1e7"), "is below [friction] presliding_stiffness_N_per_m = 1.1e+07; lower that");
+  expect_refused(bending("1e7", "presliding = { stiffness_N_per_m = 1e7, damping_Ns_per_m = 6400 }"),
+                 "damping_Ns_per_m = 6400 is above");
+}
+
+TEST(Certificate, NamesWhatIsSimulatedButNotCertifiedOfFrictionThatBends) {
+  expect_refused(bending("6e4"), "bending_is_few_counts");
+  const std::string lag = "current_loop_time_constant_s = ";
+  const std::string wide = with(bending("1e7"), "position_tolerance_m = 5e-6", "position_tolerance_m = 8e-6");
+  expect_refused(with(wide, joined({lag, "1e-4"}), joined({lag, "3e-4"})), "bending_loop_is_fast");
+  expect_refused(with(bending("1e7"), "force_N = 0.2\n", "force_N = 0.3\n"), "bending_load_is_small");
+  expect_refused(with(bending("1e7"), "upper_N = 4.5", "upper_N = 3"), "bending_bounds_are_apart");
+}
+
+TEST(Certificate, RefusesToTellTheCoastPdOfFrictionThatBends) {
+  const std::string text = more("[friction]", "presliding_stiffness_N_per_m = 1e7", under_pd());
+  const std::string error = refusal([&] { parse_node(text, "axis.toml"); });
+  EXPECT_NE(error.find("set [controller] coast = \"brake\""), std::string::npos) << error;
+}
+
 TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
   EXPECT_EQ(why_not(more("[plant]", "force_N = -0.3")), "");
   expect_refused(more("[plant]", "force_N = -0.31"), "raise that");
@@ -258,6 +290,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"friction.mu_upper", {"lower_N = 2.5\nupper_N = 4.5", "mu_lower = 0.25\nmu_upper = 0.5\ngravity_m_s2 = 9.81"}},
       {"friction.gravity_m_s2", {"lower_N = 2.5\nupper_N = 4.5", "mu_lower = 0.25\nmu_upper = 0.45\ngravity_m_s2 = 9"}},
       {"friction.smooth_slope_Ns_per_m", {"lower_N = 2.5", "lower_N = 2.5\nsmooth_slope_Ns_per_m = 1"}},
+      {"friction.presliding_stiffness_N_per_m", {"lower_N = 2.5", "lower_N = 2.5\npresliding_stiffness_N_per_m = 1e7"}},
       {"controller.kind", {"k1_N_per_m = 400", "kind = \"pid\"\nk1_N_per_m = 400"}},
       {"controller.k1_N_per_m", {"k1_N_per_m = 400", "k1_N_per_m = 410"}},
       {"controller.k21_Ns_per_m", {"k21_Ns_per_m = 32", "k21_Ns_per_m = 31"}},

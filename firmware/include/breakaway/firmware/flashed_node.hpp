@@ -180,6 +180,14 @@ constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
   visit.value("either_way_periods", kicks.either_way_periods, "");
   visit.value("patient_periods", kicks.patient_periods, "");
   visit.value("settling_periods", kicks.settling_periods, "");
+  visit.group("spring", [&] {
+    visit.value("reach_m", kicks.spring.reach_m, "m, 0: friction holds at once");
+    visit.value("most_N", kicks.spring.most_N, "N");
+    visit.value("gain_N_per_m", kicks.spring.gain_N_per_m, "N/m");
+    visit.value("share", kicks.spring.share, "");
+    visit.value("longest_periods", kicks.spring.longest_periods, "");
+    visit.value("ringing_periods", kicks.spring.ringing_periods, "");
+  });
   visit.group("approach", [&] { visit_approach(kicks.approach, visit); });
   visit.group("table", [&] { visit_kick_table(kicks.table, visit); });
 }

@@ -47,6 +47,7 @@ struct BrakedClass {
   double encoder_resolution_m = 0;
   double encoder_noise_m = 0;  // by which a reading is off beside half a count, either way
   int latency_periods = 1;
+  double presliding_stiffness_N_per_m = 0;  // of friction before it slides, at least; 0: it holds at once
   std::optional<MoveRequest> move{};
 
   double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
@@ -106,6 +107,11 @@ constexpr double most_lag_with_jerk = 0.5;  // of the period
 // So far may a move go beyond its target before brake and kicks take over: tested, not proved.
 template <class Real>
 double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design);
+
+// So far may a kick go beyond its target where friction bends before it slides; 0 where it holds at once. Friction that
+// has not bent yet leaves the axis some energy, which the pulse and the coast make a way of: tested, not proved.
+template <class Real>
+double bent_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design);
 
 // The time that a move of the longest distance takes at least, from rest to rest within its limits, under any law.
 double least_move_s(const MoveRequest& move);

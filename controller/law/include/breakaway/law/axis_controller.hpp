@@ -26,6 +26,7 @@
 #include "breakaway/law/kick_cycle.hpp"
 #include "breakaway/law/kick_shaper.hpp"
 #include "breakaway/law/rest_detector.hpp"
+#include "breakaway/law/spring_stage.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 
 namespace breakaway::law {
@@ -58,6 +59,7 @@ class AxisController {
     if (p_.coast != Coast::brake) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
+    spring_ = {kicks.spring, p_.encoder_resolution_m};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
   }
 
@@ -184,22 +186,39 @@ class AxisController {
     newest_m_ = x;
     if (mode_ == Mode::approach) return approach_to_brake(x);
     if (mode_ == Mode::hold) {
-      if (!beyond_tolerance(x)) return keep_holding();
+      if (!beyond_tolerance(x)) return keep_holding(x);
       if (++kicks_counted_ > most_kicks) return fail(ControlFault::hunting);
       if (std::abs(x) > 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m)) {
         start_approach();
         return approach_to_brake(x);
       }
       mode_ = Mode::coast;
-      cycle_.release(0);
+      if (!spring_.active()) cycle_.release(0);
     }
+    if (spring_.active()) return finish_on_spring(x);
     if (cycle_.at_rest()) return conclude(x);
-    return cycle_.overdue() ? fail(ControlFault::drifting) : give(0);
+    if (!cycle_.overdue()) return give(0);
+    return spring_.reaches(x) ? conclude(x) : fail(ControlFault::drifting);
   }
 
-  ControlOutput<Scalar> keep_holding() noexcept {
+  ControlOutput<Scalar> keep_holding(Scalar x) noexcept {
     note_holding(8 * braked_->patient_periods);
-    return give(0);
+    if (!spring_.active()) return give(0);
+    spring_.see(x);
+    return give_on_spring();
+  }
+
+  // Ends in a hold, or in a kick from where the spring has led the axis.
+  ControlOutput<Scalar> finish_on_spring(Scalar x) noexcept {
+    if (spring_.see(x)) cycle_.forget_patience();
+    if (!(spring_.waits() && cycle_.stays()) && !spring_.overdue()) return give_on_spring();
+    if (std::abs(x) > p_.position_tolerance_m) return start_braked_kick(x);
+    mode_ = Mode::hold;
+    held_ = 0;
+    return give_on_spring();
+  }
+  ControlOutput<Scalar> give_on_spring() noexcept {
+    return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2));
   }
 
   // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
@@ -243,12 +262,22 @@ class AxisController {
     if (awaiting_result_) compare_with_told((x - kicked_from_m_) * cycle_.direction(), std::abs(x));
     judge_last_kick(x);
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    if (spring_.reaches(x)) {
+      spring_.start(x);
+      cycle_.set_free();
+      return finish_on_spring(x);
+    }
     if (std::abs(x) <= p_.position_tolerance_m) {
       mode_ = Mode::hold;
       held_ = 0;
       cycle_.release(0);
       return give(0);
     }
+    return start_braked_kick(x);
+  }
+
+  ControlOutput<Scalar> start_braked_kick(Scalar x) noexcept {
+    spring_.stop();
     ++kicks_;
     kicked_from_m_ = x;
     awaiting_result_ = true;
@@ -397,9 +426,10 @@ class AxisController {
     if (fault_ == ControlFault::none) fault_ = fault;
   }
 
-  // A lawful kick goes as far as some friction within its bounds lets it. Two readings are off by a count together, and
-  // may be by another for noise. One kick may be disturbed, but not a few.
+  // A lawful kick goes as far as some friction within its bounds lets it, unless friction bends. Two readings are off
+  // by a count together, and may be by another for noise. One kick may be disturbed, but not a few.
   void compare_with_told(Scalar travel_m, Scalar error_m) noexcept {
+    if (braked_->spring.is_there()) return;
     if (cycle_.driven_back()) return contradict(braked_->brake_N, error_m);
     if (!(travel_m > p_.unseen_m() / 2) || cycle_.pulse_limited()) return;
     const Scalar pulse_s = static_cast<Scalar>(cycle_.pulse_periods()) * p_.period_s;
@@ -429,6 +459,7 @@ class AxisController {
   }
   void start_approach() noexcept {
     cycle_.restart();
+    spring_.stop();
     plan_.restart();
     mark_m_ = largest;
     since_mark_ = 0;
@@ -452,6 +483,7 @@ class AxisController {
   KickShaper<Scalar> shaper_{};
   const BrakedKicks<Scalar>* braked_ = nullptr;  // of Coast::brake only
   KickCycle<Scalar> cycle_{};
+  SpringStage<Scalar> spring_{};
   ApproachPlan<Scalar> plan_{};
   Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
   Scalar last_force_N_{};

@@ -29,6 +29,24 @@ struct BrakedApproach {
   MoveLimits<Scalar> move{};
 };
 
+// Friction that is a spring before it slides. All is 0 for friction that holds at once.
+template <class Scalar>
+struct FrictionSpring {
+  Scalar reach_m{};                   // within which an axis at rest is led by a force that is kept
+  Scalar most_N{};                    // of that force, below the least friction
+  Scalar gain_N_per_m{};              // by which it grows in a period, per distance to the target
+  Scalar share{};                     // of a reading that the distance is taken from, the rest being of those before
+  std::uint16_t longest_periods = 0;  // that the force may grow and fall
+  std::uint16_t ringing_periods = 0;  // until the axis no longer rings by counts
+
+  constexpr bool is_there() const noexcept { return reach_m > 0; }
+  // Written so that a NaN is refused.
+  constexpr bool is_usable(Scalar held_N) const noexcept {
+    return reach_m >= 0 && share >= 0 && share <= 1 &&
+           (!is_there() || (most_N > 0 && most_N <= held_N && gain_N_per_m > 0));
+  }
+};
+
 template <class Scalar>
 struct BrakedKicks {
   Scalar brake_N{};          // b: with the largest force gain it is below the least friction
@@ -47,6 +65,7 @@ struct BrakedKicks {
   std::uint16_t either_way_periods = 0;  // the same under holding_force_N, where the axis may move either way
   std::uint16_t patient_periods = 0;   // the same under any force: a proof of nothing, but there is no more to wait for
   std::uint16_t settling_periods = 0;  // in which the slowest current loop follows a change
+  FrictionSpring<Scalar> spring{};
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
 };
@@ -73,8 +92,8 @@ constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
                         a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
                         a.standing_m_s >= 0 && a.move.are_usable();
-  return lags && forces && waits && approach && k.coast_per_N > 0 && k.table.count > 0 &&
-         k.table.count <= KickTable<Scalar>::most_entries;
+  return lags && forces && waits && approach && k.spring.is_usable(a.friction_N) && k.coast_per_N > 0 &&
+         k.table.count > 0 && k.table.count <= KickTable<Scalar>::most_entries;
 }
 
 }  // namespace breakaway::law

@@ -45,7 +45,12 @@ class KickCycle {
   KickCycle() noexcept = default;
   // unseen_m: AxisParameters::unseen_m(), without noise a count.
   KickCycle(const BrakedKicks<Scalar>& kicks, Scalar unseen_m, Scalar max_force_N, std::uint8_t latency) noexcept
-      : kicks_{&kicks}, half_count_m_{unseen_m / 2}, reverse_limit_m_{unseen_m * Scalar(2.5)}, latency_{latency} {
+      : kicks_{&kicks},
+        half_count_m_{unseen_m / 2},
+        ringing_m_{half_count_m_ * (kicks.spring.is_there() ? Scalar{3} : Scalar{1})},
+        still_m_{ringing_m_},
+        reverse_limit_m_{unseen_m * Scalar(2.5)},
+        latency_{latency} {
     limit_force(max_force_N);
     reduced_ = false;
   }
@@ -57,9 +62,16 @@ class KickCycle {
     most_steps_ = steps < Scalar(32767) ? static_cast<std::int32_t>(steps) : 32767;
   }
 
+  // Lets the force come from elsewhere, at rest. From now on an axis that shows another count is not still.
+  void set_free() noexcept {
+    phase_ = Phase::free;
+    still_m_ = half_count_m_;
+  }
+
   // Forgets what was seen; the force may be anything that was commanded before.
   void restart() noexcept {
     phase_ = Phase::free;
+    still_m_ = ringing_m_;
     still_ = calm_ = 0;
     anchored_ = false;
   }
@@ -71,7 +83,7 @@ class KickCycle {
   void see(Scalar position_m) noexcept {
     const Scalar moved_m = position_m - anchor_m_;
     // Millions of counts away a number of this type no longer holds each of them.
-    const Scalar unseen_m = half_count_m_ + std::abs(position_m) * std::numeric_limits<Scalar>::epsilon();
+    const Scalar unseen_m = still_m_ + std::abs(position_m) * std::numeric_limits<Scalar>::epsilon();
     if (!anchored_ || moved_m > unseen_m || moved_m < -unseen_m) {
       anchor_m_ = position_m;
       anchored_ = true;
@@ -154,6 +166,8 @@ class KickCycle {
   }
   bool patient() const noexcept { return still_ >= kicks_->patient_periods; }
   void forget_patience() noexcept { still_ = 0; }
+  // An axis that rests under a force that was kept since forget_patience() shows no other reading for so long.
+  bool stays() const noexcept { return still_ >= kicks_->either_way_periods + latency_; }
 
   Phase phase() const noexcept { return phase_; }
   // Of the last call of next_steps(): whether a pulse began with it, and whether it was one of a pulse.
@@ -183,6 +197,7 @@ class KickCycle {
   void enter(Phase phase, std::int32_t periods) noexcept {
     phase_ = phase;
     left_ = periods;
+    still_m_ = ringing_m_;
     if (phase == Phase::pulse) {
       furthest_m_ = anchor_m_ * direction_;
       still_ = calm_ = 0;
@@ -284,7 +299,7 @@ class KickCycle {
 
   // With the proof of rest, and four times as long because mass and friction may be off by as much as that.
   void expect_rest_within(std::int32_t periods) noexcept {
-    overdue_in_ = 4 * (periods + kicks_->patient_periods + kicks_->settling_periods);
+    overdue_in_ = 4 * (periods + kicks_->patient_periods + kicks_->settling_periods) + kicks_->spring.ringing_periods;
   }
 
   std::int32_t longest_coast() const noexcept {
@@ -296,6 +311,8 @@ class KickCycle {
   const BrakedKicks<Scalar>* kicks_ = nullptr;
   ForceInterval<Scalar> interval_{};
   Scalar half_count_m_{};
+  Scalar ringing_m_{};  // by which the reading of an axis may change that rings on its friction
+  Scalar still_m_{};    // by which the reading of an axis that counts as still may change
   Scalar reverse_limit_m_{};
   Scalar anchor_m_{};
   Scalar furthest_m_{};

@@ -25,8 +25,9 @@ inline constexpr double unlimited = std::numeric_limits<double>::infinity();
 // The friction that the axis is designed for (Assumption 1 of [I]).
 struct Friction {
   law::FrictionBounds<double> bounds{1, 1};
-  double smooth_slope_Ns_per_m = 0;        // dF_sm/dv at rest of Proposition 3
-  std::optional<double> normal_force_N{};  // m g where the file states coefficients: pictures then show coefficients
+  double smooth_slope_Ns_per_m = 0;         // dF_sm/dv at rest of Proposition 3
+  double presliding_stiffness_N_per_m = 0;  // before it slides it is a spring, at least as stiff; 0: it holds at once
+  std::optional<double> normal_force_N{};   // m g where the file states coefficients: pictures then show coefficients
 };
 
 enum class Kick : std::uint8_t { ideal, two_phase, naive };
@@ -122,8 +123,9 @@ struct Truth {
 
 // What the file says of the world of an axis, as far as its certificate must know it. A node is not told of it.
 struct Surroundings {
-  double force_N = 0;           // the most that acts beside the drive's force and friction, ripple apart
-  double ripple = 0;            // share of the drive's force by which it varies along the travel
+  double force_N = 0;  // the most that acts beside the drive's force and friction, ripple apart
+  double ripple = 0;   // share of the drive's force by which it varies along the travel
+  double presliding_stiffness_N_per_m = 0, presliding_damping_Ns_per_m = 0;  // of bristles; 0: there are none
   double drift = 0;             // share of itself by which friction swells and falls
   double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
   double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square

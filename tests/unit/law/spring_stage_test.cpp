@@ -1,0 +1,110 @@
+// The end of a run on the spring that friction is before it slides.
+#include "breakaway/law/spring_stage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../../bristled_axis.hpp"
+#include "law_fixture.hpp"
+
+namespace breakaway::law {
+namespace {
+
+using breakaway::testing::axes_of_the_scenes;
+using breakaway::testing::BristledSlider;
+using breakaway::testing::Bristles;
+using breakaway::testing::Moment;
+using breakaway::testing::RunEnd;
+using breakaway::testing::TrueAxis;
+
+constexpr FrictionSpring<float> spring{
+    .reach_m = 50e-6F, .most_N = 2, .gain_N_per_m = 2000, .share = 0.2F, .longest_periods = 400, .ringing_periods = 0};
+
+// The place of an axis that follows the force on a spring, from where it rests without one.
+template <class Step>
+float place_after(SpringStage<float>& stage, float unloaded_m, float stiffness_N_per_m, int periods, const Step& step) {
+  float x = unloaded_m;
+  stage.start(x);
+  for (int i = 0; i < periods; ++i) {
+    stage.see(x);
+    step();
+    x = unloaded_m + stage.force_N() / stiffness_N_per_m;
+  }
+  return x;
+}
+
+TEST(SpringStage, LeadsAnAxisToTheTargetAndKeepsTheForceThere) {
+  SpringStage<float> stage{spring, 1e-6F};
+  const float x = place_after(stage, 15e-6F, 1e5F, 300, [] {});
+  EXPECT_LE(std::abs(x), 0.6e-6F);
+  EXPECT_TRUE(stage.waits());
+  const float kept_N = stage.force_N();
+  stage.see(x);
+  EXPECT_EQ(stage.force_N(), kept_N);
+}
+
+TEST(SpringStage, StopsAtItsLimitWhereTheSpringIsTooStiff) {
+  SpringStage<float> stage{spring, 1e-6F};
+  place_after(stage, -15e-6F, 1e6F, 300, [&] { EXPECT_LE(std::abs(stage.force_N()), spring.most_N); });
+  EXPECT_EQ(stage.force_N(), spring.most_N);
+  EXPECT_TRUE(stage.waits());
+}
+
+TEST(SpringStage, SaysOnceThatItBeginsToWait) {
+  SpringStage<float> stage{spring, 1e-6F};
+  stage.start(15e-6F);
+  int times = 0;
+  for (int i = 0; i < 300; ++i) times += stage.see(15e-6F) ? 1 : 0;
+  EXPECT_EQ(times, 1);
+}
+
+TEST(SpringStage, IsOverdueAfterItsLongestTime) {
+  SpringStage<float> stage{spring, 1e-6F};
+  stage.start(5e-6F);
+  for (int i = 0; i + 1 < spring.longest_periods; ++i) stage.see(i % 2 == 0 ? 5e-6F : -5e-6F);
+  EXPECT_FALSE(stage.overdue());
+  stage.see(5e-6F);
+  EXPECT_TRUE(stage.overdue());
+}
+
+TEST(SpringStage, ReachesNowhereWithoutASpring) {
+  const FrictionSpring<float> none = design::design_braked_kicks<float>(axes_of_the_scenes(1e-4)).kicks.spring;
+  EXPECT_FALSE(none.is_there());
+  EXPECT_FALSE((SpringStage<float>{none, 1e-6F}.reaches(1e-9F)));
+}
+
+// told: share of the stiffness that the law is told.
+RunEnd settle(const Bristles& bristles, double told, double friction_N, double start_m) {
+  design::BrakedClass c = axes_of_the_scenes(0);
+  c.presliding_stiffness_N_per_m = told * bristles.stiffness_N_per_m;
+  auto p = testing::sampled_axis<float>();
+  p.coast = Coast::brake;
+  p.position_tolerance_m = 0.7e-6F;
+  const auto kicks = design::design_braked_kicks<float>(c).kicks;
+  const K3Table<float> unused;
+  const auto friction = [=](const Moment&) { return friction_N; };
+  return run_axis<float>(p, unused, kicks, BristledSlider{TrueAxis{}, bristles, friction, start_m, 0}, 1, 20);
+}
+
+TEST(SpringStage, EndsWithinACountOnBristlesOfEveryStiffness) {
+  for (const double stiffness : {1e5, 1e6, 1e7}) {
+    for (const double damping : {0.0, 2 * std::sqrt(stiffness)}) {
+      for (const double told : {1.0, 0.33}) {
+        const RunEnd end = settle({stiffness, damping}, told, 3.3, 1e-3);
+        EXPECT_TRUE(end.held) << stiffness << ", " << damping << ", " << told << ": " << to_string(end.fault);
+        EXPECT_LE(std::abs(end.error_m), 1.2e-6) << stiffness << ", " << damping << ", " << told;
+      }
+    }
+  }
+}
+
+TEST(SpringStage, NeedsNoKickWhereTheSpringReaches) {
+  const RunEnd end = settle({1e5, 600}, 1, 2.5, -20e-6);
+  EXPECT_TRUE(end.held);
+  EXPECT_EQ(end.kicks, 0) << "the spring reaches so far";
+  EXPECT_LE(std::abs(end.error_m), 0.6e-6);
+}
+
+}  // namespace
+}  // namespace breakaway::law
