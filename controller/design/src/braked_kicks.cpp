@@ -44,6 +44,7 @@ constexpr double followed = 0.95;  // of the deceleration that is sure: the rest
 constexpr Interval steps_of_jerk{4, 64};  // that lead to the full deceleration
 constexpr double soon_moving = 15;        // periods until an axis moves, well before it would count as stuck
 constexpr double unseen_speed = 0.5;      // of the speed at which the brake takes over: so far may the estimate be off
+constexpr double unseen_gain = 4;         // times what an unknown mass and force gain add to it while it is not seen
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
 constexpr double surely_above = 1.002;    // of the greatest friction
@@ -97,7 +98,7 @@ void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const K
   // The speed may be off as far as it is not seen, and as what is not known of the acceleration adds until it is.
   const double blind_s = static_cast<double>(approach.response_s) + axes.latency_periods * axes.period_s;
   const double unseen_m_s = unseen_speed * static_cast<double>(approach.switch_speed_m_s) +
-                            (spread(axes.mass_kg) + spread(axes.force_gain)) * speeding * blind_s;
+                            unseen_gain * (spread(axes.mass_kg) + spread(axes.force_gain)) * speeding * blind_s;
   approach.move = {
       .speed_m_s = static_cast<Real>(std::max(axes.move->speed_m_s - unseen_m_s, least_planned * axes.move->speed_m_s)),
       .acceleration_m_s2 = static_cast<Real>(speeding),
