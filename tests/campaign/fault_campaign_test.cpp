@@ -116,6 +116,7 @@ class OneRun {
     w_.run(5ms);  // it was said
     while (w_.now().time_since_epoch() < onset) advance();
     if (referenced_ && between(0, 1) < 0.3) w_.wish.target_counts = static_cast<std::int32_t>(between(-3e5, 3e5));
+    w_.run(2ms);  // what was wished last is said
     run_.onset = w_.now().time_since_epoch();
     referenced_before_ = referenced_;
   }
@@ -178,6 +179,8 @@ class OneRun {
     if (!absolute_ && (fault_.encoder || fault_.needs_edge || !referenced_before_)) referenced_ = false;
     for (int attempt = 0; attempt < 5 && !run_.recovered; ++attempt) {
       if (w_.fault() == AxisFault::reference_lost) referenced_ = false;
+      // Nobody enables an axis that still runs out.
+      for (int i = 0; i < 30000 && !w_.axis.at_rest(); ++i) w_.step();
       w_.wish = {.reset_fault = true};
       for (int i = 0; i < 3000 && (w_.fault() != AxisFault::none || i < 200); ++i) w_.step();
       w_.wish = {};

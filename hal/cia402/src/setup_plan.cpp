@@ -85,6 +85,8 @@ void SetupPlan::add_clock(const canopen::NetworkConfig& network) noexcept {
   read_back(SetupStep::Kind::check);
   const auto period_us = std::chrono::duration_cast<std::chrono::microseconds>(network.period).count();
   write(object::sync_period, 0, 4, static_cast<std::uint32_t>(period_us), may_be_missing);
+  // A window that somebody set would have commands dropped that come before their SYNC.
+  write(object::sync_window, 0, 4, 0, may_be_missing);
   const auto interpolation = interpolation_period(network.period).value_or(InterpolationPeriod{});
   write(object::interpolation_period, 1, 1, interpolation.units, may_be_missing);
   write(object::interpolation_period, 2, 1, static_cast<std::uint8_t>(interpolation.exponent), may_be_missing);

@@ -14,10 +14,10 @@ TEST_F(DriveTest, SetsUpABootedNodeInTheProfilesOrder) {
   const auto key = ScriptedDrive::key;
   const std::vector<std::uint32_t> expected{
       key(0x6040, 0), key(0x6071, 0), key(0x60B2, 0), key(0x6072, 0), key(0x605A, 0), key(0x605B, 0), key(0x605C, 0),
-      key(0x605E, 0), key(0x1016, 1), key(0x1017, 0), key(0x1005, 0), key(0x1006, 0), key(0x60C2, 1), key(0x60C2, 2),
-      key(0x1400, 1), key(0x1600, 0), key(0x1600, 1), key(0x1600, 2), key(0x1600, 0), key(0x1400, 2), key(0x1400, 1),
-      key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0), key(0x1800, 2),
-      key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
+      key(0x605E, 0), key(0x1016, 1), key(0x1017, 0), key(0x1005, 0), key(0x1006, 0), key(0x1007, 0), key(0x60C2, 1),
+      key(0x60C2, 2), key(0x1400, 1), key(0x1600, 0), key(0x1600, 1), key(0x1600, 2), key(0x1600, 0), key(0x1400, 2),
+      key(0x1400, 1), key(0x1800, 1), key(0x1A00, 0), key(0x1A00, 1), key(0x1A00, 2), key(0x1A00, 3), key(0x1A00, 0),
+      key(0x1800, 2), key(0x1800, 1), key(0x1400, 5), key(0x6007, 0), key(0x6060, 0)};
   EXPECT_EQ(node.written, expected);
   EXPECT_EQ(node.commands, (std::vector<NmtCommand>{NmtCommand::enter_pre_operational, NmtCommand::start}));
   EXPECT_EQ(node.objects[key(0x1600, 1)], 0x60400010U);
