@@ -38,11 +38,13 @@ void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& d
   const auto p = parameters(c, tolerance_m);
   const law::K3Table<float> unused;
   const double from_m = design::kicks_begin_m(design);
-  // Nobody waits longer than this for the approach and the kicks.
-  const double longest_s = 20 + 2 * promise.most_s(from_m) + 20 * c.period_s * design.kicks.patient_periods;
+  // Nobody waits longer than this for the kicks, and beside them for the approach.
+  const double kicks_s = 20 + 2 * promise.most_s(from_m) + 20 * c.period_s * design.kicks.patient_periods;
+  const double surplus_N = c.force_gain.least * c.max_force_N - c.friction.upper_N - c.load_N;
   for (int kind = 0; kind < kinds; ++kind) {
     const testing::TrueAxis truth = true_axis(c, r);
     const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
+    const double longest_s = kicks_s + 20 * std::sqrt(2 * std::fabs(start_m) * c.mass_kg.most / surplus_N);
     const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind),
                                                std::max(3 * design.floor_m, q), tolerance_m);
     // The target is a count. Where the tolerance is less than one, the places of the counts matter.

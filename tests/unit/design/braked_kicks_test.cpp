@@ -9,6 +9,7 @@
 #include <string>
 
 #include "breakaway/design/k3.hpp"
+#include "breakaway/design/kick_promise.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -228,6 +229,17 @@ TEST(BrakedKicks, AreAsManyAsPromisedForWhoeverReadsAtHisWorst) {
       }
     }
   }
+}
+
+// The time of a kick is at least that of its periods, and grows with the distance.
+TEST(KickPromise, BoundsTheTimeOfTheKicks) {
+  const BrakedClass c = example(1e-3, 1e-3);
+  const auto design = design_braked_kicks<float>(c);
+  const KickPromise promise{c, design, design.least_tolerance_m};
+  EXPECT_EQ(promise.most_s(design.least_tolerance_m / 2), 0);
+  EXPECT_GT(promise.most_s(1e-3), 3e-3 * promise.most_kicks(1e-3));
+  EXPECT_GT(promise.most_s(1e-2), promise.most_s(1e-3));
+  EXPECT_TRUE(std::isinf(KickPromise(c, design, design.floor_m / 2).most_s(1e-3))) << "nothing is promised there";
 }
 
 TEST(BrakedKicks, NeedMoreKicksTheFurtherAndTheCloser) {
