@@ -38,6 +38,30 @@ INSTANTIATE_TEST_SUITE_P(Table, PlantScene,
                          ::testing::Values("vertical_axis", "presliding_axis", "belt_axis", "worn_axis"),
                          [](const auto& info) { return std::string{info.param}; });
 
+// Its weight is four fifths of the least friction, so that it stays where it is while the drive is set up.
+TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {
+  auto s = scene("braked_axis");
+  s.worlds[0].plant.force_N = -2;
+  s.node.axes[0].controller.impulsive->feedforward_N = 2;
+  s.node.axes[0].uncertainty.force_N = 0.05;
+  s.node.axes[0].controller.position_tolerance_m = 3e-6;
+  for (const double gain : {0.98, 1.0, 1.02}) {
+    config::Truth truth = config::truth_of(s.node.axes[0]);
+    truth.force_per_torque_N_per_Nm = gain * s.node.axes[0].drive->force_per_torque_N_per_Nm;
+    s.node.axes[0].truth = truth;
+    const auto result = sil::run_loop_scenario(s, {});
+    const auto& axis = result.axes[0];
+    EXPECT_TRUE(axis.settled) << gain;
+    EXPECT_TRUE(axis.faults.empty()) << gain;
+    EXPECT_LE(std::abs(axis.final_error_m), 3e-6 + 0.5e-6) << gain;
+    EXPECT_LE(axis.beyond_m, 0.5e-6) << gain;
+    EXPECT_LE(axis.max_force_N, 50) << gain;
+  }
+  s.node.axes[0].controller.impulsive->feedforward_N = 0;
+  s.node.axes[0].uncertainty.force_N = 0;
+  EXPECT_GT(sil::run_loop_scenario(s, {}).axes[0].beyond_m, 1e-6) << "then the feedforward does nothing";
+}
+
 TEST(PlantScene, TheLoadIsWhereSpringAndPlayLeaveIt) {
   const auto result = sil::run_loop_scenario(scene("worn_axis"), {.trace = true});
   const auto& axis = result.axes[0];

@@ -24,6 +24,14 @@ double max_force_N(const Axis& axis) {
   return std::min(axis.controller.max_force_N, given_N);
 }
 
+double feedforward_N(const Axis& axis) {
+  if (!axis.controller.impulsive || !axis.drive) return 0;
+  const double step_N = axis.drive->force_quantum_N();
+  return std::round(axis.controller.impulsive->feedforward_N / step_N) * step_N;
+}
+
+double law_force_N(const Axis& axis) { return max_force_N(axis) - std::abs(feedforward_N(axis)); }
+
 template <class Real>
 law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   const ImpulsiveGains& gains = *axis.controller.impulsive;
@@ -33,7 +41,8 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.approach_damping_Ns_per_m = static_cast<Real>(gains.approach_damping_Ns_per_m);
   p.kick_damping_Ns_per_m = static_cast<Real>(gains.kick_damping_Ns_per_m);
   p.friction = {static_cast<Real>(axis.friction.bounds.lower_N), static_cast<Real>(axis.friction.bounds.upper_N)};
-  p.max_force_N = static_cast<Real>(max_force_N(axis));
+  p.max_force_N = static_cast<Real>(law_force_N(axis));
+  p.feedforward_N = static_cast<Real>(feedforward_N(axis));
   p.max_approach_speed_m_s = static_cast<Real>(axis.controller.max_approach_speed_m_s);
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
@@ -55,7 +64,7 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .lag_s = either_way(axis.drive->current_loop_time_constant_s, u.current_loop_time_constant),
           .friction = axis.friction.bounds,
           .load_N = u.force_N,
-          .max_force_N = max_force_N(axis),
+          .max_force_N = law_force_N(axis),
           .force_step_N = axis.drive->force_quantum_N(),
           .period_s = node.period_s(),
           .jitter_s = u.jitter_s,

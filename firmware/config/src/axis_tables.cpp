@@ -68,6 +68,7 @@ std::vector<Key> gain_keys(ImpulsiveGains& gains) {
       required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
       kick_key(gains),
       optional("coast", choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}})),
+      optional("feedforward_N", number(gains.feedforward_N, "N", anywhere)),
   };
 }
 
@@ -286,6 +287,20 @@ void check_force(const Section& section, const Axis& axis) {
                                           axis.controller.max_force_N, given_N));
 }
 
+// What is given against a known force is not there for the law.
+void check_feedforward(const Section& section, const Axis& axis) {
+  if (!axis.controller.impulsive || axis.controller.impulsive->feedforward_N == 0) return;
+  if (!axis.drive)
+    section.fail("feedforward_N", "takes a drive that gives it; give the axis a [drive], or leave it out");
+  if (law_force_N(axis) > axis.friction.bounds.upper_N) return;
+  section.fail(
+      "feedforward_N",
+      fmt::format("is {:g}, which of {:.6g} N leaves {:.6g} N, not above the upper friction bound of {:.6g} N; "
+                  "raise max_force_N, or let a counterweight carry more",
+                  axis.controller.impulsive->feedforward_N, max_force_N(axis), law_force_N(axis),
+                  axis.friction.bounds.upper_N));
+}
+
 void check_in_node(const Section& section, const Drive& drive, const Node& node) {
   const unsigned id = drive.node_id;
   if (node.loop && id == node.loop->node_id)
@@ -350,6 +365,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (move_) axis.move = read_move(*move_, axis.controller);
   check_presliding(*friction_, axis);
   check_force(*controller_, axis);
+  check_feedforward(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)
     controller_->fail("coast", "is \"brake\", which counts in the steps of a drive's force; give the axis a [drive]");
   if (axis.controller.impulsive)

@@ -69,6 +69,7 @@ constexpr std::array rows{
     CertificateKey{"controller", "kp_N_per_m", apart},
     CertificateKey{"controller", "ki_N_per_ms", apart},
     CertificateKey{"controller", "kd_Ns_per_m", apart},
+    CertificateKey{"controller", "feedforward_N", counted},
     CertificateKey{"controller", "max_force_N", counted},
     CertificateKey{"controller", "max_approach_speed_m_s", counted},
     CertificateKey{"controller", "position_tolerance_m", counted},
@@ -141,6 +142,7 @@ constexpr std::array rows{
     CertificateKey{"loop", "heartbeat_period_s", apart},
     CertificateKey{"loop", "command_timeout_s", apart},
     CertificateKey{"loop", "fault_stops", apart},
+    CertificateKey{"loop", "moves_end", apart},
 
     CertificateKey{"bus", "bit_rate", counted},
     CertificateKey{"bus", "loss_probability", bounded},

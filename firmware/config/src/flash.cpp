@@ -32,6 +32,7 @@ firmware::LoopConfig loop_config(const Node& node) {
                       .node_id = node.loop->node_id,
                       .heartbeat_period = node.loop->heartbeat_period},
           .fault_scope = node.loop->fault_scope,
+          .moves_end = node.loop->moves_end,
           .command_timeout = node.loop->command_timeout};
 }
 

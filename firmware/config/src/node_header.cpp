@@ -72,6 +72,9 @@ class HeaderWriter {
   static std::string exact(firmware::FaultScope scope) {
     return scope == firmware::FaultScope::axis ? "FaultScope::axis" : "FaultScope::all_axes";
   }
+  static std::string exact(firmware::MovesEnd end) {
+    return end == firmware::MovesEnd::each ? "MovesEnd::each" : "MovesEnd::together";
+  }
 
   template <class T>
   static std::string readable(const T& number, const char* unit) {
@@ -135,7 +138,7 @@ std::string node_header(const AnyNode<float>& flashed, const Node& node,
   return statement(node, reports) +
          fmt::format(
              "#pragma once\n\n#include <limits>\n\n#include \"breakaway/firmware/flashed_node.hpp\"\n\n"
-             "namespace breakaway::flashed {{\n\nusing firmware::FaultScope;\n"
+             "namespace breakaway::flashed {{\n\nusing firmware::FaultScope;\nusing firmware::MovesEnd;\n"
              "inline constexpr float infinity = std::numeric_limits<float>::infinity();\n\n"
              "inline constexpr firmware::FlashedNode<float, {}> node{{\n{}    .checksum = 0x{:08X}U,\n}};\n\n"
              "static_assert(checksum_of(node) == node.checksum, \"this file was edited: generate it again\");\n"

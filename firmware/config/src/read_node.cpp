@@ -18,6 +18,7 @@ namespace breakaway::config {
 namespace {
 
 using firmware::FaultScope;
+using firmware::MovesEnd;
 
 Loop read_loop(const Section& section, std::vector<Key> others) {
   Loop loop;
@@ -29,6 +30,7 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
           optional("command_timeout_s", duration_s(loop.command_timeout, {1e-2, 60})),
           optional("fault_stops",
                    choice(loop.fault_scope, {{"axis", FaultScope::axis}, {"all", FaultScope::all_axes}})),
+          optional("moves_end", choice(loop.moves_end, {{"each", MovesEnd::each}, {"together", MovesEnd::together}})),
       } +
       std::move(others));
   if (!section.has("heartbeat_period_s")) loop.heartbeat_period = std::max(loop.heartbeat_period, 2 * loop.period);

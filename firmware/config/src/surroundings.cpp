@@ -94,8 +94,8 @@ Slope slope_of(const Section& law) {
 }
 
 void look_at_bounded(const Section& section, std::string_view table, std::string_view key, Surroundings& to) {
-  if (key == "force_N") to.force_N += magnitude(section, key);
-  if (key == "cogging") to.force_N += nested_magnitude(section, key, "amplitude_N");
+  if (key == "force_N") to.force_N = section.number_at(key).value_or(0);
+  if (key == "cogging") to.cogging_N = nested_magnitude(section, key, "amplitude_N");
   if (key == "ripple") to.ripple = nested_magnitude(section, key, "share");
   if (key == "presliding") {
     to.presliding_stiffness_N_per_m = nested_magnitude(section, key, "stiffness_N_per_m");
@@ -178,15 +178,15 @@ class Outside {
     const Surroundings& s = axis_.surroundings;
     // Without a drive nothing bounds the force that ripples.
     const double ripple_N = s.ripple > 0 ? s.ripple * max_force_N(axis_) : 0;
-    const double beside_N = s.force_N + ripple_N;
+    const double beside_N = left_N() + s.cogging_N + ripple_N;
     if (beside_N == 0) return;
     if (!braked())
       add("[plant] has {:.6g} N act beside the drive's force, of which the coast \"pd\" knows nothing; take coast = "
           "\"brake\" with [uncertainty] force_N = {:.6g}",
           beside_N, beside_N);
     else if (beside_N > axis_.uncertainty.force_N * (1 + rounding))
-      add("[plant] has {:.6g} N act beside the drive's force (force_N, cogging, and the ripple of the greatest force), "
-          "above [uncertainty] force_N = {:.6g}; raise that",
+      add("[plant] has {:.6g} N act beside the drive's force (what feedforward_N leaves of force_N, cogging, and the "
+          "ripple of the greatest force), above [uncertainty] force_N = {:.6g}; raise that",
           beside_N, axis_.uncertainty.force_N);
   }
 
@@ -197,6 +197,16 @@ class Outside {
         "and "
         "[uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
         off_m, told_m);
+  }
+
+  // The most that the feedforward leaves of the constant force, or is too much for it, whatever the force gain is.
+  double left_N() const {
+    const double given_N = feedforward_N(axis_), u = axis_.uncertainty.force_gain;
+    const auto left = [&](double gain) {
+      const double sum_N = axis_.surroundings.force_N + gain * given_N;
+      return std::abs(sum_N) <= rounding * std::abs(given_N) ? 0 : std::abs(sum_N);
+    };
+    return std::max(left(1 - u), left(1 + u));
   }
 
   void friction() {

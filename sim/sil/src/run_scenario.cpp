@@ -50,7 +50,7 @@ void check_ideal(const scenario::Scenario& s, const config::Axis& axis, const sc
 void check_sampled(const scenario::Scenario& s, const config::Axis& axis) {
   const Requirements require{s, &axis};
   require(axis.drive.has_value(), "[drive] is missing: a scenario with a [loop] needs it");
-  const double force_N = config::max_force_N(axis), friction_N = axis.friction.bounds.upper_N;
+  const double force_N = config::law_force_N(axis), friction_N = axis.friction.bounds.upper_N;
   require(
       force_N > friction_N,
       fmt::format("[controller] max_force_N is {}, must exceed the upper friction bound {} N, or no kick is sure to "

@@ -182,6 +182,19 @@ TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
   expect_refused(more("[plant]", "force_N = 0.01", under_pd()), "the coast \"pd\" knows nothing");
 }
 
+TEST(Certificate, CountsWhatTheFeedforwardLeavesOfAKnownForce) {
+  const std::string weight = more("[plant]", "force_N = -2");
+  expect_refused(weight, "2 N act");
+  // The force gain is off by as much as [uncertainty] says, and so is what is given against the weight.
+  EXPECT_EQ(why_not(more("[controller]", "feedforward_N = 2", weight)), "");
+  EXPECT_EQ(why_not(more("[controller]", "feedforward_N = 1.8", weight)), "");
+  expect_refused(more("[controller]", "feedforward_N = 1.7", weight), "0.334 N act");
+  expect_refused(more("[controller]", "feedforward_N = -2", weight), "4.04 N act");
+  const std::string exact = more("[plant]", "force_N = -2", under_pd());
+  EXPECT_EQ(why_not(more("[controller]", "feedforward_N = 2", exact)), "");
+  expect_refused(more("[controller]", "feedforward_N = 2.03", exact), "0.025 N act");
+}
+
 TEST(Certificate, HoldsFrictionAgainstTheBoundsThatTheControllerIsTold) {
   const std::string drift = more("[plant]", "drift = { share = 0.1, period_s = 3 }");
   expect_refused(drift, "friction may be between 2.25 and 4.95 N");
@@ -297,6 +310,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"controller.k22_Ns_per_m", {"k22_Ns_per_m = 60", "k22_Ns_per_m = 61"}},
       {"controller.kick", {"\"two_phase\"", "\"naive\""}},
       {"controller.coast", {"\"brake\"", "\"pd\""}},
+      {"controller.feedforward_N", {"max_force_N = 48", "max_force_N = 48\nfeedforward_N = 1"}},
       {"controller.max_force_N", {"max_force_N = 48", "max_force_N = 45"}},
       {"controller.max_approach_speed_m_s", {"max_approach_speed_m_s = 5", "max_approach_speed_m_s = 0.5"}},
       {"controller.position_tolerance_m", {"position_tolerance_m = 5e-6", "position_tolerance_m = 6e-6"}},

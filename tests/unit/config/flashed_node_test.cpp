@@ -99,17 +99,17 @@ std::size_t padding_of(const Whole&, const Members&...) {
 
 // Does not compile when a struct gets another member: then visit_numbers() needs another line, too.
 std::size_t padding_in(const LoopConfig& loop) {
-  const auto& [network, fault_scope, command_timeout] = loop;
+  const auto& [network, fault_scope, moves_end, command_timeout] = loop;
   const auto& [period, bit_rate, node_id, heartbeat_period] = network;
-  return padding_of(loop, network, fault_scope, command_timeout) +
+  return padding_of(loop, network, fault_scope, moves_end, command_timeout) +
          padding_of(network, period, bit_rate, node_id, heartbeat_period);
 }
 std::size_t padding_in(const law::AxisParameters<float>& law) {
-  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast,
-               noise] = law;
+  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast, noise,
+               feedforward] = law;
   const auto& [lower, upper] = friction;
   return padding_of(law, mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape,
-                    coast, noise) +
+                    coast, noise, feedforward) +
          padding_of(friction, lower, upper);
 }
 // Of a kick table the entries that are not there count as padding.

@@ -149,13 +149,15 @@ TEST(ReadNode, EveryFieldOfTheLoopCanBeSet) {
   const auto loop_of = [](const std::string& line) {
     return certified_node(with(two_axes, "[loop]\n", "[loop]\n" + line + "\n")).loop;
   };
-  const auto [network, fault_scope, command_timeout] = loop_of("");
+  const auto [network, fault_scope, moves_end, command_timeout] = loop_of("");
   const auto [period, bit_rate, node_id, heartbeat_period] = network;
   EXPECT_EQ(period, 1ms);
   EXPECT_EQ(bit_rate, 1'000'000U);
   EXPECT_EQ(node_id, 127);
   EXPECT_EQ(heartbeat_period, 50ms);
   EXPECT_EQ(fault_scope, firmware::FaultScope::axis);
+  EXPECT_EQ(moves_end, firmware::MovesEnd::each);
+  EXPECT_EQ(loop_of("moves_end = \"together\"").moves_end, firmware::MovesEnd::together);
   EXPECT_EQ(command_timeout, 500ms);
   EXPECT_EQ(loop_of("command_timeout_s = 0.1").command_timeout, 100ms);
   EXPECT_EQ(loop_of("node_id = 20").network.node_id, 20);

@@ -73,6 +73,26 @@ TEST(Brake, IsNotTheCoastOfTheNaiveKick) {
   EXPECT_EQ(node.axes[0].controller.impulsive->coast, law::Coast::pd);
 }
 
+TEST(Feedforward, IsGivenInWholeStepsAndNotThereForTheLaw) {
+  const Node node = parse_node(with(two_axes, "max_force_N = 50", "max_force_N = 50\nfeedforward_N = -9.81"), "a.toml");
+  const Axis& axis = node.axes[0];
+  const auto p = axis_parameters<float>(node, axis);
+  EXPECT_FLOAT_EQ(p.feedforward_N, -9.8F) << "a step is 0.025 N";
+  EXPECT_FLOAT_EQ(p.max_force_N, 50 - 9.8F);
+  EXPECT_FLOAT_EQ(p.total_force_N(), 50);
+  EXPECT_EQ(flashed<float>(node).axes[0].scale().max_force_N, p.total_force_N());
+}
+
+TEST(Feedforward, IsRefusedWhereItLeavesTooLittleOrNoDriveGivesIt) {
+  const auto message = [](const std::string& text) { return refusal([&] { parse_node(text, "a.toml"); }); };
+  const std::string most = with(two_axes, "max_force_N = 50", "max_force_N = 50\nfeedforward_N = 46");
+  EXPECT_NE(message(most).find("leaves 4 N, not above"), std::string::npos) << message(most);
+  const std::string ideal =
+      "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"
+      "k21_Ns_per_m = 0.8\nk22_Ns_per_m = 3\nfeedforward_N = 1\n";
+  EXPECT_NE(message(ideal).find("give the axis a [drive]"), std::string::npos) << message(ideal);
+}
+
 TEST(Brake, NeedsALoopAndADrive) {
   const std::string ideal =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"

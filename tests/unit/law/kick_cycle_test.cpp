@@ -348,6 +348,27 @@ TEST(KickCycle, NamesAnAxisThatDoesNotStopWithoutForce) {
   EXPECT_LT(periods, 1000);
 }
 
+// What acts on the axis is the same, so the law must be, too.
+TEST(KickCycle, IsTheSameBesideAFeedforward) {
+  const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  auto weighed = braked_axis();
+  weighed.feedforward_N = -8;
+  AxisController<float> alone{braked_axis(), no_k3, kicks}, beside{weighed, no_k3, kicks};
+  EXPECT_EQ(beside.max_force_N(), alone.max_force_N() + 8);
+  std::mt19937_64 random{11};
+  float position_m = -1e-3F;
+  for (int i = 0; i < 2000; ++i) {
+    position_m += 1e-6F * static_cast<float>(random() % 3) - 1e-6F;
+    const Measurement<float> reading{position_m, 0, random() % 50 != 0};
+    const auto expected = alone.update(reading), given = beside.update(reading);
+    ASSERT_EQ(given.mode, expected.mode) << i;
+    ASSERT_EQ(given.force_N, expected.mode == Mode::fault ? 0 : expected.force_N - 8) << i;
+  }
+  beside.limit_force(30);
+  for (int i = 0; i < 200; ++i) ASSERT_LE(std::fabs(beside.update({-3e-5F}).force_N), 30) << i;
+  EXPECT_EQ(beside.update({std::numeric_limits<float>::quiet_NaN()}).force_N, 0);
+}
+
 TEST(KickCycle, NamesAnAxisThatDoesNotMove) {
   Scripted axis{0};
   for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) axis.show(-1e-4F);

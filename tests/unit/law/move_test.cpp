@@ -69,6 +69,27 @@ TEST(MovePlan, TakesLittleLongerThanAnyMoveMust) {
   EXPECT_LT(k * 1e-4, least_s + 0.004);
 }
 
+TEST(MoveLimits, TellTheTimeOfTheDoubleSAndTheSpeedThatTakesIt) {
+  std::mt19937_64 random{3};
+  std::uniform_real_distribution<> share{0, 1};
+  for (int run = 0; run < 1000; ++run) {
+    const double a = 2 * std::pow(20, share(random)), v = 0.05 * std::pow(40, share(random));
+    const double j = run % 2 == 0 ? 0 : a / (0.002 * std::pow(20, share(random)));
+    const double d = 1e-3 * std::pow(1000, share(random));
+    const MoveLimits<double> limits{v, a, a, j};
+    const double time_s = limits.time_s(d, v);
+    const double least_s = design::least_move_s({d, v, a, j > 0 ? std::optional{j} : std::nullopt});
+    const bool reaches_acceleration = !(j > 0) || (v > a * a / j && d > 2 * a * a * a / (j * j));
+    if (reaches_acceleration) {
+      EXPECT_NEAR(time_s, least_s, 1e-9 * least_s) << run;
+    }
+    EXPECT_GE(time_s, least_s * (1 - 1e-9)) << run;
+    const double longer_s = time_s * (1.001 + share(random)), slower = limits.speed_for_m_s(d, longer_s);
+    EXPECT_LT(slower, v);
+    EXPECT_NEAR(limits.time_s(d, slower), longer_s, 1e-9 * longer_s) << run;
+  }
+}
+
 struct Moves {
   double worst_s = 0, m_s = 0, m_s2 = 0, beyond_m = 0;
   int kicks = 0;

@@ -223,6 +223,7 @@ class ControlLoop {
   void step(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
+    if (config_.moves_end == MovesEnd::together) end_together();
     for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
     if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
     send(now);
@@ -252,6 +253,7 @@ class ControlLoop {
     std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
     AxisFault standing_fault = AxisFault::none;  // where axes stop together: seen by an earlier step and not reset
     bool wanted = false;
+    bool sets_off = false;  // its target moved, or it was enabled, and no step has matched its move with the others'
     AxisStatus<Scalar> status{};
   };
 
@@ -261,6 +263,7 @@ class ControlLoop {
     if constexpr (requires { c.parameters().friction.upper_N; }) {
       model.mass_kg = c.parameters().mass_kg;
       model.friction_upper_N = c.parameters().friction.upper_N;
+      model.feedforward_N = c.parameters().feedforward_N;
       model.encoder_resolution_m = c.parameters().encoder_resolution_m;
     }
     if constexpr (requires { c.most_friction_N(); }) model.friction_upper_N = c.most_friction_N();
@@ -297,10 +300,30 @@ class ControlLoop {
         static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(a.target_counts));
     const Scalar shift_m = static_cast<Scalar>(shift) * a.drive.encoder_resolution_m();
     a.target_counts = counts;
+    a.sets_off = true;
     a.drive.set_datum_counts(counts);
     a.controller.shift_target(shift_m);
     a.supervisor.begin_motion(a.last_error_m - shift_m);
     a.last_error_m -= shift_m;
+  }
+
+  static Scalar move_time_s(const Axis& a) noexcept {
+    if constexpr (requires { a.controller.move_time_s(a.last_error_m); })
+      return a.sets_off && a.status.running ? a.controller.move_time_s(std::abs(a.last_error_m)) : Scalar{0};
+    return 0;
+  }
+
+  // Those that set off as fast as the slowest of them lets them.
+  [[gnu::noinline]] void end_together() noexcept {
+    Scalar longest_s = 0;
+    for (std::size_t i = 0; i < count_; ++i) longest_s = std::max(longest_s, move_time_s(*axes_[i]));
+    for (std::size_t i = 0; i < count_; ++i) {
+      Axis& a = *axes_[i];
+      if constexpr (requires { a.controller.take_time(longest_s, a.last_error_m); }) {
+        if (a.sets_off && a.status.running) a.controller.take_time(longest_s, std::abs(a.last_error_m));
+      }
+      a.sets_off = a.sets_off && !a.status.running;
+    }
   }
 
   // Kept out of step(), as send() is: there g++ 12 has too few registers for all three, and a step costs more.
@@ -434,6 +457,7 @@ class ControlLoop {
   void begin(Axis& a) noexcept {
     a.controller.reset();
     a.controller.limit_force(a.drive.max_force_N());
+    a.sets_off = true;
     a.supervisor.begin_motion(a.last_error_m);
     a.supervisor.begin_commands(a.status.feedback.position_m);
     a.unfulfilled_since.reset();

@@ -47,7 +47,7 @@ struct FlashedAxis {
   law::BrakedKicks<Scalar> braked{};  // of the coast "brake" only
   bool certified = false;             // by breakaway design, with these very numbers
 
-  constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.max_force_N}; }
+  constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.total_force_N()}; }
 };
 
 // There is room for `Axes` axes, 1..8, and the first `count` of them are there.
@@ -110,6 +110,7 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("kick_shape", p.kick_shape, "");
   visit.value("coast", p.coast, "");
   visit.value("encoder_noise_m", p.encoder_noise_m, "m");
+  visit.value("feedforward_N", p.feedforward_N, "N");
 }
 
 template <class Table, class Visitor>
@@ -208,6 +209,7 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
       visit.value("heartbeat_period", network.heartbeat_period, "ns");
     });
     visit.value("fault_scope", node.loop.fault_scope, "");
+    visit.value("moves_end", node.loop.moves_end, "");
     visit.value("command_timeout", node.loop.command_timeout, "ns");
   });
   visit.value("count", node.count, "");
@@ -332,7 +334,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
   if (check(axis.drive, loop.network, axis.scale()) != cia402::DriveConfigError::none)
     return axis.drive.node_id == loop.network.node_id ? NodeError::node_id_taken : NodeError::drive_invalid;
   const AxisLimits<Scalar>& l = axis.limits;
-  const bool wide = l.force_N >= p.max_force_N && l.following_error_m >= p.position_tolerance_m &&
+  const bool wide = l.force_N >= p.total_force_N() && l.following_error_m >= p.position_tolerance_m &&
                     l.position_min_m < l.position_max_m &&
                     (p.max_approach_speed_m_s > AxisLimits<Scalar>::largest || l.speed_m_s >= p.max_approach_speed_m_s);
   return wide ? NodeError::none : NodeError::limits_below_law;

@@ -6,6 +6,7 @@
 
 #include "breakaway/canopen/network_config.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
+#include "breakaway/firmware/moves_end.hpp"
 #include "breakaway/hal/time.hpp"
 
 namespace breakaway::firmware {
@@ -13,6 +14,7 @@ namespace breakaway::firmware {
 struct LoopConfig {
   canopen::NetworkConfig network{};
   FaultScope fault_scope = FaultScope::axis;
+  MovesEnd moves_end = MovesEnd::each;
   // A ControlNode stops an axis whose commander says nothing for longer.
   hal::Duration command_timeout = std::chrono::milliseconds{500};
 };

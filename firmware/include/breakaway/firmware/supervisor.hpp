@@ -133,6 +133,7 @@ struct AxisModel {
   Scalar slow_lag = 0;  // share of a change of force that is left after a period behind its slowest current loop
   Scalar mass_kg = 1;
   Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
+  Scalar feedforward_N = 0;  // share of the force that a constant force on the axis takes up
   Scalar encoder_resolution_m = 1;
 };
 
@@ -157,7 +158,8 @@ class Supervisor {
   constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
       : limits_{limits},
         commanded_{model.max_force_N, model.slow_lag},
-        motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m} {
+        motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m},
+        feedforward_N_{model.feedforward_N} {
     // A drive reports whole steps of force, which are the limit but for rounding.
     limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();
   }
@@ -183,7 +185,7 @@ class Supervisor {
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
     if (feedback.fresh) {
       commanded_.report(feedback.force_N, feedback.force_step_N);
-      motion_.sample(feedback.travel_m, feedback.force_N, since_previous_s(feedback));
+      motion_.sample(feedback.travel_m, feedback.force_N - feedforward_N_, since_previous_s(feedback));
       note_progress(std::abs(feedback.position_offset_m), now);
     }
     if (fault_ == AxisFault::none) {
@@ -305,6 +307,7 @@ class Supervisor {
   AxisLimits<Scalar> limits_;
   CommandedForce<Scalar> commanded_;
   MotionUnderForce<Scalar> motion_;
+  Scalar feedforward_N_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   Scalar least_error_m_ = AxisLimits<Scalar>::unlimited;  // since the last target change
   Scalar lowest_m_ = limits_.position_min_m, highest_m_ = limits_.position_max_m;

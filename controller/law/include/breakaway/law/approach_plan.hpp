@@ -42,7 +42,8 @@ class ApproachPlan {
         period_s_{period_s},
         per_period_{1 / period_s},
         per_mass_{1 / a.mass_kg},
-        max_speed_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
+        speed_limit_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
+        max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
         move_{move_plan()},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
@@ -51,17 +52,30 @@ class ApproachPlan {
   void limit_force(Scalar share) noexcept {
     hard_m_s2_ *= std::max(share, Scalar(1e-3));
     move_ = move_plan();
+    go_at_most(max_speed_m_s_);
   }
 
   void restart() noexcept {
     primed_ = false;
     move_.restart();
+    go_at_most(speed_limit_m_s_);
+  }
+  // A move from rest over this distance; 0 where moves have no limits.
+  Scalar move_time_s(Scalar distance_m) const noexcept {
+    return a_ != nullptr && a_->move.are_asked_for() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};
+  }
+  // The move that has begun takes this long, unless it would become too slow for its speed to be seen.
+  void take(Scalar time_s, Scalar distance_m) noexcept {
+    if (!(move_time_s(distance_m) > 0)) return;
+    const Scalar speed_m_s = std::max(a_->move.speed_for_m_s(distance_m, time_s), least_speed * a_->switch_speed_m_s);
+    go_at_most(std::min(speed_m_s, speed_limit_m_s_));
   }
   // The target of a move went on by this much: it goes on from where it is, as it moves.
   void retarget(Scalar shift_m) noexcept {
     previous_m_ -= shift_m;
     turns_ = 0;
     retargeted_ = true;
+    go_at_most(speed_limit_m_s_);
   }
   // A period without a reading; otherwise as see().
   void skip(Scalar force_N, Scalar command_N) noexcept {
@@ -102,9 +116,16 @@ class ApproachPlan {
   }
 
  private:
+  static constexpr Scalar least_speed = 8;  // of a move, as a multiple of that at which the brake takes over
+
   MovePlan<Scalar> move_plan() const noexcept {
     const Scalar last_m_s2 = std::min(a_->gentle_m_s2, hard_m_s2_);
     return {a_->move, {a_->switch_distance_m, a_->switch_speed_m_s, last_m_s2}, hard_m_s2_, period_s_};
+  }
+
+  void go_at_most(Scalar speed_m_s) noexcept {
+    max_speed_m_s_ = speed_m_s;
+    move_.limit_speed(speed_m_s);
   }
 
   Scalar down_the_curves(Scalar least_m_s2) const noexcept {
@@ -213,8 +234,9 @@ class ApproachPlan {
   Scalar period_s_{};
   Scalar per_period_{};
   Scalar per_mass_{};
-  Scalar max_speed_m_s_{};
-  Scalar hard_m_s2_{};  // deceleration far away
+  Scalar speed_limit_m_s_{};
+  Scalar max_speed_m_s_{};  // of this approach
+  Scalar hard_m_s2_{};      // deceleration far away
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar velocity_{};  // of the axis at the newest reading

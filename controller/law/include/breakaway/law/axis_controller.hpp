@@ -88,14 +88,22 @@ class AxisController {
     plan_.retarget(shift_m);
   }
 
+  // How long a move from rest over this distance takes under its limits, up to where brake and kicks take over; 0 where
+  // the axis has none.
+  Scalar move_time_s(Scalar distance_m) const noexcept { return plan_.move_time_s(distance_m); }
+  // The approach that has just begun, over this distance, is to take so long: its speed is limited further, until the
+  // target moves again.
+  void take_time(Scalar time_s, Scalar distance_m) noexcept { plan_.take(time_s, distance_m); }
+
   // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
   // bound cannot break the axis away: then it ends up jammed, by name.
   void limit_force(Scalar force_N) noexcept {
-    if (!(force_N < p_.max_force_N)) return;
-    if (braked_ != nullptr) plan_.limit_force(force_N / p_.max_force_N);
-    p_.max_force_N = force_N;
-    shaper_.limit_force(force_N);
-    if (braked_ != nullptr) cycle_.limit_force(force_N);
+    if (!(force_N < max_force_N())) return;
+    const Scalar left_N = std::max(force_N - (p_.total_force_N() - p_.max_force_N), Scalar{0});
+    if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
+    p_.max_force_N = left_N;
+    shaper_.limit_force(left_N);
+    if (braked_ != nullptr) cycle_.limit_force(left_N);
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
@@ -126,7 +134,8 @@ class AxisController {
   const Parameters& parameters() const noexcept { return p_; }
   Scalar period_s() const noexcept { return p_.period_s; }
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
-  Scalar max_force_N() const noexcept { return p_.max_force_N; }
+  // Of every output.
+  Scalar max_force_N() const noexcept { return p_.total_force_N(); }
   // With a force beside the drive's, as far as the law is told of one.
   Scalar most_friction_N() const noexcept {
     return p_.friction.upper_N + (braked_ != nullptr ? braked_->load_N : Scalar{0});
@@ -387,7 +396,7 @@ class AxisController {
     const Scalar force = limited(force_N, p_.max_force_N);
     force_before_N_ = last_force_N_;
     last_force_N_ = force;
-    return {force, Scalar{0}, mode_, false};
+    return {force + p_.feedforward_N, Scalar{0}, mode_, false};
   }
 
   // Learns from where the last kick led: nowhere, closer, or further away.

@@ -39,6 +39,12 @@ struct AxisParameters {
   KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
   Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; for Coast::brake
+  Scalar feedforward_N{};    // given beside max_force_N while there is no fault, against a known constant force
+
+  // Of all that the drive is asked for.
+  constexpr Scalar total_force_N() const noexcept {
+    return max_force_N + (feedforward_N < 0 ? -feedforward_N : feedforward_N);
+  }
 
   // An axis whose reading differs from an earlier one by less than half of this may have rested since. One that moved
   // by all of it has not: either reading is off by half a count and the noise.
@@ -65,6 +71,7 @@ enum class ParameterError : std::uint8_t {
   friction_lower_not_positive,
   friction_bounds_reversed,
   max_force_below_friction,
+  feedforward_not_finite,
   max_approach_speed_not_positive,
   tolerance_negative,
   encoder_resolution_negative,
@@ -91,6 +98,8 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
       return "upper friction bound must be finite and not below the lower one";
     case ParameterError::max_force_below_friction:
       return "force limit must exceed the upper friction bound, or no kick is sure to move the axis";
+    case ParameterError::feedforward_not_finite:
+      return "feedforward must be a number";
     case ParameterError::max_approach_speed_not_positive:
       return "approach speed limit must be positive";
     case ParameterError::tolerance_negative:
@@ -126,6 +135,8 @@ constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   if (!(p.friction.upper_N >= p.friction.lower_N && p.friction.upper_N < infinity))
     return ParameterError::friction_bounds_reversed;
   if (!(p.max_force_N > p.friction.upper_N)) return ParameterError::max_force_below_friction;
+  if (!not_negative(p.feedforward_N < 0 ? -p.feedforward_N : p.feedforward_N))
+    return ParameterError::feedforward_not_finite;
   if (!(p.max_approach_speed_m_s > 0)) return ParameterError::max_approach_speed_not_positive;
   if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;

@@ -34,11 +34,32 @@ struct MoveLimits {
     return std::clamp(acceleration, away ? -acceleration_m_s2 : -deceleration_m_s2,
                       away ? deceleration_m_s2 : acceleration_m_s2);
   }
+  // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it; with a limit
+  // of jerk that is a little too long where it does not reach the acceleration. Requires are_asked_for().
+  Scalar time_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
+    const Scalar per_speed = s_per_m_s(), rise = rise_s();
+    const Scalar highest_m_s = (std::sqrt(rise * rise + 4 * per_speed * distance_m) - rise) / (2 * per_speed);
+    const Scalar v = std::min(fastest_m_s, highest_m_s);
+    return v > 0 ? distance_m / v + per_speed * v + rise : Scalar{0};
+  }
+  // The speed with which it takes this long.
+  Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
+    const Scalar left_s = time_s - rise_s(), under_root = left_s * left_s - 4 * s_per_m_s() * distance_m;
+    return under_root > 0 && left_s > 0 ? 2 * distance_m / (left_s + std::sqrt(under_root)) : speed_m_s;
+  }
+
   constexpr bool are_asked_for() const noexcept { return acceleration_m_s2 > 0; }
   // Written so that a NaN is refused.
   constexpr bool are_usable() const noexcept {
     return acceleration_m_s2 >= 0 && jerk_m_s3 >= 0 && (deceleration_m_s2 > 0) == are_asked_for() &&
            (speed_m_s > 0) == are_asked_for();
+  }
+
+ private:
+  // To speed up and to brake takes v times the one, and a limit of jerk adds the other.
+  constexpr Scalar s_per_m_s() const noexcept { return (1 / acceleration_m_s2 + 1 / deceleration_m_s2) / 2; }
+  constexpr Scalar rise_s() const noexcept {
+    return jerk_m_s3 > 0 ? (acceleration_m_s2 + deceleration_m_s2) / (2 * jerk_m_s3) : Scalar{0};
   }
 };
 
@@ -68,6 +89,7 @@ class MovePlan {
   }
 
   constexpr void restart() noexcept { planned_ = 0; }
+  constexpr void limit_speed(Scalar speed_m_s) noexcept { limits_.speed_m_s = speed_m_s; }
   constexpr void turn() noexcept { planned_ = -planned_; }
   constexpr bool limits_jerk() const noexcept { return per_jerk_ > 0; }
 

@@ -11,8 +11,11 @@
 
 namespace breakaway::config {
 
-// Returns the most that the law asks for, which is what the file allows it and what the drive can give.
+// Returns the most that the drive is asked for, which is what the file allows and what the drive can give.
 double max_force_N(const Axis& axis);
+// What of it is given against a known force on the axis, in whole steps of the drive, and what that leaves the law.
+double feedforward_N(const Axis& axis);
+double law_force_N(const Axis& axis);
 
 // Requires axis.controller.impulsive. Real: float or double.
 template <class Real>

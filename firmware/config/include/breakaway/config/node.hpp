@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "breakaway/firmware/fault_scope.hpp"
+#include "breakaway/firmware/moves_end.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/friction_bounds.hpp"
@@ -49,6 +50,7 @@ struct ImpulsiveGains {
   double kick_damping_Ns_per_m = 0;      // k22
   Kick kick = Kick::ideal;
   law::Coast coast = law::Coast::pd;  // brake, where a file with [loop] and [drive] names none, nor the naive kick
+  double feedforward_N = 0;           // as the file has it, before it is rounded to a step of the drive
 };
 
 struct PidGains {
@@ -123,8 +125,9 @@ struct Truth {
 
 // What the file says of the world of an axis, as far as its certificate must know it. A node is not told of it.
 struct Surroundings {
-  double force_N = 0;  // the most that acts beside the drive's force and friction, ripple apart
-  double ripple = 0;   // share of the drive's force by which it varies along the travel
+  double force_N = 0;    // constant, on the axis beside the drive's force and friction
+  double cogging_N = 0;  // the most of it
+  double ripple = 0;     // share of the drive's force by which it varies along the travel
   double presliding_stiffness_N_per_m = 0, presliding_damping_Ns_per_m = 0;  // of bristles; 0: there are none
   double drift = 0;             // share of itself by which friction swells and falls
   double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
@@ -161,6 +164,7 @@ struct Loop {
   std::uint8_t node_id = 127;  // the node's own on the bus
   hal::Duration heartbeat_period{std::chrono::milliseconds{50}};
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
+  firmware::MovesEnd moves_end = firmware::MovesEnd::each;
   hal::Duration command_timeout{std::chrono::milliseconds{500}};  // of a node that another one commands
 };
 
