@@ -54,12 +54,12 @@ TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {
     EXPECT_TRUE(axis.settled) << gain;
     EXPECT_TRUE(axis.faults.empty()) << gain;
     EXPECT_LE(std::abs(axis.final_error_m), 3e-6 + 0.5e-6) << gain;
-    EXPECT_LE(axis.beyond_m, 0.5e-6) << gain;
+    EXPECT_LE(axis.excursions->beyond_m, 0.5e-6) << gain;
     EXPECT_LE(axis.max_force_N, 50) << gain;
   }
   s.node.axes[0].controller.impulsive->feedforward_N = 0;
   s.node.axes[0].uncertainty.force_N = 0;
-  EXPECT_GT(sil::run_loop_scenario(s, {}).axes[0].beyond_m, 1e-6) << "then the feedforward does nothing";
+  EXPECT_GT(sil::run_loop_scenario(s, {}).axes[0].excursions->beyond_m, 1e-6) << "then the feedforward does nothing";
 }
 
 TEST(PlantScene, TheLoadIsWhereSpringAndPlayLeaveIt) {
