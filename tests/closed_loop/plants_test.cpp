@@ -57,6 +57,7 @@ TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {
     EXPECT_LE(axis.excursions->beyond_m, 0.5e-6) << gain;
     EXPECT_LE(axis.max_force_N, 50) << gain;
   }
+  s.worlds[0].plant.force_N = 2;  // towards the target, and nothing is given against it
   s.node.axes[0].controller.impulsive->feedforward_N = 0;
   s.node.axes[0].uncertainty.force_N = 0;
   EXPECT_GT(sil::run_loop_scenario(s, {}).axes[0].excursions->beyond_m, 1e-6) << "then the feedforward does nothing";

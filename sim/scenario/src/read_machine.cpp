@@ -54,12 +54,14 @@ Value matrix(MatrixXd& to, std::string_view unit) {
 
 Value vector(VectorXd& to, std::string_view unit, Range range = {}) {
   std::vector<double> ignored;
-  return {numbers(ignored, unit, range).expects, [&to, range](const Entry& entry) {
-            std::vector<double> values;
-            if (!numbers(values, "", range).take(entry)) return false;
-            to = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-            return true;
-          }};
+  Value value = numbers(ignored, unit, range);
+  value.take = [&to, range](const Entry& entry) {
+    std::vector<double> values;
+    if (!numbers(values, "", range).take(entry)) return false;
+    to = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+    return true;
+  };
+  return value;
 }
 
 // The error with the place of its key in the file; an entry of an array stands where the array does.

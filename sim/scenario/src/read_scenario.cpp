@@ -13,6 +13,7 @@
 #include "read_coupled.hpp"
 #include "read_friction.hpp"
 #include "read_plant.hpp"
+#include "read_quirks.hpp"
 
 namespace breakaway::scenario {
 namespace {
@@ -145,29 +146,6 @@ class WorldReader {
                       optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")),
                       seed(a.seed),
                       optional("quirks", table([&a](const Section& section) { read_quirks(section, a.quirks); }))}};
-  }
-
-  static void read_quirks(const Section& section, drive_emulator::Quirks& q) {
-    std::vector<Key> keys{
-        optional("mode_display_delay_s", duration_s(q.mode_display_delay, delay)),
-        optional("needs_mode_to_enable", boolean(q.needs_mode_to_enable)),
-        optional("min_controlword_interval_s", duration_s(q.min_controlword_interval, delay)),
-        optional("sync_alarm_periods",
-                 integer([&q](std::int64_t n) { q.sync_alarm_periods = static_cast<std::uint32_t>(n); }, 0, 1000)),
-        optional("torque_relative_to_max", boolean(q.torque_relative_to_max)),
-        optional("interpolation_in_ms_only", boolean(q.interpolation_in_ms_only)),
-        optional("position_reversed", boolean(q.position_reversed)),
-        optional(
-            "position_range_counts",
-            integer([&q](std::int64_t n) { q.position_range_counts = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
-        optional("refuses_start_with",
-                 integer([&q](std::int64_t n) { q.refuses_start_with = static_cast<std::uint16_t>(n); }, 0, 0xFFFF)),
-        optional("self_starting", boolean(q.self_starting)),
-        optional("maps_in_pre_operational_only", boolean(q.maps_in_pre_operational_only)),
-        optional("no_boot_up_message", boolean(q.no_boot_up_message)),
-        optional("counts_from_power_on", boolean(q.counts_from_power_on)),
-    };
-    section.read(keys);
   }
 
   static std::vector<Key> plant_rows(AxisWorld& world) {

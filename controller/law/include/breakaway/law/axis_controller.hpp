@@ -450,7 +450,7 @@ class AxisController {
     if (less || seen_N(travel_m + unsure_m) > braked_->most_seen_N) contradict(seen_N(travel_m), error_m);
   }
   void contradict(Scalar seen_N, Scalar error_m) noexcept {
-    seen_friction_N_ = seen_N;
+    seen_friction_N_ = std::max(seen_N, Scalar{0});  // less than none: mass or force gain are off as well
     if (++contradictions_ >= most_contradictions && error_m > p_.position_tolerance_m)
       accuse(ControlFault::contradicted);
   }
