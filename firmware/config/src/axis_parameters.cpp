@@ -17,6 +17,15 @@ std::optional<design::MoveRequest> move_request(const Axis& axis) {
                              axis.move->acceleration_m_s2, axis.move->jerk_m_s3};
 }
 
+// The supervisor stops an axis beyond its speed limit. Moves have a margin of their own; any other approach under the
+// brake goes as fast as its force lets it.
+double approach_speed_m_s(const Axis& axis) {
+  constexpr double share_of_limit = 0.9;
+  const double asked_m_s = axis.controller.max_approach_speed_m_s;
+  const bool goes_all_out = axis.controller.impulsive->coast == law::Coast::brake && !axis.move;
+  return goes_all_out ? std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s) : asked_m_s;
+}
+
 }  // namespace
 
 double max_force_N(const Axis& axis) {
@@ -43,7 +52,7 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.friction = {static_cast<Real>(axis.friction.bounds.lower_N), static_cast<Real>(axis.friction.bounds.upper_N)};
   p.max_force_N = static_cast<Real>(law_force_N(axis));
   p.feedforward_N = static_cast<Real>(feedforward_N(axis));
-  p.max_approach_speed_m_s = static_cast<Real>(axis.controller.max_approach_speed_m_s);
+  p.max_approach_speed_m_s = static_cast<Real>(approach_speed_m_s(axis));
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
   p.encoder_noise_m = static_cast<Real>(axis.uncertainty.encoder_noise_m);

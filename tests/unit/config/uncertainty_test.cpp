@@ -93,6 +93,14 @@ TEST(Feedforward, IsRefusedWhereItLeavesTooLittleOrNoDriveGivesIt) {
   EXPECT_NE(message(ideal).find("give the axis a [drive]"), std::string::npos) << message(ideal);
 }
 
+// It uses all the force there is, and the supervisor stops what is faster than its limit.
+TEST(Brake, ApproachesBelowTheSpeedLimit) {
+  const std::string free = with(braked(), "max_approach_speed_m_s = 5\n", "");
+  const Node node = parse_node(free, "node.toml");
+  EXPECT_FLOAT_EQ(axis_parameters<float>(node, node.axes[0]).max_approach_speed_m_s, 0.9F * 20);
+  EXPECT_FLOAT_EQ(axis_parameters<float>(node, node.axes[1]).max_approach_speed_m_s, 5) << "the file asks for less";
+}
+
 TEST(Brake, NeedsALoopAndADrive) {
   const std::string ideal =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"
