@@ -473,10 +473,11 @@ class AxisController {
     mark_m_ = largest;
     since_mark_ = 0;
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
+    awaiting_result_ = false;
+    if (braked_ != nullptr) return;
     rest_.restart(p_.latency_periods);
     periods_left_ = 0;
     sighted_ = 0;
-    awaiting_result_ = false;
   }
 
   static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping

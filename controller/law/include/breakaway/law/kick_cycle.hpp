@@ -128,10 +128,11 @@ class KickCycle {
 
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
+    if (phase_ == Phase::free) return next_free_steps(within_limit(free_steps));
     if (phase_ == Phase::preload && preloaded()) enter(Phase::pulse, pulse_periods_);
     pulsed_ = phase_ == Phase::pulse;
     pulse_starts_ = pulsed_ && left_ == pulse_periods_;
-    const std::int32_t steps = steps_of_phase(free_steps);
+    const std::int32_t steps = steps_of_phase();
     // Without a lag the force of the whole period is what is commanded, else its start is the worst of it.
     if (kicks_->slow_lag > 0) note_calm();
     follow(steps);
@@ -186,6 +187,14 @@ class KickCycle {
   std::int32_t within_limit(std::int32_t steps) const noexcept { return std::clamp(steps, -most_steps_, most_steps_); }
 
  private:
+  // Nothing is counted before a kick, a brake or a release, each of which starts its counts itself.
+  std::int32_t next_free_steps(std::int32_t steps) noexcept {
+    pulsed_ = pulse_starts_ = false;
+    calm_ = 0;
+    follow(steps);
+    return steps;
+  }
+
   static constexpr std::int32_t longest = 65535;  // count of periods
 
   static std::int32_t within_range(Scalar periods) noexcept {
@@ -214,11 +223,11 @@ class KickCycle {
     }
   }
 
-  std::int32_t steps_of_phase(std::int32_t free_steps) const noexcept {
+  std::int32_t steps_of_phase() const noexcept {
     const std::int32_t along = direction_ < 0 ? -1 : 1;
     switch (phase_) {
       case Phase::free:
-        return within_limit(free_steps);
+        return 0;  // next_free_steps()
       case Phase::preload:
         return along * within_limit(preload_steps());
       case Phase::pulse:
