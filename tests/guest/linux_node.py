@@ -51,10 +51,20 @@ def scenario_with_period(period_s, path):
     return path
 
 
-def start_moving(b, interface="vcan0"):
+def scenario_with_absolute_encoder(path):
+    """The scenario of a drive that knows where it stands when it starts."""
+    with open(bench.SCENARIO, encoding="utf-8") as text:
+        changed = text.read().replace("\n[drive]", "\n[drive]\nencoder = \"absolute\" #", 1)
+    require('encoder = "absolute"' in changed, f"{bench.SCENARIO} has no [drive]")
+    with open(path, "w", encoding="utf-8") as text:
+        text.write(changed)
+    return path
+
+
+def start_moving(b, interface="vcan0", scenario=bench.SCENARIO):
     """An axis that is on its way, four metres from its target."""
-    drive = b.drive(interface)
-    node = b.logged_node(interface)
+    drive = b.drive(interface, scenario=scenario)
+    node = b.logged_node(interface, scenario=scenario)
     node.wait_for("enabled")
     time.sleep(0.25)
     return drive, node
@@ -151,13 +161,14 @@ def injected_bus_off(build):
 
 @case
 def killed_drive(build):
+    absolute = scenario_with_absolute_encoder("/dev/shm/absolute.toml")
     with Bench(build) as b:
-        drive, node = start_moving(b)
+        drive, node = start_moving(b, scenario=absolute)
         recorder = b.record("vcan0")
         drive.signal(signal.SIGKILL)
         node.wait_for("FAULT: feedback stale")
         time.sleep(0.3)
-        b.drive("vcan0")
+        b.drive("vcan0", scenario=absolute)
         time.sleep(2)
         reset_s = time.time()
         require_recovery(node)
@@ -169,6 +180,22 @@ def killed_drive(build):
         bench.require_force_before(missed_s, frames, "killed drive")
         bench.require_no_force_after(missed_s, [f for f in frames if f.time_s < reset_s], "killed drive")
     return "named, no force until the reset, then at the target"
+
+
+@case
+def killed_drive_loses_its_reference(build):
+    with Bench(build) as b:
+        drive, node = start_moving(b)
+        drive.signal(signal.SIGKILL)
+        node.wait_for("FAULT: feedback stale")
+        b.drive("vcan0")
+        time.sleep(2)
+        enabled = len(re.findall(r" s  enabled", node.output()))
+        node.signal(signal.SIGUSR1)
+        node.wait_for("FAULT: reference lost")
+        time.sleep(1)
+        require(len(re.findall(r" s  enabled", node.output())) == enabled, f"moves without a zero:\n{node.output()}")
+    return "an incremental axis whose drive booted anew is not enabled by a reset"
 
 
 @case
