@@ -51,16 +51,6 @@ def scenario_with_period(period_s, path):
     return path
 
 
-def scenario_with_absolute_encoder(path):
-    """The scenario of a drive that knows where it stands when it starts."""
-    with open(bench.SCENARIO, encoding="utf-8") as text:
-        changed = text.read().replace("\n[drive]", "\n[drive]\nencoder = \"absolute\" #", 1)
-    require('encoder = "absolute"' in changed, f"{bench.SCENARIO} has no [drive]")
-    with open(path, "w", encoding="utf-8") as text:
-        text.write(changed)
-    return path
-
-
 def start_moving(b, interface="vcan0", scenario=bench.SCENARIO):
     """An axis that is on its way, four metres from its target."""
     drive = b.drive(interface, scenario=scenario)
@@ -161,7 +151,7 @@ def injected_bus_off(build):
 
 @case
 def killed_drive(build):
-    absolute = scenario_with_absolute_encoder("/dev/shm/absolute.toml")
+    absolute = bench.scenario_with_absolute_encoders(bench.SCENARIO, "/dev/shm/absolute.toml")
     with Bench(build) as b:
         drive, node = start_moving(b, scenario=absolute)
         recorder = b.record("vcan0")

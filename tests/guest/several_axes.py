@@ -51,9 +51,10 @@ def three_axes_of_one_node(build):
 
 @case
 def a_killed_drive_of_three_is_named_and_stops_all(build):
+    absolute = bench.scenario_with_absolute_encoders(THREE_AXES, "/dev/shm/absolute.toml")
     with Bench(build) as b:
-        drives = {name: b.drive("vcan0", "--axis", name, scenario=THREE_AXES) for name in NAMES}
-        node = b.logged_node("vcan0", "--target", "0.9,-0.4,-3", scenario=THREE_AXES)
+        drives = {name: b.drive("vcan0", "--axis", name, scenario=absolute) for name in NAMES}
+        node = b.logged_node("vcan0", "--target", "0.9,-0.4,-3", scenario=absolute)
         for name in NAMES:
             wait_for_line(node, name, "enabled")
         time.sleep(0.1)
@@ -65,7 +66,7 @@ def a_killed_drive_of_three_is_named_and_stops_all(build):
         for name in ("gantry", "table"):
             wait_for_line(node, name, "FAULT: stopped with another axis")
         time.sleep(0.3)
-        b.drive("vcan0", "--axis", "slide", scenario=THREE_AXES)
+        b.drive("vcan0", "--axis", "slide", scenario=absolute)
         time.sleep(2)
         reset_s = time.time()
         node.signal(signal.SIGUSR1)
