@@ -77,7 +77,7 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
     const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
     const design::KickPromise promise{c, design, tolerance_m};
     const int kicks = promise.most_kicks(design::kicks_begin_m(design));
-    if (kicks == 0 || kicks > law::AxisController<float>::most_kicks) continue;
+    if (kicks == 0 || kicks > law::KickJudge<float>::most_kicks) continue;
     ++tally.certified;
     run(number, c, design, tolerance_m, promise, r, tally);
   }
@@ -102,7 +102,7 @@ std::optional<design::BrakedDesign<float>> random_move(BrakedClass& c, Random& r
   c.move->distance_m = design::hand_over_m(first) * r.decades(2, 3000);
   auto design = design::design_braked_kicks<float>(c);
   const int kicks = design::most_kicks(c, design, design::kicks_begin_m(design), design.least_tolerance_m);
-  if (kicks == 0 || kicks > law::AxisController<float>::most_kicks || !design::keeps_speed(c, design)) return {};
+  if (kicks == 0 || kicks > law::KickJudge<float>::most_kicks || !design::keeps_speed(c, design)) return {};
   return design;
 }
 
@@ -177,7 +177,7 @@ struct Wrong {
 TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   const long runs = asked_for("BREAKAWAY_TOLD_WRONG", 100);
   std::map<std::string_view, long> ends;
-  constexpr int most_kicks = law::AxisController<float>::most_kicks;
+  constexpr int most_kicks = law::KickJudge<float>::most_kicks;
   long kicks = 0;
   const law::K3Table<float> unused;
   for (long number = 0; number < runs; ++number) {

@@ -9,7 +9,8 @@
 
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/kick_promise.hpp"
-#include "breakaway/law/axis_controller.hpp"
+#include "breakaway/law/approach_plan.hpp"
+#include "breakaway/law/kick_judge.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "breakaway/stability/attractivity.hpp"
 
@@ -222,7 +223,7 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   const bool end = most > 0 || axis.position_tolerance_m >= from_m;
   checks.push_back(
       below("kicks_are_few", "after so many kicks the law stops by name",
-            end ? most : std::numeric_limits<double>::infinity(), law::AxisController<float>::most_kicks,
+            end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
             "the kicks that may be needed from " + brief(from_m) +
                 " m, where brake and kicks take over, against what the law allows",
             "widen the tolerance, use a finer encoder, or a stronger drive or one with a finer step of force",

@@ -140,7 +140,7 @@ TEST_F(AxisControllerTest, GivesUpByNameWhenNoKickLeadsNearer) {
     if (controller.update({kicks % 2 == 0 ? -1e-4F : 1e-4F}).kicked) ++kicks;
   }
   EXPECT_EQ(controller.fault(), ControlFault::hunting);
-  EXPECT_NEAR(kicks, AxisController<float>::most_kicks, 2);
+  EXPECT_NEAR(kicks, KickJudge<float>::most_kicks, 2);
 }
 
 // What is pushed out of its hold now and then is brought back each time, however often that is.

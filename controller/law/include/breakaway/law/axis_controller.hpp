@@ -24,6 +24,7 @@
 #include "breakaway/law/control_types.hpp"
 #include "breakaway/law/k3_table.hpp"
 #include "breakaway/law/kick_cycle.hpp"
+#include "breakaway/law/kick_judge.hpp"
 #include "breakaway/law/kick_shaper.hpp"
 #include "breakaway/law/rest_detector.hpp"
 #include "breakaway/law/spring_stage.hpp"
@@ -34,11 +35,6 @@ namespace breakaway::law {
 template <class Scalar>
 class AxisController {
  public:
-  // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
-  static constexpr std::uint8_t most_kicks = 128;
-  // Kicks that show friction outside its stated bounds.
-  static constexpr std::uint8_t most_contradictions = 4;
-
   using Parameters = AxisParameters<Scalar>;
 
   // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
@@ -83,7 +79,7 @@ class AxisController {
     before_m_ -= shift_m;
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && braked_->approach.move.are_asked_for();
     if (!goes_on) return restart();
-    forget_kicks();
+    judge_.forget();
     cycle_.restart();
     plan_.retarget(shift_m);
   }
@@ -98,8 +94,8 @@ class AxisController {
   // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
   // bound cannot break the axis away: then it ends up jammed, by name.
   void limit_force(Scalar force_N) noexcept {
-    if (!(force_N < max_force_N())) return;
     const Scalar left_N = std::max(force_N - (p_.total_force_N() - p_.max_force_N), Scalar{0});
+    if (!(left_N < p_.max_force_N)) return;
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
     p_.max_force_N = left_N;
     shaper_.limit_force(left_N);
@@ -127,10 +123,8 @@ class AxisController {
     if (braked_ == nullptr) return velocity_.velocity_m_s();
     return mode_ == Mode::approach ? plan_.velocity_m_s() : (newest_m_ - before_m_) / p_.period_s;
   }
-  std::uint32_t kicks() const noexcept { return kicks_; }
-  // About the friction that the last kick showed which went further or less far than what was told lets it, or the
-  // brake, where that drove the axis back; 0: there was none.
-  Scalar seen_friction_N() const noexcept { return seen_friction_N_; }
+  std::uint32_t kicks() const noexcept { return judge_.kicks(); }
+  Scalar seen_friction_N() const noexcept { return judge_.seen_friction_N(); }
   const Parameters& parameters() const noexcept { return p_; }
   Scalar period_s() const noexcept { return p_.period_s; }
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
@@ -146,8 +140,6 @@ class AxisController {
 
  private:
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
-  static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
-  static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
   // Under the coast "pd"; under the brake it is longer, because a proof of rest may take longer there.
   static constexpr std::int32_t long_hold_periods = 400;
 
@@ -196,7 +188,7 @@ class AxisController {
     if (mode_ == Mode::approach) return approach_to_brake(x);
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return keep_holding(x);
-      if (++kicks_counted_ > most_kicks) return fail(ControlFault::hunting);
+      if (judge_.left_hold()) return fail(ControlFault::hunting);
       if (std::abs(x) > 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m)) {
         start_approach();
         return approach_to_brake(x);
@@ -233,7 +225,7 @@ class AxisController {
   // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
   void note_holding(std::int32_t long_hold) noexcept {
     if (held_ > long_hold) return;
-    if (++held_ == long_hold) forget_kicks();
+    if (++held_ == long_hold) judge_.forget();
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
@@ -268,9 +260,8 @@ class AxisController {
 
   // The axis rests: holds it there, or kicks it.
   ControlOutput<Scalar> conclude(Scalar x) noexcept {
-    if (awaiting_result_) compare_with_told((x - kicked_from_m_) * cycle_.direction(), std::abs(x));
-    judge_last_kick(x);
-    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    if (const ControlFault proved = judge_.judge(p_, x, *braked_, cycle_); proved != ControlFault::none)
+      return fail(proved);
     if (spring_.reaches(x)) {
       spring_.start(x);
       cycle_.set_free();
@@ -287,9 +278,7 @@ class AxisController {
 
   ControlOutput<Scalar> start_braked_kick(Scalar x) noexcept {
     spring_.stop();
-    ++kicks_;
-    kicked_from_m_ = x;
-    awaiting_result_ = true;
+    judge_.kicked(x);
     mode_ = Mode::coast;
     cycle_.kick(x > 0 ? Scalar{-1} : Scalar{1}, braked_->table.pulse(std::abs(x)));
     return give(0);
@@ -335,19 +324,16 @@ class AxisController {
   }
 
   ControlOutput<Scalar> enter_hold(Scalar x, Scalar v) noexcept {
+    if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
     mode_ = Mode::hold;
     held_ = 0;
-    judge_last_kick(x);
     return output(feedback(x, v));
   }
 
   // impulse_Ns: |k3(x)|.
   ControlOutput<Scalar> start_kick(Scalar x, Scalar v, Scalar impulse_Ns) noexcept {
-    judge_last_kick(x);
-    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
-    ++kicks_;
-    kicked_from_m_ = x;
-    awaiting_result_ = true;
+    if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
+    judge_.kicked(x);
     if (ideal()) {
       mode_ = Mode::coast;
       ControlOutput<Scalar> kick = output(-p_.stiffness_N_per_m * x);
@@ -357,7 +343,7 @@ class AxisController {
     }
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     const Scalar least_N =
-        futile_ > 0 ? p_.friction.upper_N * (1 + escalation * static_cast<Scalar>(futile_)) : Scalar{0};
+        judge_.futile() > 0 ? p_.friction.upper_N * (1 + escalation * static_cast<Scalar>(judge_.futile())) : Scalar{0};
     const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
     kick_force_N_ = kick.force_N * towards;
     periods_left_ = kick.periods;
@@ -399,72 +385,12 @@ class AxisController {
     return {force + p_.feedforward_N, Scalar{0}, mode_, false};
   }
 
-  // Learns from where the last kick led: nowhere, closer, or further away.
-  void judge_last_kick(Scalar x) noexcept {
-    if (!awaiting_result_ || exact()) return;
-    awaiting_result_ = false;
-    const bool moved = std::abs(x - kicked_from_m_) > p_.unseen_m() / 2;
-    const bool grew = std::abs(x) > std::abs(kicked_from_m_) + p_.position_tolerance_m + p_.unseen_m();
-    futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
-    growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
-    note_least_error(std::abs(x), moved);
-    if (braked_ == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
-    if (growing_ >= growing_limit) accuse(ControlFault::diverging);
-    if (fault_ != ControlFault::none) mode_ = Mode::fault;
-  }
-
-  // Every lawful kick leads nearer. Near the target, where a kick may do less than a count, many may be needed to show.
-  void note_least_error(Scalar error_m, bool moved) noexcept {
-    if (error_m < least_error_m_ - p_.unseen_m() / 2) {
-      least_error_m_ = error_m;
-      moved_since_least_ = false;
-      if (braked_ == nullptr) {
-        kicks_counted_ = 0;
-        return;
-      }
-      // Under the brake all kicks count, because a certified axis needs no more of them than the limit.
-      moved = true;
-    } else if (moved) {
-      moved_since_least_ = true;
-    }
-    if (++kicks_counted_ >= most_kicks && error_m > p_.position_tolerance_m)
-      accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
-  }
-  // Of one kick the first fault that it shows is the one to know.
-  void accuse(ControlFault fault) noexcept {
-    if (fault_ == ControlFault::none) fault_ = fault;
-  }
-
-  // A lawful kick goes as far as some friction within its bounds lets it, unless friction bends. Two readings are off
-  // by a count together, and may be by another for noise. One kick may be disturbed, but not a few.
-  void compare_with_told(Scalar travel_m, Scalar error_m) noexcept {
-    if (braked_->spring.is_there()) return;
-    if (cycle_.driven_back()) return contradict(braked_->brake_N, error_m);
-    if (!(travel_m > p_.unseen_m() / 2) || cycle_.pulse_limited()) return;
-    const Scalar pulse_s = static_cast<Scalar>(cycle_.pulse_periods()) * p_.period_s;
-    const auto seen_N = [&](Scalar d) {
-      return friction_seen_N(braked_->approach.mass_kg, cycle_.pulse_N(), braked_->brake_N, pulse_s, d);
-    };
-    const Scalar unsure_m = 2 * p_.unseen_m();
-    const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < braked_->least_seen_N;
-    if (less || seen_N(travel_m + unsure_m) > braked_->most_seen_N) contradict(seen_N(travel_m), error_m);
-  }
-  void contradict(Scalar seen_N, Scalar error_m) noexcept {
-    seen_friction_N_ = std::max(seen_N, Scalar{0});  // less than none: mass or force gain are off as well
-    if (++contradictions_ >= most_contradictions && error_m > p_.position_tolerance_m)
-      accuse(ControlFault::contradicted);
-  }
+  // What is read exactly shows the least motion, and the ideal law is proved to reach its target.
+  ControlFault judge_unless_exact(Scalar x) noexcept { return exact() ? ControlFault::none : judge_.judge(p_, x); }
 
   void restart() noexcept {
-    forget_kicks();
+    judge_.forget();
     start_approach();
-  }
-  void forget_kicks() noexcept {
-    least_error_m_ = largest;
-    kicks_counted_ = 0;
-    contradictions_ = 0;
-    moved_since_least_ = false;
-    futile_ = growing_ = 0;
   }
   void start_approach() noexcept {
     cycle_.restart();
@@ -473,7 +399,7 @@ class AxisController {
     mark_m_ = largest;
     since_mark_ = 0;
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
-    awaiting_result_ = false;
+    judge_.forget_last();
     if (braked_ != nullptr) return;
     rest_.restart(p_.latency_periods);
     periods_left_ = 0;
@@ -495,29 +421,20 @@ class AxisController {
   KickCycle<Scalar> cycle_{};
   SpringStage<Scalar> spring_{};
   ApproachPlan<Scalar> plan_{};
-  Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
+  KickJudge<Scalar> judge_{};
   Scalar last_force_N_{};
   Scalar force_before_N_{};
   Scalar kick_force_N_{};
-  Scalar kicked_from_m_{};
-  Scalar seen_friction_N_{};
   Scalar creep_radius_m_{};
   Scalar newest_m_{};  // readings under the brake, and the one before
   Scalar before_m_{};
   Scalar mark_m_ = largest;  // where the approach was when it was last seen to get on
   std::int32_t since_mark_ = 0;
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
-  std::uint32_t kicks_ = 0;
-  std::int32_t held_ = 0;  // periods
+  std::int32_t held_ = 0;     // periods
   Mode mode_ = Mode::approach;
   ControlFault fault_ = ControlFault::none;
   std::uint8_t periods_left_ = 0;
-  std::uint8_t futile_ = 0;
-  std::uint8_t growing_ = 0;
-  std::uint8_t kicks_counted_ = 0;
-  std::uint8_t contradictions_ = 0;
-  bool moved_since_least_ = false;
-  bool awaiting_result_ = false;
 };
 
 }  // namespace breakaway::law

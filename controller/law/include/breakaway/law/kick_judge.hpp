@@ -1,0 +1,142 @@
+// KickJudge: what the kicks since the target moved have shown, and the fault that they prove.
+//
+// Every lawful kick leads nearer, and goes as far as some friction within its stated bounds lets it. An axis whose
+// kicks do not is not what was stated; one kick may be disturbed, but not a few, so each fault takes a number of them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/braked_kicks.hpp"
+#include "breakaway/law/control_types.hpp"
+#include "breakaway/law/kick_cycle.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class KickJudge {
+ public:
+  // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
+  static constexpr std::uint8_t most_kicks = 128;
+  // Kicks that show friction outside its stated bounds.
+  static constexpr std::uint8_t most_contradictions = 4;
+
+  using Parameters = AxisParameters<Scalar>;
+
+  void forget() noexcept {
+    least_error_m_ = largest;
+    kicks_counted_ = 0;
+    contradictions_ = 0;
+    moved_since_least_ = false;
+    futile_ = growing_ = 0;
+  }
+  // The axis moves for another reason before it rests again.
+  void forget_last() noexcept { awaiting_result_ = false; }
+
+  void kicked(Scalar from_m) noexcept {
+    ++kicks_;
+    kicked_from_m_ = from_m;
+    awaiting_result_ = true;
+  }
+
+  // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
+  bool left_hold() noexcept { return ++kicks_counted_ > most_kicks; }
+
+  // Where the last kick led the axis that rests at x now: nowhere, closer, or further away. Returns the first fault
+  // that it proves. To be called under the coast "pd".
+  ControlFault judge(const Parameters& p, Scalar x) noexcept { return judge(p, x, nullptr, nullptr); }
+
+  // The same under the brake, where the travel is compared with what was told as well.
+  ControlFault judge(const Parameters& p, Scalar x, const BrakedKicks<Scalar>& told,
+                     const KickCycle<Scalar>& cycle) noexcept {
+    return judge(p, x, &told, &cycle);
+  }
+
+  std::uint32_t kicks() const noexcept { return kicks_; }
+  // In a row, and without a count of motion.
+  std::uint8_t futile() const noexcept { return futile_; }
+  // About the friction that the last kick showed which contradicts what was told, or the brake, where that drove the
+  // axis back; 0: there was none.
+  Scalar seen_friction_N() const noexcept { return seen_friction_N_; }
+
+ private:
+  static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
+  static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
+  static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
+
+  ControlFault judge(const Parameters& p, Scalar x, const BrakedKicks<Scalar>* told,
+                     const KickCycle<Scalar>* cycle) noexcept {
+    if (!awaiting_result_) return ControlFault::none;
+    awaiting_result_ = false;
+    proved_ = ControlFault::none;
+    const Scalar error_m = std::abs(x);
+    if (told != nullptr) compare_with_told(p, *told, *cycle, (x - kicked_from_m_) * cycle->direction(), error_m);
+    const bool moved = std::abs(x - kicked_from_m_) > p.unseen_m() / 2;
+    const bool grew = error_m > std::abs(kicked_from_m_) + p.position_tolerance_m + p.unseen_m();
+    futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
+    growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
+    note_least_error(p, error_m, moved, told != nullptr);
+    if (told == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
+    if (growing_ >= growing_limit) accuse(ControlFault::diverging);
+    return proved_;
+  }
+
+  // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer.
+  void note_least_error(const Parameters& p, Scalar error_m, bool moved, bool all_count) noexcept {
+    if (error_m < least_error_m_ - p.unseen_m() / 2) {
+      least_error_m_ = error_m;
+      moved_since_least_ = false;
+      if (!all_count) {
+        kicks_counted_ = 0;
+        return;
+      }
+      // Under the brake all kicks count, because a certified axis needs no more of them than the limit.
+      moved = true;
+    } else if (moved) {
+      moved_since_least_ = true;
+    }
+    if (++kicks_counted_ >= most_kicks && error_m > p.position_tolerance_m)
+      accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
+  }
+
+  // Unless friction bends. Two readings are off by a count together, and may be by another for noise.
+  void compare_with_told(const Parameters& p, const BrakedKicks<Scalar>& told, const KickCycle<Scalar>& cycle,
+                         Scalar travel_m, Scalar error_m) noexcept {
+    if (told.spring.is_there()) return;
+    if (cycle.driven_back()) return contradict(p, told.brake_N, error_m);
+    if (!(travel_m > p.unseen_m() / 2) || cycle.pulse_limited()) return;
+    const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
+    const auto seen_N = [&](Scalar d) {
+      return friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, d);
+    };
+    const Scalar unsure_m = 2 * p.unseen_m();
+    const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < told.least_seen_N;
+    if (less || seen_N(travel_m + unsure_m) > told.most_seen_N) contradict(p, seen_N(travel_m), error_m);
+  }
+  void contradict(const Parameters& p, Scalar seen_N, Scalar error_m) noexcept {
+    seen_friction_N_ = seen_N > 0 ? seen_N : Scalar{0};  // less than none: mass or force gain are off as well
+    if (++contradictions_ >= most_contradictions && error_m > p.position_tolerance_m)
+      accuse(ControlFault::contradicted);
+  }
+
+  // Of one kick the first fault that it shows is the one to know.
+  void accuse(ControlFault fault) noexcept {
+    if (proved_ == ControlFault::none) proved_ = fault;
+  }
+
+  Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
+  Scalar kicked_from_m_{};
+  Scalar seen_friction_N_{};
+  std::uint32_t kicks_ = 0;
+  ControlFault proved_ = ControlFault::none;
+  std::uint8_t futile_ = 0;
+  std::uint8_t growing_ = 0;
+  std::uint8_t kicks_counted_ = 0;
+  std::uint8_t contradictions_ = 0;
+  bool moved_since_least_ = false;
+  bool awaiting_result_ = false;
+};
+
+}  // namespace breakaway::law
