@@ -345,9 +345,8 @@ double bent_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) 
   double impulse_Ns = 0;
   const law::KickTable<Real>& table = design.kicks.table;
   for (std::size_t i = 0; i < table.count; ++i) {
-    const auto& e = table.entries[i];
-    const auto force_N = static_cast<double>(table.list ? e.a1 : std::max(e.a0, e.a0 + e.a1 + e.a2 + e.a3));
-    impulse_Ns = std::max(impulse_Ns, std::min(force_N, kicks.limit_N()) * table.periods[i] * axes.period_s);
+    const double force_N = std::min(detail::greatest_force_N(table, i), kicks.limit_N());
+    impulse_Ns = std::max(impulse_Ns, force_N * table.periods[i] * axes.period_s);
   }
   return start_m_s * axes.force_gain.most * impulse_Ns / A + bend_m;
 }

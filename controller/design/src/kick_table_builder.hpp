@@ -20,6 +20,13 @@ struct RealPulse {
   double most_m = 0, least_m = 0;  // its travel
 };
 
+// Of the pulses of one entry: its force grows from one end of the entry to the other.
+template <class Real>
+double greatest_force_N(const law::KickTable<Real>& table, std::size_t entry) {
+  const auto& e = table.entries[entry];
+  return table.list ? double{e.a1} : std::max(double{e.a0}, double{e.a0} + e.a1 + e.a2 + e.a3);
+}
+
 template <class Real>
 class KickTableBuilder {
  public:
@@ -47,9 +54,8 @@ class KickTableBuilder {
   double peak_speed_m_s() const {
     double most = 0;
     for (std::size_t i = 0; i < table_.count; ++i) {
-      const typename Table::Entry& e = table_.entries[i];
-      const double force_N = table_.list ? double{e.a1} : std::max(double{e.a0}, double{e.a0} + e.a1 + e.a2 + e.a3);
-      const double net_N = axes_.force_gain.most * std::min(force_N, kicks_.limit_N()) - kicks_.least_friction_N();
+      const double force_N = std::min(greatest_force_N(table_, i), kicks_.limit_N());
+      const double net_N = axes_.force_gain.most * force_N - kicks_.least_friction_N();
       const double longest_s = table_.periods[i] * axes_.period_s + axes_.jitter_s;
       most = std::max(most, net_N * longest_s / axes_.mass_kg.least);
     }

@@ -181,8 +181,8 @@ class Outside {
     const double beside_N = left_N() + s.cogging_N + ripple_N;
     if (beside_N == 0) return;
     if (!braked())
-      add("[plant] has {:.6g} N act beside the drive's force, of which the coast \"pd\" knows nothing; take coast = "
-          "\"brake\" with [uncertainty] force_N = {:.6g}",
+      add("[plant] has {:.6g} N act beside the drive's force, of which the coast \"pd\" knows nothing; feed "
+          "a constant force forward by feedforward_N, or take coast = \"brake\" with [uncertainty] force_N = {:.6g}",
           beside_N, beside_N);
     else if (beside_N > axis_.uncertainty.force_N * (1 + rounding))
       add("[plant] has {:.6g} N act beside the drive's force (what feedforward_N leaves of force_N, cogging, and the "
