@@ -10,6 +10,7 @@
 #include <optional>
 #include <random>
 
+#include "../realtime_guard.hpp"
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
@@ -95,7 +96,9 @@ class FaultWorld {
     if (each_period) each_period();
     command();
     port.begin_period(now_);
-    if (controller_runs) node_->step(now_ + port.clock_ahead);
+    if (!controller_runs) return;
+    const testing::RealtimeGuard guard;
+    node_->step(now_ + port.clock_ahead);
   }
   void run(hal::Duration duration) {
     for (const hal::Time end = now_ + duration; now_ < end;) step();

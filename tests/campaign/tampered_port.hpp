@@ -12,6 +12,7 @@
 #include <random>
 #include <utility>
 
+#include "../realtime_guard.hpp"
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/hal/can_port.hpp"
 #include "breakaway/hal/time.hpp"
@@ -48,6 +49,7 @@ class TamperedPort {
   }
 
   [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
+    const testing::RealtimePause not_the_step;
     hal::CanFrame sent = frame;
     const bool concerned = outgoing.concerns(sent);
     if (concerned && happens(outgoing.lost)) return hal::SendResult::queued;
@@ -60,6 +62,7 @@ class TamperedPort {
     return port_->send(sent, deadline - clock_ahead);
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
+    const testing::RealtimePause not_the_step;
     if (inbox_.empty()) return false;
     received = inbox_.front();
     received.time += clock_ahead;
