@@ -11,6 +11,7 @@ import time
 import traceback
 
 import bench
+import service_manager  # noqa: F401: brings its cases
 import several_axes  # noqa: F401: brings its cases
 from bench import CASES, Bench, Failure, case, latencies, refuses, require
 

@@ -56,8 +56,10 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
   const hal::Time begin = monotonic_now();
   const hal::Duration duration{std::llround(options.duration_s * 1e9)};
   bool any = false;
+  telemetry.ready = true;
   for (hal::Time now = begin; !telemetry.stop && (duration == hal::Duration::zero() || now - begin < duration);) {
     now = ticker.wait();
+    if (ticker.in_time()) telemetry.periods.fetch_add(1, std::memory_order_relaxed);
     port.poll(now);
     for (hal::ReceivedFrame received; port.receive(received);) {
       telemetry.add(FrameRecord{received.time, received.frame});
@@ -69,6 +71,7 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
       }
     }
   }
+  telemetry.stopping = true;
   return any ? done : failed;
 }
 

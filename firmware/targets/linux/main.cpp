@@ -16,6 +16,7 @@
 #include "options.hpp"
 #include "realtime.hpp"
 #include "reporter.hpp"
+#include "service_manager.hpp"
 #include "telemetry.hpp"
 
 namespace breakaway::linux_node {
@@ -78,7 +79,8 @@ int run(const Options& o) {
   socketcan::KernelSocket socket;
   open(socket, o, configuration);
   const auto telemetry = std::make_unique<Telemetry>();
-  Reporter reporter{o, *telemetry, configuration.axes};
+  ServiceManager manager{service_environment(), configuration.node.loop.network.period};
+  Reporter reporter{o, *telemetry, configuration.axes, manager};
   if (o.readonly) return listen(configuration, o, socket, *telemetry);
   NodeRun node{configuration, o, socket, *telemetry};
   if (o.realtime)

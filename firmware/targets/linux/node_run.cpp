@@ -79,7 +79,9 @@ ExitCode NodeRun::run() {
   ticker_ = Ticker{c_.node.loop.network.period};
   refuse_other_master();
   set_up();
+  telemetry_.ready = !telemetry_.stop;
   move();
+  telemetry_.stopping = true;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     axes_[i].reached = rests_on_target(i);
     axes_[i].last_fault = status(i).fault;
@@ -95,6 +97,7 @@ ExitCode NodeRun::run() {
 
 void NodeRun::poll() {
   now_ = ticker_.wait();
+  if (ticker_.in_time()) telemetry_.periods.fetch_add(1, std::memory_order_relaxed);
   socket_port_.poll(now_);
   port_.set_time(now_);
 }

@@ -40,6 +40,8 @@ class Ticker {
   hal::Time wait() noexcept;
   const Latency& latency() const noexcept { return latency_; }
   hal::Duration last_latency() const noexcept { return last_; }
+  // Whether the newest tick was reached before the one after it was due.
+  bool in_time() const noexcept { return last_ < period_; }
 
  private:
   hal::Duration period_;

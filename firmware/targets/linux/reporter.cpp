@@ -56,10 +56,12 @@ hal::Duration realtime_minus_monotonic() {
 
 }  // namespace
 
-Reporter::Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes)
+Reporter::Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes,
+                   ServiceManager& manager)
     : telemetry_{telemetry},
       interface_{options.interface},
       axes_{axes},
+      manager_{manager},
       csv_{open(options.csv)},
       candump_{open(options.candump)},
       to_realtime_{realtime_minus_monotonic()},
@@ -94,6 +96,7 @@ void Reporter::run() {
     take_signals();
     last = telemetry_.finished;
     drain();
+    tell_manager();
   }
   if (any_shown_ && terminal_) fmt::print("\n");
   std::fflush(stdout);
@@ -145,6 +148,14 @@ void Reporter::show_change(const StepRecord& step) {
   if (axes_.size() > 1) fmt::format_to(out, "{:<8}  ", axes_[step.axis].name);
   fmt::format_to(out, "{:<11}  {:<8}  target {:+.6f} m  position {:+.6f} m  force {:+.3f} N", to_string(step.drive),
                  mode_of(step), metres(step, step.target_counts), metres(step, step.position_counts), step.reported_N);
+  append_fault(step);
+  print_line(false);
+  shown_[step.axis] = step;
+  shown_at_ = step.time;
+}
+
+void Reporter::append_fault(const StepRecord& step) {
+  const auto out = std::back_inserter(line_);
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
   if (step.stop_not_obeyed && step.fault != firmware::AxisFault::stop_not_obeyed)
     fmt::format_to(out, ", {}", firmware::to_string(firmware::AxisFault::stop_not_obeyed));
@@ -153,9 +164,18 @@ void Reporter::show_change(const StepRecord& step) {
   if (step.reset_refused) fmt::format_to(out, " (reset refused: not seen without force yet, or no bus; try again)");
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
   if (step.fault_code != 0) line_ += " (" + error_text(step.fault_code, step.error_register) + ")";
-  print_line(false);
-  shown_[step.axis] = step;
-  shown_at_ = step.time;
+}
+
+// The state of every axis and what is wrong with it: not its mode, which changes too often for a manager's log.
+void Reporter::tell_manager() {
+  if (!manager_.present()) return;
+  line_.clear();
+  for (const StepRecord& step : newest_) {
+    fmt::format_to(std::back_inserter(line_), "{}{}{}", step.axis == 0 ? "" : "; ",
+                   axes_.size() > 1 ? axes_[step.axis].name + " " : std::string{}, to_string(step.drive));
+    append_fault(step);
+  }
+  manager_.poll(monotonic_now(), telemetry_, line_);
 }
 
 // The live line is written over.

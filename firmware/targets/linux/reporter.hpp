@@ -1,4 +1,5 @@
-// The thread beside the loop: writes the logs and the status line, and takes the operator's signals.
+// The thread beside the loop: writes the logs and the status line, takes the operator's signals, and tells the service
+// manager that the node lives. That the thread which obeys SIGTERM tells it proves that this thread lives, too.
 #pragma once
 
 #include <cstdio>
@@ -10,6 +11,7 @@
 
 #include "configuration.hpp"
 #include "options.hpp"
+#include "service_manager.hpp"
 #include "telemetry.hpp"
 
 namespace breakaway::linux_node {
@@ -18,7 +20,7 @@ class Reporter {
  public:
   // From here on SIGINT, SIGTERM and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another thread,
   // and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
-  Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes);
+  Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes, ServiceManager& manager);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
   ~Reporter() { finish(); }
@@ -41,6 +43,8 @@ class Reporter {
   void show_change(const StepRecord& step);
   void show_live(hal::Time time);
   void print_line(bool live);
+  void append_fault(const StepRecord& step);
+  void tell_manager();
   double metres(const StepRecord& step, std::int32_t counts) const { return counts * axes_[step.axis].resolution_m; }
   double seconds(hal::Time time) const;
   // Since the epoch of CLOCK_REALTIME.
@@ -50,6 +54,7 @@ class Reporter {
   Telemetry& telemetry_;
   std::string interface_;
   const std::vector<AxisPlan>& axes_;
+  ServiceManager& manager_;
   File csv_, candump_;
   std::string line_;
   hal::Duration to_realtime_{};  // of CLOCK_MONOTONIC

@@ -48,6 +48,9 @@ struct Telemetry {
   std::atomic<bool> stop{false};           // the operator's: SIGINT, SIGTERM
   std::atomic<bool> reset{false};          // SIGUSR1
   std::atomic<bool> finished{false};       // the control thread's: nothing more comes
+  std::atomic<bool> ready{false};          // the control thread's: what it is for has begun
+  std::atomic<bool> stopping{false};       // the control thread's: its axes are being stopped
+  std::atomic<std::uint64_t> periods{0};   // that the control thread began in time
 
   void add(const Record& record) noexcept {
     if (!records.push(record)) lost.fetch_add(1, std::memory_order_relaxed);
