@@ -2,6 +2,7 @@
 // the truth anywhere inside what was told.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -32,59 +33,129 @@ testing::TrueAxis true_axis(const BrakedClass& c, Random& r) {
           c.latency_periods};
 }
 
-void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, double tolerance_m,
-         const design::KickPromise& promise, Random& r, Tally& tally) {
-  const double q = c.encoder_resolution_m, read_m = c.reading_error_m();
+// Where runs start: of the second kind up to 1000 times as far away as kicks are for.
+enum class Start { as_drawn, far_away };
+constexpr double furthest_m = 2;
+
+double start_m(Start from, const design::BrakedDesign<float>& design, double share) {
+  if (from == Start::as_drawn) return std::min(design.floor_m * std::pow(10, 4 * share), 1.0);
+  const double nearest_m = design::kicks_begin_m(design);
+  return nearest_m * std::pow(std::min(furthest_m / nearest_m, 1000.0), share);
+}
+
+struct CertifiedAxis {
+  long number;
+  Random r;
+  BrakedClass axes;
+  design::BrakedDesign<float> design;
+  double tolerance_m;
+  design::KickPromise promise;
+};
+
+// The axis of a number; nothing where it is not certified.
+std::optional<CertifiedAxis> certified_axis(long number) {
+  Random r{static_cast<std::uint64_t>(number)};
+  const BrakedClass c = random_axes(r);
+  const auto design = design::design_braked_kicks<float>(c);
+  if (!design.possible()) return {};
+  const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
+  const design::KickPromise promise{c, design, tolerance_m};
+  const int kicks = promise.most_kicks(design::kicks_begin_m(design));
+  if (kicks == 0 || kicks > law::KickJudge<float>::most_kicks) return {};
+  return CertifiedAxis{number, r, c, design, tolerance_m, promise};
+}
+
+void run(CertifiedAxis& axis, Start from, Tally& tally) {
+  const BrakedClass& c = axis.axes;
+  const double q = c.encoder_resolution_m, read_m = c.reading_error_m(), tolerance_m = axis.tolerance_m;
   const auto p = parameters(c, tolerance_m);
   const law::K3Table<float> unused;
-  const double from_m = design::kicks_begin_m(design);
+  const double from_m = design::kicks_begin_m(axis.design);
   // Nobody waits longer than this for the kicks, and beside them for the approach.
-  const double kicks_s = 20 + 2 * promise.most_s(from_m) + 20 * c.period_s * design.kicks.patient_periods;
+  const double kicks_s = 20 + 2 * axis.promise.most_s(from_m) + 20 * c.period_s * axis.design.kicks.patient_periods;
   const double surplus_N = c.force_gain.least * c.max_force_N - c.friction.upper_N - c.load_N;
   for (int kind = 0; kind < kinds; ++kind) {
-    const testing::TrueAxis truth = true_axis(c, r);
-    const double start_m = std::min(design.floor_m * std::pow(10, 4 * r.share()), 1.0) * (r.share() < 0.5 ? 1 : -1);
-    const double longest_s = kicks_s + 20 * std::sqrt(2 * std::fabs(start_m) * c.mass_kg.most / surplus_N);
-    const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(number * kinds + kind),
-                                               std::max(3 * design.floor_m, q), tolerance_m);
+    const testing::TrueAxis truth = true_axis(c, axis.r);
+    const double distance_m = start_m(from, axis.design, axis.r.share());
+    const double longest_s = kicks_s + 20 * std::sqrt(2 * distance_m * c.mass_kg.most / surplus_N);
+    const double side = axis.r.share() < 0.5 ? 1 : -1;
+    const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(axis.number * kinds + kind),
+                                               std::max(3 * axis.design.floor_m, q), tolerance_m);
     // The target is a count. Where the tolerance is less than one, the places of the counts matter.
-    const double encoder_offset = tolerance_m < q ? 0 : r.between(-0.5, 0.5);
-    const auto end = testing::run_kicked_axis<float>(p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 4,
-                                                     50, encoder_offset, {}, disturbance(c, r));
+    const double encoder_offset = tolerance_m < q ? 0 : axis.r.between(-0.5, 0.5);
+    const auto end = testing::run_kicked_axis<float>(p, unused, axis.design.kicks, truth, friction, side * distance_m,
+                                                     0, longest_s, 4, 50, encoder_offset, {}, disturbance(c, axis.r));
     const double first_m = std::max(end.first_kick_m, tolerance_m);
-    const double promised_s = promise.most_s(first_m) + static_cast<double>(end.lost_samples) * c.period_s;
+    const double promised_s = axis.promise.most_s(first_m) + static_cast<double>(end.lost_samples) * c.period_s;
     tally.note(end, c, promised_s);
-    const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind);
+    const std::string where = "axis " + std::to_string(axis.number) + ", friction " + std::to_string(kind);
     EXPECT_EQ(end.fault, law::ControlFault::none) << where << ": " << to_string(end.fault);
     EXPECT_TRUE(end.held) << where << ": " << end.kicks << " kicks, error " << end.error_m;
     EXPECT_FALSE(end.moving_in_hold) << where;
     EXPECT_LE(std::fabs(end.error_m), (tolerance_m + read_m) * (1 + 1e-6)) << where;
     EXPECT_LE(end.beyond_m, read_m * (1 + 1e-6)) << where;
-    EXPECT_LE(end.kicks, promise.most_kicks(first_m)) << where;
-    EXPECT_LE(end.first_kick_m, from_m + std::max(q, read_m)) << where;
+    EXPECT_LE(end.kicks, axis.promise.most_kicks(first_m)) << where;
+    EXPECT_LE(end.first_kick_m, from_m + read_m * (1 + 1e-6)) << where;
     EXPECT_LE(end.kicks > 0 ? end.time_s - end.first_kick_s : 0, promised_s) << where;
   }
 }
 
-TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
-  const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_BRAKED_AXES", 60);
+void run_all(Start from, long first, long axes) {
   Tally tally;
   for (long number = first; number < first + axes; ++number) {
-    Random r{static_cast<std::uint64_t>(number)};
-    const BrakedClass c = random_axes(r);
-    const auto design = design::design_braked_kicks<float>(c);
-    if (!design.possible()) continue;
-    const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
-    const design::KickPromise promise{c, design, tolerance_m};
-    const int kicks = promise.most_kicks(design::kicks_begin_m(design));
-    if (kicks == 0 || kicks > law::KickJudge<float>::most_kicks) continue;
+    auto axis = certified_axis(number);
+    if (!axis) continue;
     ++tally.certified;
-    run(number, c, design, tolerance_m, promise, r, tally);
+    if (from == Start::as_drawn || design::kicks_begin_m(axis->design) < furthest_m) run(*axis, from, tally);
   }
   std::printf(
-      "%ld of %ld axes certified, %ld runs, at most %ld kicks, %.3f of what may be beyond, %.3f of the time promised\n",
-      tally.certified, axes, tally.runs, tally.most_kicks, tally.furthest, tally.longest);
+      "%ld of %ld axes certified, %ld runs%s, at most %ld kicks, %.3f of what may be beyond, %.3f of the time "
+      "promised\n",
+      tally.certified, axes, tally.runs, from == Start::far_away ? " from far away" : "", tally.most_kicks,
+      tally.furthest, tally.longest);
   EXPECT_GE(tally.certified, axes / 2);
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
+  run_all(Start::as_drawn, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_BRAKED_AXES", 60));
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAway) {
+  run_all(Start::far_away, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_FAR_AXES", 60));
+}
+
+struct CounterExample {
+  long number;
+  Start from;
+  const char* what_was_wrong;
+};
+
+constexpr CounterExample counter_examples[] = {
+    {264, Start::as_drawn, "failed before jitter and noise were certified; why is not on record"},
+    {427, Start::as_drawn, "failed before jitter and noise were certified; why is not on record"},
+    {1203, Start::as_drawn, "failed before jitter and noise were certified; why is not on record"},
+    {1393, Start::as_drawn, "failed before jitter and noise were certified; why is not on record"},
+    {10979, Start::as_drawn, "a pulse from more force than the brake's goes beyond"},
+    {11374, Start::as_drawn, "creeps in the approach without end"},
+    {18015, Start::as_drawn, "creeps in the approach without end"},
+    {27927, Start::as_drawn, "its current loop still brakes hard as the axis turns, further away than kicks are for"},
+    {301425, Start::as_drawn, "4 t under 1 N take 50 s for 95 mm"},
+    {307705, Start::as_drawn, "taken for arrived on its way back, further away than kicks are for"},
+    {405828, Start::as_drawn, "heavy and slow at first, taken for one that creeps, and out of kicks"},
+    {407106, Start::as_drawn, "driven to and fro, and released at 5 m/s"},
+    {600024, Start::far_away, "ends its approach further away than kicks are for"},
+    {600285, Start::far_away, "ends its approach further away than kicks are for"},
+    {601090, Start::far_away, "ends its approach further away than kicks are for"},
+};
+
+TEST(BrakedCampaign, AxesThatFailedOnceKeepTheirPromise) {
+  for (const CounterExample& example : counter_examples) {
+    SCOPED_TRACE(example.what_was_wrong);
+    auto axis = certified_axis(example.number);
+    ASSERT_TRUE(axis) << "axis " << example.number << " is refused";
+    Tally tally;
+    run(*axis, example.from, tally);
+  }
 }
 
 // A random move that the class can keep to; nothing where it can keep to none.

@@ -60,6 +60,8 @@ class ApproachPlan {
     move_.restart();
     go_at_most(speed_limit_m_s_);
   }
+  // The approach that has begun comes no faster than brake and friction alone can stop within the distance for that.
+  void go_slowly() noexcept { go_at_most(std::min(a_->switch_speed_m_s, speed_limit_m_s_)); }
   // A move from rest over this distance; 0 where moves have no limits.
   Scalar move_time_s(Scalar distance_m) const noexcept {
     return a_ != nullptr && a_->move.are_asked_for() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};

@@ -57,6 +57,7 @@ class AxisController {
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
     spring_ = {kicks.spring, p_.encoder_resolution_m};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
+    kicks_begin_m_ = kicks.begin_m();
   }
 
   // To be called once a period. Its work is bounded, and it keeps no state outside this object.
@@ -247,15 +248,18 @@ class AxisController {
     return give(cycle_.whole_steps(plan_.force_N() + braked_->force_step_N / 2));
   }
 
-  // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. Moves, which
-  // may begin as slowly, are not looked at.
+  // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. A heavy one
+  // is as slow at first, but gets on further each time. Moves, which may begin as slowly, are not looked at.
   bool hardly_gets_on(Scalar x) noexcept {
-    if (braked_->approach.move.are_asked_for() || ++since_mark_ < braked_->patient_periods) return false;
-    const Scalar speed_m_s = std::min(braked_->approach.switch_speed_m_s, p_.max_approach_speed_m_s) / 64;
-    const bool creeps = std::abs(x - mark_m_) < speed_m_s * p_.period_s * static_cast<Scalar>(braked_->patient_periods);
+    if (braked_->approach.move.are_asked_for()) return false;
+    if (since_mark_ == 0) mark_m_ = x;
+    if (++since_mark_ < braked_->patient_periods) return false;
     since_mark_ = 0;
-    mark_m_ = x;
-    return creeps;
+    const Scalar speed_m_s = std::min(braked_->approach.switch_speed_m_s, p_.max_approach_speed_m_s) / 64;
+    const Scalar way_m = std::abs(x - mark_m_);
+    const bool gains = way_m > last_way_m_;
+    last_way_m_ = way_m;
+    return !gains && way_m < speed_m_s * p_.period_s * static_cast<Scalar>(braked_->patient_periods);
   }
 
   // The axis rests: holds it there, or kicks it.
@@ -273,7 +277,11 @@ class AxisController {
       cycle_.release(0);
       return give(0);
     }
-    return start_braked_kick(x);
+    if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
+    // A slow approach leads nearer on an axis that a fast one drives to and fro.
+    start_approach();
+    plan_.go_slowly();
+    return give(0);
   }
 
   ControlOutput<Scalar> start_braked_kick(Scalar x) noexcept {
@@ -396,8 +404,8 @@ class AxisController {
     cycle_.restart();
     spring_.stop();
     plan_.restart();
-    mark_m_ = largest;
     since_mark_ = 0;
+    last_way_m_ = 0;
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     judge_.forget_last();
     if (braked_ != nullptr) return;
@@ -428,7 +436,9 @@ class AxisController {
   Scalar creep_radius_m_{};
   Scalar newest_m_{};  // readings under the brake, and the one before
   Scalar before_m_{};
-  Scalar mark_m_ = largest;  // where the approach was when it was last seen to get on
+  Scalar kicks_begin_m_ = largest;
+  Scalar mark_m_{};      // where the approach was so many periods ago,
+  Scalar last_way_m_{};  // and how far it had come in as many before
   std::int32_t since_mark_ = 0;
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::int32_t held_ = 0;     // periods

@@ -4,6 +4,7 @@
 // is in the numbers already; the control loop takes them as they are.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "breakaway/law/kick_table.hpp"
@@ -68,6 +69,11 @@ struct BrakedKicks {
   FrictionSpring<Scalar> spring{};
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
+
+  // Kicks begin from no reading further away than this.
+  constexpr Scalar begin_m() const noexcept {
+    return std::max(table.reach_m(), approach.switch_distance_m + approach.short_of_target_m);
+  }
 };
 
 // The constant friction under which an axis of this mass, without lag, would move by travel_m >= 0 in a kick: in a

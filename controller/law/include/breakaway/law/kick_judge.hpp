@@ -20,6 +20,8 @@ class KickJudge {
  public:
   // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
   static constexpr std::uint8_t most_kicks = 128;
+  // Approaches to one target that end further away than kicks are for, before the axis is kicked from there.
+  static constexpr std::uint8_t most_far_ends = 4;
   // Kicks that show friction outside its stated bounds.
   static constexpr std::uint8_t most_contradictions = 4;
 
@@ -28,7 +30,7 @@ class KickJudge {
   void forget() noexcept {
     least_error_m_ = largest;
     kicks_counted_ = 0;
-    contradictions_ = 0;
+    contradictions_ = far_ends_ = 0;
     moved_since_least_ = false;
     futile_ = growing_ = 0;
   }
@@ -43,6 +45,12 @@ class KickJudge {
 
   // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
   bool left_hold() noexcept { return ++kicks_counted_ > most_kicks; }
+
+  // An approach ended further away than kicks are for. Returns whether another may lead nearer.
+  bool approach_may_help() noexcept {
+    if (far_ends_ < most_far_ends) ++far_ends_;
+    return far_ends_ < most_far_ends;
+  }
 
   // Where the last kick led the axis that rests at x now: nowhere, closer, or further away. Returns the first fault
   // that it proves. To be called under the coast "pd".
@@ -135,6 +143,7 @@ class KickJudge {
   std::uint8_t growing_ = 0;
   std::uint8_t kicks_counted_ = 0;
   std::uint8_t contradictions_ = 0;
+  std::uint8_t far_ends_ = 0;
   bool moved_since_least_ = false;
   bool awaiting_result_ = false;
 };

@@ -1,0 +1,75 @@
+// How an approach under the coast "brake" ends where it does not lead near, and what follows.
+#include <gtest/gtest.h>
+
+#include "scripted_axis.hpp"
+
+namespace breakaway::law {
+namespace {
+
+using testing::Scripted;
+
+struct Outcome {
+  int approaches = 0;
+  int kicks = 0;
+};
+
+// The axis stands at `ends_m` of each approach from its first sample on.
+template <class Ends>
+Outcome run(Scripted& axis, const Ends& ends_m) {
+  Outcome outcome;
+  Mode before = Mode::hold;
+  for (int i = 0; i < 20'000 && outcome.kicks == 0; ++i) {
+    const auto out = axis.show(ends_m(outcome.approaches));
+    if (out.mode == Mode::approach && before != Mode::approach) ++outcome.approaches;
+    before = out.mode;
+    outcome.kicks += out.kicked ? 1 : 0;
+  }
+  return outcome;
+}
+
+TEST(ApproachEnd, BeginsKicksAtMostAsFarAwayAsTheyAreFor) {
+  Scripted near{0}, far{0};
+  const float begin_m = near.kicks().begin_m();
+  const Outcome kicked = run(near, [&](int) { return -0.999F * begin_m; });
+  EXPECT_EQ(kicked.kicks, 1);
+  EXPECT_EQ(kicked.approaches, 1);
+  const Outcome again = run(far, [&](int approaches) { return (approaches < 3 ? -1.001F : -0.999F) * begin_m; });
+  EXPECT_EQ(again.kicks, 1);
+  EXPECT_EQ(again.approaches, 3);
+}
+
+TEST(ApproachEnd, IsWhereKicksBeginWhenAFewApproachesDoNotLeadNear) {
+  Scripted axis{0};
+  const float far_m = 2 * axis.kicks().begin_m();
+  const auto stuck = [&](int) { return far_m; };
+  const Outcome first = run(axis, stuck);
+  EXPECT_EQ(first.kicks, 1);
+  EXPECT_EQ(first.approaches, KickJudge<float>::most_far_ends);
+  const Outcome next = run(axis, stuck);
+  EXPECT_EQ(next.kicks, 1);
+  EXPECT_EQ(next.approaches, 0);
+  // They are counted anew for a new target.
+  axis.controller().shift_target(0);
+  EXPECT_EQ(run(axis, stuck).approaches, KickJudge<float>::most_far_ends);
+}
+
+// The periods until the approach is given up of an axis that has come this far after so many periods.
+template <class Way>
+int given_up_after(const Way& way_m) {
+  Scripted axis{0};
+  for (int i = 0; i < 5000; ++i) {
+    if (axis.show(-1 + way_m(static_cast<float>(i))).mode != Mode::approach) return i;
+  }
+  return 5000;
+}
+
+TEST(ApproachEnd, ComesSoonForAnAxisThatCreepsAndNotForAHeavyOne) {
+  const auto kicks = Scripted{0}.kicks();
+  const float periods = kicks.patient_periods, slow_m = kicks.approach.switch_speed_m_s / 64 * 1e-3F;
+  EXPECT_LE(given_up_after([&](float i) { return slow_m / 2 * i; }), 5 * kicks.patient_periods);
+  // As slow as that for two times as many periods, but ever faster.
+  EXPECT_EQ(given_up_after([&](float i) { return slow_m / 4 * i * i / periods; }), 5000);
+}
+
+}  // namespace
+}  // namespace breakaway::law
