@@ -109,8 +109,11 @@ class KickTableBuilder {
     const auto root = static_cast<float>(std::sqrt(from_m));
     const std::uint32_t first = std::bit_cast<std::uint32_t>(root) >> Table::shift;
     table_.first = static_cast<std::uint16_t>(first);
-    const double end_m = kicks_.most_travel_m(kicks_.limit_N(), longest_pulse_periods,
-                                              kicks_.cut_periods(kicks_.limit_N(), longest_pulse_periods));
+    for (int n = 1; n <= longest_pulse_periods; ++n) {
+      const int cuts = kicks_.cut_periods(kicks_.limit_N(), n);
+      longest_[static_cast<std::size_t>(n)] = {cuts, kicks_.most_travel_m(kicks_.limit_N(), n, cuts)};
+    }
+    const double end_m = longest_.back().travel_m;
     int periods = 1;
     for (std::size_t i = 0; i < Table::most_entries; ++i) {
       const double left = root_at(first + static_cast<std::uint32_t>(i));
@@ -131,21 +134,30 @@ class KickTableBuilder {
     int best = from;
     double best_score = -1;
     for (int n = from; n <= std::min(to, longest_pulse_periods); ++n) {
-      double score = 0, worst = std::numeric_limits<double>::infinity();
-      for (const double s : {left, (left + right) / 2, right}) {
-        const double share = share_taken(n, s * s);
-        score += std::min(share, least_share);
-        worst = std::min(worst, share);
-      }
-      if (score + 0.01 * worst <= best_score) continue;
+      const double score = score_of(n, {left, (left + right) / 2, right}, best_score);
+      if (score <= best_score) continue;
       best = n;
-      best_score = score + 0.01 * worst;
+      best_score = score;
     }
     return best;
   }
+  // Something that is not above `to_beat` where the score is not.
+  double score_of(int periods, const std::array<double, 3>& roots, double to_beat) const {
+    double score = 0, worst = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < roots.size(); ++i) {
+      const double share = share_taken(periods, roots[i] * roots[i]);
+      score += std::min(share, least_share);
+      worst = std::min(worst, share);
+      double most = score;
+      for (std::size_t later = i + 1; later < roots.size(); ++later) most += least_share;
+      if (most + 0.01 * worst <= to_beat) return to_beat;
+    }
+    return score + 0.01 * worst;
+  }
   double share_taken(int periods, double distance_m) const {
-    const int at_limit = kicks_.cut_periods(kicks_.limit_N(), periods);
-    const bool limited = kicks_.most_travel_m(kicks_.limit_N(), periods, at_limit) <= distance_m;
+    const Longest& longest = longest_[static_cast<std::size_t>(periods)];
+    const int at_limit = longest.cut_periods;
+    const bool limited = longest.travel_m <= distance_m;
     const double force_N = limited ? kicks_.limit_N() : kicks_.force_N(distance_m, periods, at_limit);
     const double taken_N = kicks_.rounded_down_N(std::min(force_N, kicks_.limit_N()));
     return kicks_.least_travel_m(taken_N, periods, at_limit) / distance_m;
@@ -273,7 +285,8 @@ class KickTableBuilder {
         const int least_cut = kicks_.cut_periods(force_N, n),
                   most_cut = least_cut > 0 ? std::min(least_cut + 3, longest_cut_periods) : 0;
         for (int cut = least_cut; cut <= most_cut; ++cut) {
-          if (kicks_.least_travel_m(force_N, n, cut) > 0) all.push_back(real(force_N, n, cut));
+          const double least_m = kicks_.least_travel_m(force_N, n, cut);
+          if (least_m > 0) all.push_back({force_N, n, cut, kicks_.most_travel_m(force_N, n, cut), least_m});
         }
       }
     }
@@ -308,8 +321,15 @@ class KickTableBuilder {
     return {from_m, end_m};
   }
 
+  // The greatest kick of so many periods.
+  struct Longest {
+    int cut_periods = 0;
+    double travel_m = 0;
+  };
+
   const BrakedClass& axes_;
   const KickClass& kicks_;
+  std::array<Longest, longest_pulse_periods + 1> longest_{};
   Table table_{};
   double aim_lost_ = 0;
 };
