@@ -1,14 +1,17 @@
 // The controller node on CAN1, PB8 (in) and PB9 (out).
 #pragma once
 
+#include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/bxcan/port.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "clocks.hpp"
 #include "flashed_node.hpp"
 #include "pins.hpp"
+#include "reset_cause.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
+#include "watchdog.hpp"
 
 namespace breakaway::stm32f405 {
 
@@ -32,25 +35,29 @@ class BxcanNode {
 
   BxcanNode() noexcept : port_{registers_}, node_{port_, flashed::node} {}
 
-  StartResult start() noexcept {
+  StartResult start(ResetCause cause) noexcept {
     bare_metal::tell(node_.verdict());
     if (!node_.verdict().ok()) return StartResult::node_refused;
-    const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
-    if (!clocks.crystal) return StartResult::no_crystal;
+    if (cause == ResetCause::watchdog) node_.note_watchdog_reset();
+    const Clocks clocks = ClockTree{chip_}.start(BREAKAWAY_CRYSTAL_HZ);
+    if (clocks.crystal != Crystal::runs) return without_crystal(clocks.crystal);
     const auto timing = hal::bit_timing(clocks.apb1_Hz, flashed::node.loop.network.bit_rate, bxcan::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
     connect();
     if (!port_.start(*timing, polls)) return StartResult::no_idle_bus;
     enable_interrupt(Can1::transmit_interrupt);
     enable_interrupt(Can1::receive_interrupt);
-    return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
-                                                                           : StartResult::period_impossible;
+    const hal::Duration period = flashed::node.loop.network.period;
+    if (!ticker.start(clocks.core_Hz, period)) return StartResult::period_impossible;
+    if (!watchdog_.start(3 * period)) return StartResult::watchdog_impossible;
+    return StartResult::running;
   }
 
-  // Once a period.
+  // Once a period. A step that takes longer than its period does not serve the watchdog.
   void step(hal::Time now) noexcept {
     port_.poll(now);
     node_.step(now);
+    if (ticker.in_time()) watchdog_.serve();
   }
 
   Port& port() noexcept { return port_; }
@@ -66,6 +73,8 @@ class BxcanNode {
     connect_pin(Gpio::b, 9, 9);
   }
 
+  bare_metal::Memory chip_;
+  Watchdog<bare_metal::Memory> watchdog_{chip_};
   Can1 registers_;
   Port port_;
   firmware::ControlNode<Port, flashed::node.capacity> node_;

@@ -1,14 +1,17 @@
 // The controller node over slcan on USART1: what the image, and its twin for emulation, run.
 #pragma once
 
+#include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/slcan/port.hpp"
 #include "clocks.hpp"
 #include "flashed_node.hpp"
+#include "reset_cause.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "usart.hpp"
+#include "watchdog.hpp"
 
 namespace breakaway::stm32f405 {
 
@@ -23,26 +26,34 @@ class SlcanNode {
 
   SlcanNode() noexcept : port_{usart, flashed::node.loop.network.bit_rate}, node_{port_, flashed::node} {}
 
-  StartResult start() noexcept {
+  StartResult start(ResetCause cause) noexcept {
     bare_metal::tell(node_.verdict());
     if (!node_.verdict().ok()) return StartResult::node_refused;
+    if (cause == ResetCause::watchdog) node_.note_watchdog_reset();
     // A serial line bears the 1 % of the internal oscillator.
-    const Clocks clocks = start_clocks(BREAKAWAY_CRYSTAL_HZ);
+    const Clocks clocks = ClockTree{chip_}.start(BREAKAWAY_CRYSTAL_HZ);
     if (!usart.start(clocks.apb2_Hz, baud)) return StartResult::rate_impossible;
-    return ticker.start(clocks.core_Hz, flashed::node.loop.network.period) ? StartResult::running
-                                                                           : StartResult::period_impossible;
+    const hal::Duration period = flashed::node.loop.network.period;
+    if (!ticker.start(clocks.core_Hz, period)) return StartResult::period_impossible;
+    if (!watchdog_.start(3 * period)) return StartResult::watchdog_impossible;
+    return clocks.crystal == Crystal::runs ? StartResult::running : StartResult::running_on_internal;
   }
 
-  // Once a period, one after the other.
+  // Once a period, one after the other. A period that is not over in time does not serve the watchdog.
   void step(hal::Time now) noexcept {
     port_.poll(now);
     node_.step(now);
   }
-  void send(hal::Time now) noexcept { port_.flush(now); }
+  void send(hal::Time now) noexcept {
+    port_.flush(now);
+    if (ticker.in_time()) watchdog_.serve();
+  }
 
   Port& port() noexcept { return port_; }
 
  private:
+  bare_metal::Memory chip_;
+  Watchdog<bare_metal::Memory> watchdog_{chip_};
   Port port_;
   firmware::ControlNode<Port, flashed::node.capacity> node_;
 };

@@ -4,15 +4,39 @@
 
 #include "breakaway/bare_metal/memory_image.hpp"
 #include "breakaway/bare_metal/mmio.hpp"
+#include "reset_state.hpp"
 
 void run_image();  // of each image; ISO C++ does not let anyone call main. It returns when it cannot run.
+
+// A bootloader may enter here in any state of the core: with its own stack, priorities masked, and interrupts on.
+asm(R"(
+  .syntax unified
+  .text
+  .thumb
+  .global reset_entry
+  .thumb_func
+  .type reset_entry, %function
+reset_entry:
+  cpsid i
+  movs r0, #0
+  msr control, r0
+  msr basepri, r0
+  msr faultmask, r0
+  isb
+  ldr r0, =image_stack_top
+  mov sp, r0
+  b reset_handler
+  .ltorg
+)");
 
 extern "C" {
 
 extern std::uint32_t image_stack_top[];
+extern const std::uint32_t image_vectors[];
+void reset_entry();
 
-// A fault or an interrupt that nobody serves ends here: the bus falls silent, and the drives' command deadline and
-// heartbeat consumer take the torque off.
+// A fault or an interrupt that nobody serves ends here: the bus falls silent, the drives' command deadline and
+// heartbeat consumer take the torque off, and the watchdog, which nobody serves any more, resets the chip.
 [[noreturn]] void halt() {
   asm volatile("cpsid i");
   for (;;) asm volatile("wfi");
@@ -24,10 +48,15 @@ extern std::uint32_t image_stack_top[];
 [[gnu::weak]] void usart1_handler() { halt(); }
 
 [[noreturn]] void reset_handler() {
+  breakaway::bare_metal::Memory chip;
+  breakaway::stm32f405::take_interrupts(chip, reinterpret_cast<std::uintptr_t>(image_vectors));
+  breakaway::stm32f405::reset_clocks(chip);
+  breakaway::stm32f405::reset_peripherals(chip);
   constexpr std::uintptr_t coprocessor_access = 0xE000ED88;
   breakaway::bare_metal::set_bits(coprocessor_access, 0xFU << 20);  // the FPU, before the first float
   asm volatile("dsb\n isb" ::: "memory");
   breakaway::bare_metal::prepare_memory();
+  asm volatile("cpsie i" ::: "memory");
   run_image();
   halt();
 }
@@ -48,7 +77,7 @@ constexpr VectorTable make_vectors() {
   VectorTable table{image_stack_top, {}, {}};
   table.exceptions.fill(halt);
   table.interrupts.fill(halt);
-  table.exceptions[0] = reset_handler;
+  table.exceptions[0] = reset_entry;
   table.exceptions[14] = systick_handler;
   table.interrupts[19] = can1_transmit_handler;
   table.interrupts[20] = can1_receive_handler;

@@ -36,6 +36,9 @@ class Ticker {
     }
   }
 
+  // Whether no tick came since the newest wait().
+  bool in_time() const noexcept { return ticks_.load(std::memory_order_relaxed) == static_cast<std::uint32_t>(seen_); }
+
   // When the next tick will be.
   hal::Time next() const noexcept { return hal::Time{period_ * (seen_ + 1)}; }
 

@@ -272,6 +272,34 @@ TEST_F(ControlNodeTest, StopsAnAxisWhoseCommanderFallsSilent) {
   EXPECT_NE(drive.state, cia402::State::operation_enabled) << "what comes late is no edge";
 }
 
+TEST_F(ControlNodeTest, NamesAResetByTheWatchdogAndEnablesNothingBeforeItWasAcknowledged) {
+  Node restarted{port, flashed};
+  restarted.note_watchdog_reset();
+  test::ScriptedDrive drive{flashed.axes[0].drive.node_id};
+  drive.boot();
+  const auto run_with_drive = [&](hal::Duration duration, const MotionCommand& command) {
+    for (const hal::Time end = now + duration; now < end;) {
+      if (now.time_since_epoch() % 100ms == 0ms) port.inbox.push_back({encode_command(command, node), now});
+      for (const hal::CanFrame& frame : std::exchange(drive.out, {})) port.inbox.push_back({frame, now});
+      port.sent.clear();
+      run(restarted, 1);
+      drive.advance_to(now);
+      for (const hal::CanFrame& frame : port.sent) drive.on_frame(frame);
+    }
+  };
+  run(restarted, 50);
+  for (std::uint8_t axis = 0; axis < 2; ++axis) {
+    ASSERT_FALSE(told(axis).empty());
+    EXPECT_EQ(told(axis).back().data[1], static_cast<std::uint8_t>(AxisFault::watchdog_reset));
+  }
+  run_with_drive(1s, {});
+  run_with_drive(2s, {.enable = true});
+  EXPECT_NE(drive.state, cia402::State::operation_enabled);
+  run_with_drive(500ms, {.reset_fault = true});
+  run_with_drive(2s, {.enable = true});
+  EXPECT_EQ(drive.state, cia402::State::operation_enabled);
+}
+
 TEST_F(ControlNodeTest, SetsUpTheDriveOfEveryAxis) {
   Node running{port, flashed};
   boot_up(flashed.axes[0].drive.node_id);

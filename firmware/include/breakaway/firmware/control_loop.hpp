@@ -140,6 +140,14 @@ class ControlLoop {
     request_stop(id);
   }
 
+  // The axis has this fault from its start on, wanted or not: what ended the last run of its controller.
+  void start_with(AxisId id, AxisFault fault, hal::Time now) noexcept {
+    Axis* const a = find(id);
+    if (a == nullptr) return;
+    a->supervisor.latch(fault, 0, now);
+    request_stop(id);
+  }
+
   // The axis stands at this encoder count: for an incremental encoder whose drive booted anew, and for a zero of its
   // own. Returns false, and does nothing, while the axis may have force or no sample came.
   bool set_reference_counts(AxisId id, std::int32_t counts) noexcept {

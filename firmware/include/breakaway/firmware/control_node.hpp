@@ -42,6 +42,13 @@ class ControlNode {
   // Returns what keeps the node from running. If anything does, step() does nothing and the bus stays silent.
   NodeVerdict verdict() const noexcept { return verdict_; }
 
+  // To be called before the first step when the watchdog ended the last run. Every axis then has the fault
+  // "reset by the watchdog", which a commander sees in its status, and none is enabled before that was reset.
+  void note_watchdog_reset() noexcept {
+    for (std::size_t i = 0; i < Axes; ++i)
+      if (const auto axis = loop_.axis(i)) loop_.start_with(*axis, AxisFault::watchdog_reset, hal::Time{});
+  }
+
   // Its loop, to look at.
   const auto& loop() const noexcept { return loop_; }
 

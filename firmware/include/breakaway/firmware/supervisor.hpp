@@ -48,6 +48,7 @@ enum class AxisFault : std::uint8_t {
   node_id_conflict,       // every SYNC is answered by two drives of one node id
   reference_lost,         // the drive booted anew, and what it counts from is not known
   target_not_reached,     // the axis came no nearer to its target for long, and does not hold there
+  watchdog_reset,         // the controller's watchdog ended its last run
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -108,6 +109,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "reference lost";
     case AxisFault::target_not_reached:
       return "target not reached";
+    case AxisFault::watchdog_reset:
+      return "reset by the watchdog";
   }
   return "unknown axis fault";
 }

@@ -1,4 +1,5 @@
-// A debugger reads this of a node that does not run: a sentence, and the axis that it is about.
+// A debugger reads this of a node that does not run: a sentence, the axis that it is about, and what reset the
+// processor.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@ namespace breakaway::bare_metal {
 
 inline constinit const char* volatile start_message = "not started: reset, or a fault before the start";
 inline constinit volatile std::uint8_t start_axis = 0;
+inline constinit const char* volatile reset_message = "not read";  // what reset the processor last
 
 // `text` must be a literal, which has its zero behind it.
 inline void tell(std::string_view text) noexcept { start_message = text.data(); }
