@@ -333,8 +333,60 @@ INSTANTIATE_TEST_SUITE_P(
         Quirk{"ReversesItsPosition", [](drive_emulator::Quirks& q) { q.position_reversed = true; },
               cia402::SetupStatus::position_reversed, 0x607E},
         Quirk{"WrapsItsPosition", [](drive_emulator::Quirks& q) { q.position_range_counts = 131072; },
-              cia402::SetupStatus::position_wraps, 0x607B}),
+              cia402::SetupStatus::position_wraps, 0x607B},
+        Quirk{"ScalesItsPosition", [](drive_emulator::Quirks& q) { q.feed_constant = 3600; },
+              cia402::SetupStatus::position_scaled, 0x6092}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+// 6072h is lowered to the axis' limit, so that a drive gives that share of what it would be told in the rated torque.
+TEST(Fault, ADriveThatCountsInItsLargestTorqueSettlesWhereTheFileSaysSo) {
+  for (const Real max_force_N : {15.0F, 50.0F}) {
+    RigConfig config;
+    config.max_force_N = max_force_N;
+    config.quirks.torque_relative_to_max = true;
+    config.torque_base = cia402::TorqueBase::largest;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start()) << to_string(rig.loop().drive(rig.id(0)).setup_status());
+    rig.run(3s);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+    EXPECT_LE(std::abs(rig.position_m(0)), 3e-6) << max_force_N;
+  }
+}
+
+TEST(Fault, ADriveThatCountsInItsLargestTorqueIsNamedWhereTheFileSaysOtherwise) {
+  RigConfig config{.start_m = -0.5};
+  config.quirks.torque_relative_to_max = true;
+  for (const auto& [max_force_N, expected] :
+       {std::pair{15.0F, AxisFault::less_force_than_commanded}, std::pair{40.0F, AxisFault::force_not_commanded}}) {
+    config.max_force_N = max_force_N;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start());
+    EXPECT_LE(rig.largest_force_N(0, 3s), max_force_N * 1.001);
+    EXPECT_EQ(rig.status(0).fault, expected) << to_string(rig.status(0).fault) << " at " << max_force_N;
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+  }
+}
+
+TEST(Fault, ADriveThatCountsInItsRatedTorqueAndIsThoughtToCountInItsLargestIsNamed) {
+  RigConfig config{.start_m = -0.5};
+  config.max_force_N = 40;  // 1600 per mille
+  config.torque_base = cia402::TorqueBase::largest;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::less_force_than_commanded) << to_string(rig.status(0).fault);
+}
+
+TEST(Fault, AnAxisWhoseDriveScalesItsPositionSettlesToItsUnitWhereTheFileSaysSo) {
+  RigConfig config;
+  config.quirks.feed_constant = 2500;  // of 10000 counts: the encoder has four counts in a unit of position
+  config.user_position_unit = true;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start()) << to_string(rig.loop().drive(rig.id(0)).setup_status());
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
 
 TEST(Fault, ANodeThatRefusesToStartIsNamedByTheErrorThatItTells) {
   RigConfig config;

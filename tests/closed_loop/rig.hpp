@@ -38,6 +38,9 @@ struct RigConfig {
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
   std::uint32_t supported_modes = cia402::supports_cyclic_torque;
   bool absolute_encoder = true;
+  cia402::TorqueBase torque_base = cia402::TorqueBase::rated;
+  std::uint16_t drive_max_torque_per_mille = 2000;
+  bool user_position_unit = false;  // a count of the loop is a unit of the drive, whatever its encoder's are
   drive_emulator::Quirks quirks{};
 };
 
@@ -141,11 +144,14 @@ class Rig {
     drive_emulator::EmulatorConfig emulated;
     emulated.node_id = node_id;
     emulated.rated_torque_mNm = 500;
-    emulated.max_torque_per_mille = 2000;
+    emulated.max_torque_per_mille = config_.drive_max_torque_per_mille;
     emulated.force_per_torque_N_per_Nm = 50;
     emulated.current_loop_time_constant_s = config_.current_loop_time_constant_s;
     emulated.supported_modes = config_.supported_modes;
     emulated.quirks = config_.quirks;
+    if (config_.user_position_unit && config_.quirks.feed_constant != 0)
+      emulated.encoder_resolution_m *=
+          config_.quirks.feed_constant / double{drive_emulator::encoder_counts_per_revolution};
     emulated.quirks.counts_from_power_on = !config_.absolute_encoder;
     drives_.push_back(&network_.add_drive(emulated, *mechanisms_.back()));
 
@@ -153,6 +159,8 @@ class Rig {
     master.node_id = node_id;
     master.force_per_torque_N_per_Nm = 50;
     master.absolute_encoder = config_.absolute_encoder;
+    master.torque_base = config_.torque_base;
+    master.user_position_unit = config_.user_position_unit;
     const auto added = loop_.add_axis(master, {p, table_}, config_.limits);
     if (!added.id) std::abort();
     ids_.push_back(*added.id);

@@ -30,7 +30,7 @@ double accuracy_m(const Node& node, const Axis& axis) {
 // The drive gives force in steps; of what the law may ask for, it gives the whole steps.
 double granted_N(const Axis& axis, double force_N) {
   if (!axis.drive || !(force_N < unlimited)) return force_N;
-  const double step_N = axis.drive->force_quantum_N(), steps = force_N / step_N;
+  const double step_N = force_step_N(axis), steps = force_N / step_N;
   return std::abs(steps - std::round(steps)) < 1e-6 ? force_N : std::floor(steps) * step_N;
 }
 

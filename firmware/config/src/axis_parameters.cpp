@@ -33,9 +33,18 @@ double max_force_N(const Axis& axis) {
   return std::min(axis.controller.max_force_N, given_N);
 }
 
+// Where a target torque counts in the largest torque, the set-up lowers that to the limit of the axis, cut down to
+// whole per mille of the rated torque.
+double force_step_N(const Axis& axis) {
+  const double quantum_N = axis.drive->force_quantum_N();
+  if (axis.drive->torque_base == cia402::TorqueBase::rated) return quantum_N;
+  const double limit_per_mille = std::floor(max_force_N(axis) / quantum_N * (1 + 1e-6));
+  return quantum_N * std::max(limit_per_mille, 1.0) / 1000;
+}
+
 double feedforward_N(const Axis& axis) {
   if (!axis.controller.impulsive || !axis.drive) return 0;
-  const double step_N = axis.drive->force_quantum_N();
+  const double step_N = force_step_N(axis);
   return std::round(axis.controller.impulsive->feedforward_N / step_N) * step_N;
 }
 
@@ -74,7 +83,7 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .friction = axis.friction.bounds,
           .load_N = u.force_N,
           .max_force_N = law_force_N(axis),
-          .force_step_N = axis.drive->force_quantum_N(),
+          .force_step_N = force_step_N(axis),
           .period_s = node.period_s(),
           .jitter_s = u.jitter_s,
           .encoder_resolution_m = axis.drive->encoder_resolution_m,

@@ -45,6 +45,8 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
           .heartbeat_period = d.heartbeat_period,
           .heartbeat_timeout = d.heartbeat_timeout,
           .sdo_timeout = d.sdo_timeout,
+          .torque_base = d.torque_base,
+          .user_position_unit = d.user_position_unit,
           .invert_direction = d.invert_direction,
           .absolute_encoder = d.absolute_encoder};
 }

@@ -69,6 +69,9 @@ class HeaderWriter {
   static std::string exact(law::KickShape shape) {
     return shape == law::KickShape::naive ? "law::KickShape::naive" : "law::KickShape::two_phase";
   }
+  static std::string exact(cia402::TorqueBase base) {
+    return base == cia402::TorqueBase::rated ? "cia402::TorqueBase::rated" : "cia402::TorqueBase::largest";
+  }
   static std::string exact(firmware::FaultScope scope) {
     return scope == firmware::FaultScope::axis ? "FaultScope::axis" : "FaultScope::all_axes";
   }

@@ -144,6 +144,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   transfer_running_ = false;
   error_code_wanted_ = false;
   error_code_ = 0;
+  position_factor_ = {};
   rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
   step_ = 0;
   attempts_ = 0;
@@ -166,7 +167,8 @@ void DriveNode::configure(hal::Time now) noexcept {
 void DriveNode::start_transfer(const SetupStep& step) noexcept {
   setup_object_ = {step.index, step.subindex};
   std::array<std::uint8_t, 4> bytes{};
-  canopen::store_little_endian(bytes, step.index == object::max_torque ? torque_limit_per_mille() : step.value);
+  canopen::store_little_endian(
+      bytes, step.index == object::max_torque ? torque_limit_per_mille(rating_.max_torque_per_mille) : step.value);
   const canopen::SdoStart started = step.kind == SetupStep::Kind::write
                                         ? sdo_.start_write(step.index, step.subindex, std::span{bytes}.first(step.size))
                                         : sdo_.start_read(step.index, step.subindex);
@@ -177,6 +179,7 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
   attempts_ = 0;
   if (step.kind == SetupStep::Kind::write) write_taken_ = answered;
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
+  if (step.index == object::feed_constant && step.subindex == 2) judge_position_factor();
   if (answered && !holds(step)) refuse(SetupStatus::value_not_kept);
   if (phase_ == SetupPhase::refused) return;
   if (step.index == object::producer_heartbeat) heartbeat_.start(now);
@@ -185,7 +188,10 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
   do {
     ++step_;
   } while (step_ < steps.size() && is_needless(steps[step_]));
-  if (step_ == steps.size()) begin_start(now);
+  if (step_ < steps.size()) return;
+  if (torque_base_is_as_designed()) return begin_start(now);
+  setup_object_ = {object::max_torque, 0};
+  refuse(SetupStatus::torque_base_differs);
 }
 
 bool DriveNode::holds(const SetupStep& step) const noexcept {
@@ -197,15 +203,21 @@ bool DriveNode::holds(const SetupStep& step) const noexcept {
 bool DriveNode::is_needless(const SetupStep& step) const noexcept {
   if (step.kind == SetupStep::Kind::confirm) return !write_taken_;
   return step.kind == SetupStep::Kind::write && step.index == object::max_torque &&
-         torque_limit_per_mille() >= rating_.max_torque_per_mille;
+         torque_limit_per_mille(rating_.max_torque_per_mille) >= rating_.max_torque_per_mille;
 }
 
 // The axis' limit in the drive's own unit, for a drive whose rating is known. What one step of force already exceeds is
 // refused later, with a reason of its own.
-std::uint16_t DriveNode::torque_limit_per_mille() const noexcept {
-  const TorqueScale<float> scale{rating_.rated_torque_mNm, rating_.max_torque_per_mille, force_per_torque_N_per_Nm_,
-                                 max_force_N_};
+std::uint16_t DriveNode::torque_limit_per_mille(std::uint16_t most) const noexcept {
+  const TorqueScale<float> scale{rating_.rated_torque_mNm, most, force_per_torque_N_per_Nm_, max_force_N_};
   return static_cast<std::uint16_t>(std::max<std::int16_t>(scale.limit_per_mille(), 1));
+}
+
+// Where a target torque counts in per mille of 6072h, the step of force is what the axis was designed for only if 6072h
+// is the axis' limit.
+bool DriveNode::torque_base_is_as_designed() const noexcept {
+  return torque_base_ == TorqueBase::rated ||
+         rating_.max_torque_per_mille == torque_limit_per_mille(TorqueScale<float>::highest_per_mille);
 }
 
 void DriveNode::on_step_failed(SdoResult result, hal::Time now) noexcept {
@@ -239,6 +251,11 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
     case object::position_range:
       if (value != 0 && value != lowest_position && value != highest_position) refuse(SetupStatus::position_wraps);
       break;
+    case object::encoder_resolution:
+    case object::gear_ratio:
+    case object::feed_constant:
+      position_factor_.note(setup_object_, value);
+      break;
     case object::statusword:
       statusword_ = static_cast<std::uint16_t>(value);
       break;
@@ -250,6 +267,13 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
     default:
       break;
   }
+}
+
+// A resolution that is coarser than the encoder's is one all the same; one that is finer would be believed, and is not.
+void DriveNode::judge_position_factor() noexcept {
+  if (position_factor_.is_one_to_one()) return;
+  if (!user_position_unit_) return refuse(SetupStatus::position_scaled);
+  if (position_factor_.is_finer_than_encoder()) refuse(SetupStatus::position_too_fine);
 }
 
 // A factor of a thousand is somebody's unit; the hundredth is for figures that were rounded.

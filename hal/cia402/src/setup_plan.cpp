@@ -22,6 +22,7 @@ SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::
                      const canopen::NetworkConfig& network) noexcept {
   take_force_off();
   read_rating();
+  look();
   bound_force();
   look();
 
@@ -62,6 +63,11 @@ void SetupPlan::read_rating() noexcept {
   read(object::polarity, 0, may_be_missing);
   read(object::position_range, 1, may_be_missing);
   read(object::position_range, 2, may_be_missing);
+  // DriveNode judges them when the last was asked for.
+  for (const std::uint16_t index : {object::encoder_resolution, object::gear_ratio, object::feed_constant}) {
+    read(index, 1, may_be_missing);
+    read(index, 2, may_be_missing);
+  }
 }
 
 void SetupPlan::bound_force() noexcept {

@@ -38,6 +38,18 @@ void add_option_codes(ObjectDictionary& dictionary) {
                  {.type = Type::i16, .access = rw, .value = 2, .low = 0, .high = 4});
 }
 
+// A gear of 1 : 1, and a unit of position that is one count of the encoder unless the quirk says otherwise.
+void add_factor_group(ObjectDictionary& dictionary, std::uint32_t feed_constant) {
+  const auto add = [&](std::uint16_t index, std::uint32_t numerator) {
+    dictionary.add({index, 0}, {.type = Type::u8, .value = 2});
+    dictionary.add({index, 1}, {.type = Type::u32, .access = rw, .value = numerator, .low = 1});
+    dictionary.add({index, 2}, {.type = Type::u32, .access = rw, .value = 1, .low = 1});
+  };
+  add(object::encoder_resolution, encoder_counts_per_revolution);
+  add(object::gear_ratio, 1);
+  add(object::feed_constant, feed_constant == 0 ? encoder_counts_per_revolution : feed_constant);
+}
+
 void add_torque_objects(ObjectDictionary& dictionary, const EmulatorConfig& config) {
   dictionary.add({object::target_torque, 0}, {.type = Type::i16, .access = rw, .mapping = Mapping::both});
   dictionary.add({object::max_torque, 0},
@@ -109,6 +121,7 @@ void add_drive_objects(ObjectDictionary& dictionary, const EmulatorConfig& confi
   dictionary.add({object::position_range, 0}, {.type = Type::u8, .value = 2});
   dictionary.add({object::position_range, 1}, {.type = Type::i32, .access = rw});
   dictionary.add({object::position_range, 2}, {.type = Type::i32, .access = rw, .value = range == 0 ? 0 : range - 1});
+  add_factor_group(dictionary, config.quirks.feed_constant);
   dictionary.add({own_object::motor_catalogue_number, 0}, {.type = Type::text, .access = rw});
   add_option_codes(dictionary);
   add_torque_objects(dictionary, config);

@@ -107,6 +107,14 @@ void PowerDrive::advance_mechanism_to(hal::Time time) { mechanism_.advance_to(ha
 
 bool PowerDrive::reversed() const { return (get(object::polarity) & 0x80) != 0; }
 
+std::int32_t PowerDrive::in_units(std::int32_t counts) const {
+  const auto ratio = [this](std::uint16_t index) {
+    return static_cast<double>(dictionary_.get({index, 1})) / static_cast<double>(dictionary_.get({index, 2}));
+  };
+  const double factor = ratio(object::feed_constant) / ratio(object::encoder_resolution) / ratio(object::gear_ratio);
+  return factor == 1 ? counts : static_cast<std::int32_t>(std::llround(std::remainder(counts * factor, 0x1p32)));
+}
+
 std::int32_t PowerDrive::in_range(std::int32_t counts) const {
   const std::int64_t low = dictionary_.get({object::position_range, 1});
   const std::int64_t range = dictionary_.get({object::position_range, 2}) - low + 1;
@@ -116,8 +124,8 @@ std::int32_t PowerDrive::in_range(std::int32_t counts) const {
 
 void PowerDrive::sample(hal::Time time, bool on_sync) {
   advance_mechanism_to(time);
-  const std::int32_t counts = in_range(
-      encoder_counts((reversed() ? -1 : 1) * (mechanism_.position_m() - origin_m_), config_.encoder_resolution_m));
+  const std::int32_t counts = in_range(in_units(
+      encoder_counts((reversed() ? -1 : 1) * (mechanism_.position_m() - origin_m_), config_.encoder_resolution_m)));
   dictionary_.set({object::position_actual, 0}, counts);
   dictionary_.set({object::torque_actual, 0},
                   saturate_i16(motor_.force_at_N(hal::seconds(time)) / force_per_per_mille_N_));

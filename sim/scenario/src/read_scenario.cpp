@@ -219,6 +219,9 @@ class WorldReader {
     c.peak_force_N = drive.peak_force_N;
     c.current_loop_time_constant_s = drive.current_loop_time_constant_s;
     c.encoder_resolution_m = drive.encoder_resolution_m;
+    // A unit of position is then so many counts of the encoder, and the file says its travel.
+    if (const std::uint32_t units = axis.quirks.feed_constant; drive.user_position_unit && units != 0)
+      c.encoder_resolution_m *= units / double{drive_emulator::encoder_counts_per_revolution};
     c.min_tpdo_delay = axis.min_tpdo_delay;
     c.max_tpdo_delay = std::max(axis.min_tpdo_delay, axis.max_tpdo_delay);
     c.seed = axis.seed;

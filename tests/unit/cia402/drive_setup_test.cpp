@@ -292,6 +292,87 @@ INSTANTIATE_TEST_SUITE_P(Of, DriveWithARatedTorque,
                                                      SetupStatus::rated_torque_unit}),
                          [](const auto& row) { return row.param.label; });
 
+class DriveOfTheLargestTorque : public DriveTest {
+ protected:
+  DriveOfTheLargestTorque() : DriveTest{counting_in_the_largest()} {}
+  static DriveConfig<float> counting_in_the_largest() {
+    DriveConfig<float> told = config;
+    told.torque_base = breakaway::cia402::TorqueBase::largest;
+    return told;
+  }
+};
+
+// 0.05 N a per mille: 60 N are 1200.
+TEST_F(DriveOfTheLargestTorque, HasItLoweredToTheAxisLimitAndIsSentPerMilleOfThat) {
+  enable();
+  EXPECT_EQ(node.value_of(0x6072, 0), 1200U);
+  step(30.0F);
+  EXPECT_EQ(node.target, 500);
+  step(-1000.0F);
+  EXPECT_EQ(node.target, -1000);
+}
+
+TEST_F(DriveOfTheLargestTorque, IsRefusedByNameWhereItCannotBeTheAxisLimit) {
+  node.objects[ScriptedDrive::key(0x6072, 0)] = 1100;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::torque_base_differs);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6072, 0}));
+}
+
+TEST_F(DriveOfTheLargestTorque, IsRefusedByNameWhereItKeepsAnother) {
+  node.kept[ScriptedDrive::key(0x6072, 0)] = 2000;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::torque_base_differs);
+}
+
+// 608Fh is 10000 counts a turn; 6092h:01 is `feed`.
+struct Units {
+  std::uint32_t feed;
+  bool told;  // position_unit = "user"
+  SetupStatus status;
+};
+class DriveWithUnits : public DriveTest, public testing::WithParamInterface<Units> {
+ protected:
+  DriveWithUnits() : DriveTest{told_units()} {}
+  static DriveConfig<float> told_units() {
+    DriveConfig<float> told = config;
+    told.user_position_unit = GetParam().told;
+    return told;
+  }
+};
+TEST_P(DriveWithUnits, AreTakenWhereTheFileExpectsThemAndRefusedByNameElsewhere) {
+  node.objects[ScriptedDrive::key(0x608F, 1)] = 10'000;
+  node.objects[ScriptedDrive::key(0x6092, 1)] = GetParam().feed;
+  node.boot();
+  deliver();
+  const bool good = GetParam().status == SetupStatus::ready;
+  run_until_state(good ? DriveState::disabled : DriveState::unusable);
+  EXPECT_EQ(drive.setup_status(), GetParam().status);
+  EXPECT_EQ(drive.setup_object(), good ? ObjectAddress{} : (ObjectAddress{0x6092, 2}));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Of, DriveWithUnits,
+    testing::Values(Units{10'000, false, SetupStatus::ready}, Units{10'000, true, SetupStatus::ready},
+                    Units{3'600, false, SetupStatus::position_scaled}, Units{3'600, true, SetupStatus::ready},
+                    Units{36'000, false, SetupStatus::position_scaled},
+                    Units{36'000, true, SetupStatus::position_too_fine}),
+    [](const auto& row) { return std::to_string(row.param.feed) + (row.param.told ? "Told" : "Untold"); });
+
+TEST_F(DriveTest, UnitsThatAreMendedAreTakenAtTheNextReset) {
+  node.objects[ScriptedDrive::key(0x6091, 1)] = 3;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.objects[ScriptedDrive::key(0x6091, 1)] = 1;
+  drive.reset_fault();
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::ready);
+}
+
 TEST_F(DriveTest, ModeDisplayMayLagForSeconds) {
   node.objects[ScriptedDrive::key(0x6061, 0)] = 0xFF;
   node.boot();

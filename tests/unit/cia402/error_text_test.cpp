@@ -43,8 +43,11 @@ TEST(SetupStatus, NamesWhatIsWrongAndTheRemedy) {
        {S::value_not_kept, {"does not keep the value", "end what else writes to it", "its manual"}},
        {S::protocol_error, {"CiA 301 forbids", "look for a second node"}},
        {S::force_step_too_coarse, {"steps of force larger than max_force_N", "raise max_force_N", "6076h"}},
+       {S::torque_base_differs, {"6072h", "torque_relative_to = \"max\"", "raise 6072h", "lower max_force_N"}},
        {S::position_reversed, {"607Eh", "invert_direction"}},
        {S::position_wraps, {"607Bh", "set both of its limits to 0"}},
+       {S::position_scaled, {"608Fh, 6091h, 6092h", "one unit a count", "position_unit = \"user\""}},
+       {S::position_too_fine, {"finer than its encoder's counts", "encoder_resolution_m"}},
        {S::stop_not_obeyed, {"does not obey a stop", "switch its power off", "look for what else commands it"}}});
 }
 

@@ -9,6 +9,7 @@
 
 namespace {
 
+using breakaway::cia402::TorqueBase;
 using breakaway::cia402::TorqueScale;
 
 template <class Scalar>
@@ -43,6 +44,17 @@ TYPED_TEST(TorqueScaleTest, LimitOfWholeQuantaIsReachedInEitherPrecision) {
     ASSERT_EQ(scale.limit_per_mille(), 1000) << rated;
     ASSERT_LE(scale.max_force_N(), quantum * TypeParam{1000});
   }
+}
+
+// 0.05 N a per mille of the rated torque, of which the largest is 3 times as much.
+TYPED_TEST(TorqueScaleTest, ATargetMayCountInTheLargestTorqueAndTheActualOneCountsInTheRated) {
+  const TorqueScale<TypeParam> scale{1000, 3000, TypeParam{50}, TypeParam{150}, TorqueBase::largest};
+  EXPECT_EQ(scale.per_mille(TypeParam{75}), 500);
+  EXPECT_EQ(scale.per_mille(TypeParam{-1e30F}), -1000);
+  EXPECT_NEAR(static_cast<double>(scale.force_N(500)), 25.0, 1e-5);
+  EXPECT_NEAR(static_cast<double>(scale.max_force_N()), 150.0, 1e-4);
+  const TorqueScale<TypeParam> lower{1000, 3000, TypeParam{50}, TypeParam{60}, TorqueBase::largest};
+  EXPECT_EQ(lower.per_mille(TypeParam{1e30F}), 400) << "the axis' limit counts in either";
 }
 
 TYPED_TEST(TorqueScaleTest, NotANumberAndInfinityAreNoForce) {

@@ -320,6 +320,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"drive.rated_torque_Nm", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.6"}},
       {"drive.max_torque_per_mille", {"max_torque_per_mille = 2000", "max_torque_per_mille = 1000"}},
       {"drive.force_per_torque_N_per_Nm", {"force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 55"}},
+      {"drive.torque_relative_to", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.5\ntorque_relative_to = \"max\""}},
       {"drive.peak_force_N", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.5\npeak_force_N = 40"}},
       {"drive.encoder_resolution_m", {"resolution_m = 1e-6", "resolution_m = 2e-6"}},
       {"drive.current_loop_time_constant_s", {"constant_s = 1e-4", "constant_s = 2e-4"}},

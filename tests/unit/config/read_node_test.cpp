@@ -124,7 +124,7 @@ TEST(ReadNode, ABusThatIsTooSlowIsRefusedWithTheLeastPeriodThatWouldDo) {
 TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
   // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
-  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, inverted, absolute] =
+  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, torque_base, user_unit, inverted, absolute] =
       drive_of("");
   EXPECT_EQ(node_id, 1);
   EXPECT_EQ(force, 50);
@@ -132,6 +132,8 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_EQ(heartbeat_period, 100ms);
   EXPECT_EQ(heartbeat_timeout, 250ms);
   EXPECT_EQ(sdo_timeout, 50ms);
+  EXPECT_EQ(torque_base, cia402::TorqueBase::rated);
+  EXPECT_FALSE(user_unit);
   EXPECT_FALSE(inverted);
   EXPECT_FALSE(absolute);
   EXPECT_EQ(certified_node(with(two_axes, "node_id = 1", "node_id = 99")).axes[0].drive.node_id, 99);
@@ -139,6 +141,10 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_EQ(drive_of("heartbeat_timeout_s = 0.5").heartbeat_timeout, 500ms);
   EXPECT_EQ(drive_of("sdo_timeout_s = 0.3").sdo_timeout, 300ms);
   EXPECT_TRUE(drive_of("invert_direction = true").invert_direction);
+  EXPECT_TRUE(drive_of("position_unit = \"user\"").user_position_unit);
+  EXPECT_FALSE(drive_of("position_unit = \"encoder\"").user_position_unit);
+  EXPECT_EQ(drive_of("torque_relative_to = \"max\"").torque_base, cia402::TorqueBase::largest);
+  EXPECT_EQ(drive_of("torque_relative_to = \"rated\"").torque_base, cia402::TorqueBase::rated);
   EXPECT_TRUE(drive_of("encoder = \"absolute\"").absolute_encoder);
   EXPECT_FALSE(drive_of("encoder = \"incremental\"").absolute_encoder);
   const std::string geared = with(two_axes, "force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 100");

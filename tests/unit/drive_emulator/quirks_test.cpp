@@ -99,6 +99,17 @@ TEST_F(DriveQuirksTest, ScalesTheTargetByMaxTorque) {
   EXPECT_DOUBLE_EQ(force_N(), 15.0);  // half of 3000 per mille of 10 N
 }
 
+TEST_F(DriveQuirksTest, ScalesItsPositionByItsFactorGroup) {
+  config.quirks.feed_constant = 2500;
+  start(config);
+  EXPECT_EQ(sdo({0x40, 0x8F, 0x60, 1, 0, 0, 0, 0}), (Bytes{0x43, 0x8F, 0x60, 1, 0x10, 0x27, 0, 0}));
+  EXPECT_EQ(sdo({0x40, 0x92, 0x60, 1, 0, 0, 0, 0}), (Bytes{0x43, 0x92, 0x60, 1, 0xC4, 0x09, 0, 0}));
+  mechanism.position = -4 * 1000 * config.encoder_resolution_m;
+  EXPECT_EQ(sdo({0x40, 0x64, 0x60, 0, 0, 0, 0, 0}), (Bytes{0x43, 0x64, 0x60, 0, 0x18, 0xFC, 0xFF, 0xFF}));
+  expect_written({0x23, 0x91, 0x60, 1, 2, 0, 0, 0});
+  EXPECT_EQ(sdo({0x40, 0x64, 0x60, 0, 0, 0, 0, 0}), (Bytes{0x43, 0x64, 0x60, 0, 0x0C, 0xFE, 0xFF, 0xFF}));
+}
+
 TEST_F(DriveQuirksTest, DoesNotGoBeyondAStateThatIsInhibitedAndFallsBackToIt) {
   start(config);
   enable();

@@ -83,6 +83,44 @@ TEST(CommandedForce, AllowsLessForceThanCommanded) {
   EXPECT_FALSE(force.exceeded());
 }
 
+// A drive that gives a share of every command.
+bool falls_short(float share, float command_N) {
+  CommandedForce<float> force{max_force_N};
+  for (int period = 0; period < 60; ++period) {
+    force.command(command_N);
+    force.report(share * command_N, step_N);
+  }
+  return force.fallen_short();
+}
+
+TEST(CommandedForce, SeesThatADriveGivesAShareOfWhatItIsTold) {
+  for (const float sign : {1.0F, -1.0F}) {
+    EXPECT_TRUE(falls_short(0.5F, sign * 12));
+    EXPECT_TRUE(falls_short(0.6F, sign * 50));
+    EXPECT_FALSE(falls_short(0.8F, sign * 50)) << "a motor may lack some";
+    EXPECT_FALSE(falls_short(0.5F, sign * 8)) << "within a twentieth of the limit";
+    EXPECT_FALSE(falls_short(0.0F, sign * 50)) << "a drive that reports no force";
+  }
+}
+
+// Any commands, through any current loop that is no slower than the border, up to three periods late.
+TEST(CommandedForce, NoLawfulAnswerFallsShort) {
+  for (const float share : {1.0F, 0.3F, 0.0625F}) {
+    std::mt19937_64 random{17};
+    CommandedForce<float> force{max_force_N};
+    std::array<float, 4> past{};
+    float command_N = 0, answer_N = 0;
+    for (std::size_t period = 0; period < 20'000; ++period) {
+      if (random() % 24 == 0) command_N = (random() % 2 == 0 ? -1.0F : 1.0F) * static_cast<float>(random() % 51);
+      force.command(command_N);
+      answer_N += share * (command_N - answer_N);
+      past[period % 4] = answer_N;
+      force.report(past[(period + 1) % 4], step_N);
+      ASSERT_FALSE(force.fallen_short()) << share << " in period " << period;
+    }
+  }
+}
+
 int periods_until_exceeded(float kept_N, float command_N) {
   CommandedForce<float> force{max_force_N};
   for (int period = 0; period < 50; ++period) {

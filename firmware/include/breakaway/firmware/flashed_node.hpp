@@ -77,6 +77,8 @@ constexpr void visit_drive(Drive& drive, Visitor& visit) {
   visit.value("heartbeat_period", drive.heartbeat_period, "ns");
   visit.value("heartbeat_timeout", drive.heartbeat_timeout, "ns");
   visit.value("sdo_timeout", drive.sdo_timeout, "ns");
+  visit.value("torque_base", drive.torque_base, "");
+  visit.value("user_position_unit", drive.user_position_unit, "");
   visit.value("invert_direction", drive.invert_direction, "");
   visit.value("absolute_encoder", drive.absolute_encoder, "");
 }

@@ -37,18 +37,19 @@ enum class AxisFault : std::uint8_t {
   drive_unusable,        // set-up failed
   stopped_with_another,  // another axis of the node has a fault, and the node stops them together
   axis_hunting,
-  axis_drifting,          // it does not stop without force
-  axis_not_as_told,       // its kicks show friction outside what the law was told
-  stop_not_obeyed,        // the drive was told to stop and was not seen without force within the time that it takes
-  force_not_commanded,    // the drive reports a force that it was not told to give
-  no_motion_under_force,  // the encoder shows nothing under a force that must move the axis
-  enable_timed_out,       // the drive was told to enable and did not within the time that it takes
-  commander_lost,         // the node that commands this one fell silent
-  another_master,         // somebody else sends SYNC, our heartbeat, or writes to the drive
-  node_id_conflict,       // every SYNC is answered by two drives of one node id
-  reference_lost,         // the drive booted anew, and what it counts from is not known
-  target_not_reached,     // the axis came no nearer to its target for long, and does not hold there
-  watchdog_reset,         // the controller's watchdog ended its last run
+  axis_drifting,              // it does not stop without force
+  axis_not_as_told,           // its kicks show friction outside what the law was told
+  stop_not_obeyed,            // the drive was told to stop and was not seen without force within the time that it takes
+  force_not_commanded,        // the drive reports a force that it was not told to give
+  no_motion_under_force,      // the encoder shows nothing under a force that must move the axis
+  enable_timed_out,           // the drive was told to enable and did not within the time that it takes
+  commander_lost,             // the node that commands this one fell silent
+  another_master,             // somebody else sends SYNC, our heartbeat, or writes to the drive
+  node_id_conflict,           // every SYNC is answered by two drives of one node id
+  reference_lost,             // the drive booted anew, and what it counts from is not known
+  target_not_reached,         // the axis came no nearer to its target for long, and does not hold there
+  watchdog_reset,             // the controller's watchdog ended its last run
+  less_force_than_commanded,  // the drive reports less force than it was told to give
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -111,6 +112,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "target not reached";
     case AxisFault::watchdog_reset:
       return "reset by the watchdog";
+    case AxisFault::less_force_than_commanded:
+      return "less force than commanded";
   }
   return "unknown axis fault";
 }
@@ -259,6 +262,7 @@ class Supervisor {
     if (too_fast(f)) return AxisFault::speed_limit;
     if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
     if (commanded_.exceeded()) return AxisFault::force_not_commanded;
+    if (commanded_.fallen_short()) return AxisFault::less_force_than_commanded;
     if (motion_.missing()) return AxisFault::no_motion_under_force;
     if (std::abs(f.position_offset_m) > allowed_error_m_) return AxisFault::following_error;
     return AxisFault::none;

@@ -13,7 +13,10 @@ namespace breakaway::config {
 
 // Returns the most that the drive is asked for, which is what the file allows and what the drive can give.
 double max_force_N(const Axis& axis);
-// What of it is given against a known force on the axis, in whole steps of the drive, and what that leaves the law.
+// The step in which the drive of the axis can be commanded force. Requires axis.drive.
+double force_step_N(const Axis& axis);
+// What of the most is given against a known force on the axis, in whole steps of the drive, and what that leaves the
+// law.
 double feedforward_N(const Axis& axis);
 double law_force_N(const Axis& axis);
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
 #include "breakaway/hal/time.hpp"
@@ -77,20 +78,22 @@ struct Controller {
 // The drive on the bus, as the file describes it.
 struct Drive {
   std::uint8_t node_id = 1;
-  std::uint32_t rated_torque_mNm = 1000;      // 6076h
-  std::uint32_t rated_current_mA = 1000;      // 6075h
-  std::uint16_t max_torque_per_mille = 3000;  // 6072h
-  std::optional<double> peak_force_N{};       // what the motor gives at most, where that is less
-  double force_per_torque_N_per_Nm = 1;       // transmission: 1 / lever
-  double encoder_resolution_m = 1e-6;         // one count
-  double current_loop_time_constant_s = 0;    // first-order lag from demand to force
-  bool invert_direction = false;              // the drive's positive direction is the axis' negative one
-  bool absolute_encoder = false;              // its counts mean the same after a reboot of the drive
+  std::uint32_t rated_torque_mNm = 1000;                       // 6076h
+  std::uint32_t rated_current_mA = 1000;                       // 6075h
+  std::uint16_t max_torque_per_mille = 3000;                   // 6072h
+  std::optional<double> peak_force_N{};                        // what the motor gives at most, where that is less
+  double force_per_torque_N_per_Nm = 1;                        // transmission: 1 / lever
+  double encoder_resolution_m = 1e-6;                          // one count of 6064h
+  double current_loop_time_constant_s = 0;                     // first-order lag from demand to force
+  cia402::TorqueBase torque_base = cia402::TorqueBase::rated;  // what a target torque counts in
+  bool user_position_unit = false;  // one count is the drive's own unit of position, not its encoder's
+  bool invert_direction = false;    // the drive's positive direction is the axis' negative one
+  bool absolute_encoder = false;    // its counts mean the same after a reboot of the drive
   hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
   hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer
 
-  // Force at the axis of one per mille of the rated torque, the step in which force can be commanded.
+  // Force at the axis of one per mille of the rated torque.
   double force_quantum_N() const { return 1e-6 * rated_torque_mNm * force_per_torque_N_per_Nm; }
   // The most that the motor gives at the axis.
   double max_force_N() const {

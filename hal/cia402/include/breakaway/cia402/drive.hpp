@@ -250,7 +250,7 @@ class Drive {
   void adopt_rating() noexcept {
     const DriveRating& rating = node_.rating();
     torque_scale_ = TorqueScale<Scalar>{rating.rated_torque_mNm, rating.max_torque_per_mille,
-                                        config_.force_per_torque_N_per_Nm, scale_.max_force_N};
+                                        config_.force_per_torque_N_per_Nm, scale_.max_force_N, config_.torque_base};
     if (torque_scale_.limit_per_mille() == 0) own_status_ = SetupStatus::force_step_too_coarse;
   }
 

@@ -11,6 +11,7 @@
 
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/network_config.hpp"
+#include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/motor_drive.hpp"
 #include "breakaway/hal/time.hpp"
 
@@ -30,6 +31,10 @@ struct DriveConfig {
   hal::Duration heartbeat_timeout = std::chrono::milliseconds{250};
   hal::Duration sdo_timeout = std::chrono::milliseconds{50};  // for a single answer, above 0
 
+  // What the drive counts a target torque (6071h) in. Nothing that can be read tells before the drive gives torque.
+  TorqueBase torque_base = TorqueBase::rated;
+  // The drive may scale its position (608Fh, 6091h, 6092h): encoder_resolution_m is then the travel of a unit of 6064h.
+  bool user_position_unit = false;
   bool invert_direction = false;  // the drive's positive direction is the axis' negative one
   bool absolute_encoder = false;  // its counts mean the same after a reboot
 };

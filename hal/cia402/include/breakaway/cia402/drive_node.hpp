@@ -31,8 +31,10 @@
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/forced_stop.hpp"
+#include "breakaway/cia402/position_factor.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
 #include "breakaway/cia402/setup_status.hpp"
+#include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/hal/time.hpp"
 
@@ -75,6 +77,8 @@ class DriveNode {
       : node_id_{drive.node_id},
         heartbeat_timeout_{drive.heartbeat_timeout},
         rated_torque_mNm_{drive.rated_torque_mNm},
+        torque_base_{drive.torque_base},
+        user_position_unit_{drive.user_position_unit},
         force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},
         max_force_N_{static_cast<float>(max_force_N)},
         config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
@@ -149,8 +153,10 @@ class DriveNode {
   bool is_needless(const SetupStep& step) const noexcept;
   void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
+  void judge_position_factor() noexcept;
   void on_rated_torque(std::uint32_t rated_torque_mNm) noexcept;
-  std::uint16_t torque_limit_per_mille() const noexcept;
+  std::uint16_t torque_limit_per_mille(std::uint16_t most) const noexcept;
+  bool torque_base_is_as_designed() const noexcept;
   void begin_start(hal::Time now) noexcept;
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
@@ -165,6 +171,8 @@ class DriveNode {
   std::uint8_t node_id_;
   hal::Duration heartbeat_timeout_;
   std::uint32_t rated_torque_mNm_;
+  TorqueBase torque_base_;
+  bool user_position_unit_;
   float force_per_torque_N_per_Nm_;
   float max_force_N_;
   bool config_valid_;
@@ -192,6 +200,7 @@ class DriveNode {
   hal::Time last_mode_request_{};
   std::optional<hal::Time> last_mode_poll_;
   DriveRating rating_;
+  PositionFactor position_factor_;
   bool error_code_wanted_ = false;
   std::uint16_t error_code_ = 0;
   bool known_ = false;  // its set-up was begun at least once

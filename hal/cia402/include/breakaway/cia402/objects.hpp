@@ -46,11 +46,15 @@ inline constexpr std::uint16_t max_torque = 0x6072;             // u16, per mill
 inline constexpr std::uint16_t torque_demand = 0x6074;          // i16, per mille
 // :01 i32 lowest, :02 i32 highest; 0 and 0, or the whole range, is none
 inline constexpr std::uint16_t position_range = 0x607B;
-inline constexpr std::uint16_t polarity = 0x607E;              // u8: bit 7 reverses the position
-inline constexpr std::uint16_t rated_current = 0x6075;         // u32, mA
-inline constexpr std::uint16_t rated_torque = 0x6076;          // u32, mNm
-inline constexpr std::uint16_t torque_actual = 0x6077;         // i16, per mille
-inline constexpr std::uint16_t torque_offset = 0x60B2;         // i16, per mille
+inline constexpr std::uint16_t polarity = 0x607E;  // u8: bit 7 reverses the position
+// :01 u32 encoder counts, :02 u32 motor revolutions
+inline constexpr std::uint16_t encoder_resolution = 0x608F;
+inline constexpr std::uint16_t gear_ratio = 0x6091;     // :01 u32 motor revolutions, :02 u32 revolutions of the shaft
+inline constexpr std::uint16_t feed_constant = 0x6092;  // :01 u32 units of position, :02 u32 revolutions of the shaft
+inline constexpr std::uint16_t rated_current = 0x6075;  // u32, mA
+inline constexpr std::uint16_t rated_torque = 0x6076;   // u32, mNm
+inline constexpr std::uint16_t torque_actual = 0x6077;  // i16, per mille
+inline constexpr std::uint16_t torque_offset = 0x60B2;  // i16, per mille
 inline constexpr std::uint16_t interpolation_period = 0x60C2;  // :01 u8 x 10^(:02 i8) seconds
 inline constexpr std::uint16_t supported_modes = 0x6502;       // u32; bit 9 is cyclic synchronous torque
 

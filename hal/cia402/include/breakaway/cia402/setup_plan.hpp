@@ -55,7 +55,7 @@ class SetupPlan {
   void read_back(SetupStep::Kind kind) noexcept;
   void add(const SetupStep& step) noexcept;
 
-  std::array<SetupStep, 60> steps_{};
+  std::array<SetupStep, 80> steps_{};
   std::size_t count_ = 0;
 };
 

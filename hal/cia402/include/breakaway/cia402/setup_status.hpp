@@ -22,8 +22,11 @@ enum class SetupStatus : std::uint8_t {
   value_not_kept,         // an object that was written shows another value, and must not
   protocol_error,         // the drive answered a transfer with what CiA 301 forbids
   force_step_too_coarse,  // one per mille of the rated torque is more than the axis' force limit
+  torque_base_differs,    // the file says that 6071h counts in 6072h, and that is not the axis' limit
   position_reversed,      // 607Eh reverses the position, and not the torque
   position_wraps,         // 607Bh keeps the position within a range
+  position_scaled,        // 608Fh, 6091h, 6092h: a unit of 6064h is no encoder count, and the file does not expect it
+  position_too_fine,      // they make a unit of 6064h a fraction of an encoder count
   stop_not_obeyed,        // the drive was told to stop and is not seen without force; it is told by other means
 };
 
@@ -67,10 +70,23 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
     case SetupStatus::force_step_too_coarse:
       return "the drive moves in steps of force larger than max_force_N; raise max_force_N, or take a drive of a lower "
              "rated torque (6076h)";
+    case SetupStatus::torque_base_differs:
+      return "the drive's largest torque (6072h) is not the axis' limit, and cannot be lowered to it, so that a target "
+             "torque that counts in it (torque_relative_to = \"max\") is not the force that the axis was designed for; "
+             "raise 6072h to max_force_N, or lower max_force_N";
     case SetupStatus::position_reversed:
       return "the drive reverses its position, and not its torque (607Eh); set 607Eh to 0, and use invert_direction";
     case SetupStatus::position_wraps:
       return "the drive keeps its position within a range (607Bh); set both of its limits to 0";
+    case SetupStatus::position_scaled:
+      return "the drive scales its position (608Fh, 6091h, 6092h), so that a unit of 6064h is no encoder count; set "
+             "its "
+             "factor group to one unit a count, or, where encoder_resolution_m is the travel of such a unit, say "
+             "position_unit = \"user\"";
+    case SetupStatus::position_too_fine:
+      return "the drive shows its position in units that are finer than its encoder's counts (608Fh, 6091h, 6092h), so "
+             "that its readings jump; set its factor group so that a unit is a count or several, and "
+             "encoder_resolution_m to the travel of a unit";
     case SetupStatus::stop_not_obeyed:
       return "the drive does not obey a stop, and is told again by SDO and NMT; switch its power off where force must "
              "not stay on, and look for what else commands it";

@@ -32,6 +32,8 @@ struct Quirks {
   bool position_reversed = false;
   // 607Bh keeps 6064h in 0..n - 1 at power-on; 0: it does not.
   std::uint32_t position_range_counts = 0;
+  // 6092h:01 at power-on, units of 6064h a revolution of `encoder_counts_per_revolution`; 0: as many as those.
+  std::uint32_t feed_constant = 0;
   // The node goes on to Operational by itself after its boot-up.
   bool self_starting = false;
   // PDOs may be changed in Pre-operational only.
@@ -43,6 +45,9 @@ struct Quirks {
   // The encoder is incremental: 6064h is 0 where the axis stands at power-on and at NMT Reset node.
   bool counts_from_power_on = false;
 };
+
+// 608Fh:01 of every emulated drive.
+inline constexpr std::uint32_t encoder_counts_per_revolution = 10'000;
 
 struct EmulatorConfig {
   std::uint8_t node_id = 1;                              // 1..127

@@ -73,6 +73,7 @@ class PowerDrive {
   void watch_stops(hal::Time time);
   std::uint16_t statusword() const;
   bool reversed() const;
+  std::int32_t in_units(std::int32_t counts) const;
   std::int32_t in_range(std::int32_t counts) const;
   std::int64_t get(std::uint16_t index) const { return dictionary_.get({index, 0}); }
 
