@@ -129,6 +129,69 @@ TEST_F(StateMachineTest, FaultResetEndsWithTheFaultAndCanBeAskedAgain) {
   while (step() != 0x80) ASSERT_LT(now, Time{1s});
 }
 
+// The bit has to be low before it rises, also where an earlier reset left off.
+TEST_F(StateMachineTest, EveryFaultResetShowsTheWholeOfItsLevels) {
+  for (int reset = 0; reset < 3; ++reset) {
+    see(State::fault);
+    machine.reset_fault();
+    std::string edges;
+    for (int i = 0; i < 8; ++i) edges += step() == 0x80 ? 'H' : 'L';
+    EXPECT_EQ(edges, "LLLHHHLL");
+    see(State::switch_on_disabled);
+  }
+}
+
+TEST_F(StateMachineTest, AskingAgainDoesNotProlongAFaultReset) {
+  see(State::fault);
+  std::string edges;
+  for (int i = 0; i < 6; ++i) {
+    machine.reset_fault();
+    edges += step() == 0x80 ? 'H' : 'L';
+  }
+  EXPECT_EQ(edges, "LLLHHH");
+}
+
+TEST_F(StateMachineTest, AResetThatIsUnderWayDoesNotClearTheNextFault) {
+  for (int steps = 1; steps < 6; ++steps) {
+    machine.restart();
+    see(State::fault);
+    machine.reset_fault();
+    for (int i = 0; i < steps; ++i) step();
+    EXPECT_EQ(see(State::switch_on_disabled), 0x00);
+    EXPECT_EQ(see(State::fault), 0x00);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(step(), 0x00) << "reset for " << steps << " ms";
+  }
+}
+
+TEST_F(StateMachineTest, AFaultOnTheWayUpTakesTheWishBack) {
+  for (const State failed : {State::fault_reaction_active, State::fault}) {
+    machine.restart();
+    machine.request_enable();
+    see(State::switch_on_disabled);
+    EXPECT_EQ(see(State::ready_to_switch_on), 0x07);
+    EXPECT_EQ(see(failed), 0x00);
+    EXPECT_FALSE(machine.enable_wished()) << to_string(failed);
+    for (const State state : {State::switch_on_disabled, State::ready_to_switch_on, State::switched_on})
+      EXPECT_EQ(see(state), 0x00) << to_string(failed);
+  }
+}
+
+TEST_F(StateMachineTest, EverySecondQuickStopLastsAsLongAsTheFirst) {
+  for (int stop = 0; stop < 2; ++stop) {
+    machine.restart();
+    for (int again = 0; again < 2; ++again) {
+      walk_to_operation();
+      machine.request_stop();
+      see(State::quick_stop_active);
+      const Time begin = now;
+      for (int i = 0; i < (stop == 0 && again == 0 ? 500 : 2000) && step() == 0x02; ++i) {
+      }
+      if (stop == 0 && again == 0) continue;  // it left by itself
+      EXPECT_EQ(now - begin, StateMachine::quick_stop_time + 1ms) << "stop " << again + 1;
+    }
+  }
+}
+
 TEST_F(StateMachineTest, ResetOutsideOfFaultDoesNothing) {
   see(State::switch_on_disabled);
   machine.reset_fault();
@@ -137,10 +200,12 @@ TEST_F(StateMachineTest, ResetOutsideOfFaultDoesNothing) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(step(), 0x00);
 }
 
-TEST_F(StateMachineTest, EnableIsRefusedInFault) {
-  see(State::fault);
-  machine.request_enable();
-  EXPECT_FALSE(machine.enable_wished());
+TEST_F(StateMachineTest, EnableIsRefusedInFaultAndOnItsWayThere) {
+  for (const State state : {State::fault, State::fault_reaction_active}) {
+    see(state);
+    machine.request_enable();
+    EXPECT_FALSE(machine.enable_wished()) << to_string(state);
+  }
 }
 
 }  // namespace

@@ -69,6 +69,23 @@ TYPED_TEST(TorqueScaleTest, UnknownRatingMeansNoForce) {
   EXPECT_EQ((TorqueScale<TypeParam>{0, 1000, TypeParam{1}, TypeParam{1}}.per_mille(TypeParam{10})), 0);
 }
 
+// One newton a per mille: a limit that lacks more than rounding of a whole per mille has one less.
+TEST(TorqueScale, ALimitJustBelowAWholePerMilleIsCutDown) {
+  constexpr float ulp = 0x1p-14F;  // of floats just below 1000
+  const TorqueScale<float> scale{1'000'000, 3000, 1.0F, 1000.0F - 9 * ulp};
+  EXPECT_EQ(scale.limit_per_mille(), 999);
+  EXPECT_EQ((TorqueScale<float>{1'000'000, 3000, 1.0F, 1000.0F - 2 * ulp}.limit_per_mille()), 1000);
+}
+
+TEST(TorqueScale, OnePerMilleIsALimitToo) {
+  const TorqueScale<float> scale{1000, 1, 50.0F, 60.0F};
+  EXPECT_EQ(scale.limit_per_mille(), 1);
+  for (const float force_N : {60.0F, 0.05F}) {
+    EXPECT_EQ(scale.per_mille(force_N), 1);
+    EXPECT_EQ(scale.per_mille(-force_N), -1);
+  }
+}
+
 TEST(TorqueScale, AnyBitPatternStaysInsideTheLimits) {
   std::mt19937_64 random{5};
   const TorqueScale<float> single{1270, 3000, 200.0F, 500.0F};

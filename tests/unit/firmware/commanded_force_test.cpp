@@ -71,7 +71,7 @@ TEST(CommandedForce, SeesAForceThatADriveWithASlowCurrentLoopKeeps) {
     force.command(0);
     force.report(50, step_N);
   }
-  EXPECT_LE(periods, 30);
+  EXPECT_EQ(periods, 20) << "the border falls by half a percent a period, and ten samples lie beyond it";
 }
 
 TEST(CommandedForce, AllowsLessForceThanCommanded) {
@@ -141,7 +141,56 @@ TEST(CommandedForce, SeesAForceThatADriveKeeps) {
     EXPECT_LE(periods_until_exceeded(sign * 50, 0), 12);
     EXPECT_LE(periods_until_exceeded(sign * 12.4F, 0), 20);
     EXPECT_LE(periods_until_exceeded(sign * 12.4F, -sign * 50), 13);
+    EXPECT_EQ(periods_until_exceeded(sign * 4, 0), 25) << "the border falls by a sixteenth a period";
     EXPECT_EQ(periods_until_exceeded(sign * 2.5F, 0), 1000) << "within a twentieth of the limit";
+  }
+}
+
+// Ten samples of this force; whether they are too much.
+bool is_exceeded_by(CommandedForce<float>& force, float reported_N) {
+  for (int sample = 1; sample < CommandedForce<float>::patience; ++sample) {
+    force.report(reported_N, step_N);
+    EXPECT_FALSE(force.exceeded()) << "sample " << sample;
+  }
+  force.report(reported_N, step_N);
+  return force.exceeded();
+}
+
+TEST(CommandedForce, AtTheStartAndAfterARestartAllowsATwentiethAndAStepOnly) {
+  for (const float sign : {1.0F, -1.0F}) {
+    CommandedForce<float> fresh{max_force_N}, within{max_force_N}, restarted{max_force_N};
+    EXPECT_TRUE(is_exceeded_by(fresh, sign * 2.6F));
+    EXPECT_FALSE(is_exceeded_by(within, sign * 2.5F));
+    for (const float before_N : {50.0F, -50.0F}) {
+      restarted.command(before_N);
+      restarted.restart();
+      EXPECT_TRUE(is_exceeded_by(restarted, sign * 2.6F));
+      restarted.restart();
+      EXPECT_FALSE(is_exceeded_by(restarted, sign * 2.5F));
+    }
+    within.report(sign * 2.5F, step_N);
+    EXPECT_TRUE(is_exceeded_by(within, sign * 2.6F)) << "counted from the last sample inside";
+  }
+}
+
+TEST(CommandedForce, AForceOfOneSignAllowsNoneOfTheOther) {
+  for (const float sign : {1.0F, -1.0F}) {
+    CommandedForce<float> force{max_force_N};
+    force.command(sign * 50);
+    EXPECT_FALSE(is_exceeded_by(force, -sign * 2.5F));
+    force.restart();
+    force.command(sign * 50);
+    EXPECT_TRUE(is_exceeded_by(force, -sign * 2.6F));
+  }
+}
+
+TEST(CommandedForce, AllowsExactlyATwentiethAndAStep) {
+  for (const float sign : {1.0F, -1.0F}) {
+    CommandedForce<float> force{40};
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 2.5F, 0.5F);
+    EXPECT_FALSE(force.exceeded());
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 2.5001F, 0.5F);
+    EXPECT_TRUE(force.exceeded());
   }
 }
 
@@ -149,7 +198,7 @@ TEST(CommandedForce, TakesNotANumberForNoForceAndForgetsAtARestart) {
   CommandedForce<float> force{max_force_N};
   for (int period = 0; period < 20; ++period) {
     force.command(std::numeric_limits<float>::quiet_NaN());
-    force.report(20, step_N);
+    force.report(2.6F, step_N);
   }
   EXPECT_TRUE(force.exceeded());
   force.restart();

@@ -87,6 +87,64 @@ TEST_F(ControlLoopTest, GivesForceOnlyToAnEnabledAxis) {
   EXPECT_FLOAT_EQ(probe.commands.back(), -2e-3F);
 }
 
+TEST_F(ControlLoopTest, TellsTheDriveToStopWithinTheCallAndGivesNoMoreForce) {
+  enable();
+  const auto commands = probe.commands.size();
+  loop.request_stop(axis);
+  EXPECT_EQ(probe.stops, 1);
+  for (int i = 0; i < 10; ++i) step();  // it does not obey
+  EXPECT_EQ(probe.commands.size(), commands);
+  EXPECT_FALSE(loop.status(axis).running);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+}
+
+TEST_F(ControlLoopTest, GivesNoForceToADriveThatNobodyWantsEnabled) {
+  probe.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+  for (int i = 0; i < 10; ++i) step();
+  EXPECT_TRUE(probe.commands.empty());
+  EXPECT_FALSE(loop.status(axis).running);
+  EXPECT_EQ(probe.enables, 0);
+}
+
+TEST_F(ControlLoopTest, NamesTheFaultOfTheLawAndStopsTheDrive) {
+  DriveProbe other;
+  testing::ProportionalLaw jammed;
+  jammed.fault_ = law::ControlFault::jammed;
+  const auto id = *loop.add_axis({&other, 2}, jammed, testing::moderate_limits()).id;
+  loop.request_enable(id);
+  other.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+  for (int i = 0; i < 2; ++i) {
+    other.feedback.sample_time = now;
+    step();
+  }
+  EXPECT_EQ(loop.status(id).fault, AxisFault::axis_jammed);
+  EXPECT_EQ(other.stops, 1);
+  EXPECT_FALSE(loop.status(id).running);
+}
+
+// The error that stands when the axis is enabled is the one that it may have.
+TEST_F(ControlLoopTest, WatchesTheFollowingErrorFromTheFirstStepOn) {
+  for (const float sign : {1.0F, -1.0F}) {
+    auto limits = testing::moderate_limits();
+    limits.following_error_m = 0.01F;
+    DriveProbe other;
+    Loop watched{port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+    const auto id = *watched.add_axis({&other, 1}, {}, limits).id;
+    watched.request_enable(id);
+    other.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+    const auto at = [&](float offset_m) {
+      now += 1ms;
+      other.feedback.sample_time = now;
+      other.feedback.position_offset_m = sign * offset_m;
+      watched.step(now);
+      return watched.status(id).fault;
+    };
+    EXPECT_EQ(at(0.05F), AxisFault::none);
+    EXPECT_EQ(at(0.0599F), AxisFault::none);
+    EXPECT_EQ(at(0.0601F), AxisFault::following_error);
+  }
+}
+
 TEST_F(ControlLoopTest, EnablesOnlyWhatIsWanted) {
   probe.feedback.state = hal::DriveState::disabled;
   step();
@@ -142,9 +200,9 @@ TEST_F(ControlLoopTest, AResetWithoutAFaultDoesNotReachTheDrive) {
 TEST_F(ControlLoopTest, NamesADriveThatIsNeverEnabledAndTriesAgainAfterAReset) {
   loop.request_enable(axis);
   probe.feedback.state = hal::DriveState::enabling;
-  run_for(5s);
+  run_for(5s + 1ms);
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "a power stage may take this long";
-  run_for(2ms);
+  step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
   EXPECT_GE(probe.stops, 1) << "and it shall not be enabled unnamed, later";
   const int enables = probe.enables;
@@ -351,9 +409,9 @@ TEST_F(ControlLoopTest, NamesWhatKeepsAnIdleAxisFromRunningOnlyWhereItIsWanted) 
   probe.heartbeat_lost = false;
   reset_once_without_force();
   probe.feedback.state = hal::DriveState::configuring;
-  run_for(20s);
+  run_for(20s + 1ms);
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
-  run_for(2ms);
+  step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
 }
 
@@ -461,6 +519,9 @@ TEST_F(ControlLoopTest, GivesADriveTwoAndAHalfPeriodsForASampleUnlessToldOtherwi
   now += 2ms;
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none) << "the sample is one period old";
+  probe.feedback.sample_time = now - 2400us;
+  loop.step(now);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
   probe.feedback.sample_time = now - 2600us;
   port.sent.clear();
   loop.step(now);

@@ -16,13 +16,15 @@ using namespace std::chrono_literals;
 
 struct FakePort {
   std::vector<hal::CanFrame> sent;
+  std::vector<hal::Time> deadlines;  // of every frame since the start
   std::deque<hal::ReceivedFrame> to_receive;
   hal::BusState state = hal::BusState::error_active;
   bool full = false;
   int purges = 0;
 
-  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
     if (full) return hal::SendResult::queue_full;
+    deadlines.push_back(deadline);
     sent.push_back(frame);
     return hal::SendResult::queued;
   }

@@ -59,6 +59,50 @@ TEST(MotionUnderForce, WaitsForAsLongAsTwentyCountsTake) {
   EXPECT_NEAR(samples, 89, 3);
 }
 
+TEST(MotionUnderForce, WaitsLongerForALargerMass) {
+  MotionUnderForce<double> motion{4, friction_upper_N, 20e-6};
+  EXPECT_NEAR(samples_until_missing(motion, friction_upper_N + 0.1, 1000), 179, 3);
+}
+
+// From no force on, which pushes neither way.
+TEST(MotionUnderForce, AForceThatBeginsUpwardsIsATurn) {
+  for (const double force_N : {50.0, -50.0}) {
+    MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+    motion.sample(0, 0, step_s);
+    EXPECT_EQ(samples_until_missing(motion, force_N, 1000), force_N > 0 ? 11 : 10);
+  }
+}
+
+TEST(MotionUnderForce, SeesSmallForcesBeyondSmallFriction) {
+  for (const double sign : {1.0, -1.0}) {
+    MotionUnderForce<double> motion{mass_kg, 0.2, resolution_m};
+    motion.sample(0, sign * 0.5, step_s);
+    EXPECT_LE(samples_until_missing(motion, sign * 0.5, 1000), 13);
+    EXPECT_TRUE(motion.missing());
+  }
+}
+
+TEST(MotionUnderForce, TheTimeUnderAForceThatFrictionMayHoldDoesNotCount) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
+  for (int period = 0; period < 100; ++period) motion.sample(0, -friction_upper_N, step_s);
+  EXPECT_EQ(samples_until_missing(motion, -50, 1000), 10);
+}
+
+// Samples without time but the last, so that both sums are exact.
+TEST(MotionUnderForce, ATieIsNoMissingMotion) {
+  const auto is_missing_after = [](double time_s, double excess_N, double q_m) {
+    MotionUnderForce<double> motion{mass_kg, 4, q_m};
+    for (int sample = 0; sample < 4; ++sample) motion.sample(0, -4 - excess_N, 0);
+    motion.sample(0, -4 - excess_N, time_s);
+    return motion.missing();
+  };
+  constexpr double least_s = 0.99 * MotionUnderForce<double>::least_time_s;
+  EXPECT_FALSE(is_missing_after(least_s, 50, 1e-9));
+  EXPECT_TRUE(is_missing_after(std::nextafter(least_s, 1.0), 50, 1e-9));
+  EXPECT_FALSE(is_missing_after(0.5, 1.25, 1.0 / 64)) << "exactly twenty counts";
+  EXPECT_TRUE(is_missing_after(0.5, 1.2501, 1.0 / 64));
+}
+
 TEST(MotionUnderForce, AllowsAnyForceThatFrictionMayHold) {
   MotionUnderForce<double> motion{mass_kg, friction_upper_N, resolution_m};
   EXPECT_EQ(samples_until_missing(motion, friction_upper_N, 5000), 5000);

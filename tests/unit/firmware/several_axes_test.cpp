@@ -77,10 +77,14 @@ TEST_F(SeveralAxesTest, AFaultStopsItsAxisAlone) {
 
 TEST_F(SeveralAxesTest, AFaultStopsAllAxesInTheSameStepWhereTheNodeSaysSo) {
   start(FaultScope::all_axes);
+  for (DriveProbe& probe : probes) probe.feedback.position_offset_m = 0.01F;
+  step();
+  for (const auto& axis : axes) EXPECT_FLOAT_EQ(loop->status(axis).output.force_N, -0.1F);
   probes[1].heartbeat_lost = true;
   step();
   EXPECT_EQ(faults(), (std::vector{with_another, AxisFault::heartbeat_lost, with_another}));
   for (std::size_t i = 0; i < axes.size(); ++i) {
+    EXPECT_EQ(loop->supervisor(axes[i]).fault_code(), 0) << i;
     EXPECT_FALSE(loop->status(axes[i]).running) << i;
     EXPECT_EQ(loop->status(axes[i]).output.force_N, 0) << i;
     EXPECT_EQ(probes[i].stops, 1) << i;
@@ -105,6 +109,28 @@ TEST_F(SeveralAxesTest, AxesThatStopTogetherStartTogetherOnceEveryFaultIsReset) 
   for (const DriveProbe& probe : probes) EXPECT_EQ(probe.enables, 1);
   enabled();
   for (const auto& axis : axes) EXPECT_TRUE(loop->status(axis).running);
+}
+
+// Whichever of them it is, the last fault holds all of them.
+TEST_F(SeveralAxesTest, NobodyStartsBeforeTheLastFaultIsReset) {
+  for (std::size_t last = 0; last < 3; ++last) {
+    axes.clear();
+    probes.assign(3, {});
+    start(FaultScope::all_axes);
+    probes[1].heartbeat_lost = true;
+    step();
+    probes[1].heartbeat_lost = false;
+    stop_obeyed();
+    for (std::size_t i = 0; i < 3; ++i)
+      if (i != last) loop->reset_fault(axes[i]);
+    enabled();  // somebody else enables the drives
+    for (int periods = 0; periods < 5; ++periods) step();
+    for (const auto& axis : axes) EXPECT_FALSE(loop->status(axis).running) << last;
+    stop_obeyed();
+    EXPECT_TRUE(loop->reset_fault(axes[last]));
+    step();
+    for (const DriveProbe& probe : probes) EXPECT_EQ(probe.enables, 1) << last;
+  }
 }
 
 TEST_F(SeveralAxesTest, NoDriveIsEnabledWhileAnotherHasAFaultWhereAxesStopTogether) {

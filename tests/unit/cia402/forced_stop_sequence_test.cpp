@@ -1,0 +1,148 @@
+// What a forced stop sends, and when, to a server that the test plays.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/cia402/forced_stop.hpp"
+
+namespace breakaway::cia402 {
+namespace {
+
+using namespace std::chrono_literals;
+using canopen::NmtCommand;
+using Bytes = std::array<std::uint8_t, 8>;
+
+constexpr std::uint8_t node_id = 4;
+constexpr Bytes write_controlword{0x2B, 0x40, 0x60};  // two bytes of zero
+constexpr Bytes read_statusword{0x40, 0x41, 0x60};
+constexpr Bytes written{0x60, 0x40, 0x60};
+constexpr Bytes enabled{0x4B, 0x41, 0x60, 0, 0x37, 0x06};  // Operation enabled, in two bytes
+constexpr Bytes disabled{0x4B, 0x41, 0x60, 0, 0x40, 0x02};
+
+class ForcedStopSequence : public ::testing::Test {
+ protected:
+  canopen::SdoClient sdo{node_id, 10s};
+  ForcedStop stop;
+  hal::Time now{};
+  std::vector<Bytes> requests;
+  std::vector<std::pair<hal::Duration, NmtCommand>> commands;
+  bool proven = false;
+
+  void answer(const Bytes& bytes) {
+    sdo.on_frame({.id = canopen::sdo_response_cob_id(node_id), .size = 8, .data = bytes});
+  }
+  // One period; returns the request that was sent in it.
+  std::optional<Bytes> step() {
+    now += 1ms;
+    proven = stop.update(sdo, now);
+    if (const auto command = stop.take_command()) commands.emplace_back(now - hal::Time{}, *command);
+    hal::CanFrame frame;
+    if (!sdo.next_frame(frame, now)) return {};
+    requests.push_back(frame.data);
+    return frame.data;
+  }
+  // A server that answers at once.
+  void serve_for(hal::Duration duration, const Bytes& statusword) {
+    for (const hal::Time end = now + duration; now < end;) {
+      if (const auto request = step()) answer((*request)[1] == 0x40 ? written : statusword);
+      if (proven) return;
+    }
+  }
+};
+
+TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
+  stop.begin(now);
+  serve_for(50ms, enabled);
+  EXPECT_FALSE(proven);
+  ASSERT_GE(requests.size(), 20U);
+  for (std::size_t i = 0; i < requests.size(); ++i)
+    EXPECT_EQ(requests[i], i % 2 == 0 ? write_controlword : read_statusword) << i;
+}
+
+TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
+  stop.begin(now);
+  serve_for(5s, enabled);
+  using Told = std::pair<hal::Duration, NmtCommand>;
+  const std::vector<Told> expected{{101ms, NmtCommand::enter_pre_operational},
+                                   {302ms, NmtCommand::reset_node},
+                                   {2303ms + 101ms, NmtCommand::enter_pre_operational},
+                                   {2303ms + 302ms, NmtCommand::reset_node},
+                                   {2 * 2303ms + 101ms, NmtCommand::enter_pre_operational},
+                                   {2 * 2303ms + 302ms, NmtCommand::reset_node}};
+  EXPECT_EQ(commands, expected);
+}
+
+TEST_F(ForcedStopSequence, AStatuswordWithoutForceIsTheProof) {
+  stop.begin(now);
+  serve_for(50ms, disabled);
+  EXPECT_TRUE(proven);
+  EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, read_statusword}));
+}
+
+TEST_F(ForcedStopSequence, AStatuswordOfOneByteIsNoProof) {
+  stop.begin(now);
+  serve_for(50ms, {0x4F, 0x41, 0x60, 0, 0x40});
+  EXPECT_FALSE(proven);
+}
+
+// The first segment of a longer value would read as a state without force.
+TEST_F(ForcedStopSequence, AReadThatWasAbortedIsNoProof) {
+  stop.begin(now);
+  step();
+  answer(written);
+  step();
+  answer({0x41, 0x41, 0x60, 0, 10});
+  step();
+  answer({0x00, 0x40, 0x02, 0x40, 0x02, 0x40, 0x02, 0x40});
+  step();
+  answer({0x80, 0x41, 0x60});
+  for (int i = 0; i < 3; ++i) {
+    step();
+    EXPECT_FALSE(proven);
+  }
+}
+
+TEST_F(ForcedStopSequence, ADriveThatRefusesTheControlwordIsAskedForItsStateAllTheSame) {
+  stop.begin(now);
+  step();
+  answer({0x80, 0x40, 0x60});
+  EXPECT_EQ(step(), read_statusword);
+  answer(disabled);
+  step();
+  EXPECT_TRUE(proven);
+}
+
+TEST_F(ForcedStopSequence, EachMeansWritesTheControlwordAtOnceToAServerThatIsSilent) {
+  stop.begin(now);
+  EXPECT_EQ(step(), write_controlword);
+  while (commands.empty()) step();
+  EXPECT_EQ(requests.size(), 1U) << "its answer is awaited";
+  EXPECT_EQ(step(), write_controlword);
+  while (commands.size() == 1) step();
+  EXPECT_EQ(step(), write_controlword);
+}
+
+TEST_F(ForcedStopSequence, BeginsWithTheFirstMeansEveryTime) {
+  stop.begin(now);
+  serve_for(305ms, enabled);
+  ASSERT_EQ(stop.means(), ForcedStop::Means::reset);
+  sdo.cancel();
+  stop.begin(now);
+  EXPECT_EQ(stop.means(), ForcedStop::Means::controlword);
+  const hal::Time again = now;
+  commands.clear();
+  requests.clear();
+  serve_for(150ms, enabled);
+  EXPECT_EQ(requests.front(), write_controlword);
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(hal::Time{} + commands[0].first, again + 101ms);
+  EXPECT_EQ(commands[0].second, NmtCommand::enter_pre_operational);
+}
+
+}  // namespace
+}  // namespace breakaway::cia402

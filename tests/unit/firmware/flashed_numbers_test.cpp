@@ -1,0 +1,281 @@
+// Every number that is flashed counts into the checksum, whatever the code that visits them leaves out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "breakaway/firmware/flashed_node.hpp"
+#include "certified_node.hpp"
+
+namespace breakaway::firmware {
+namespace {
+
+using Axis = FlashedAxis<float>;
+using Node = FlashedNode<float, 2>;
+
+// Another value of its type, also where there is nothing larger.
+template <class T>
+void change(T& value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    value = !value;
+  } else if constexpr (std::is_enum_v<T>) {
+    value = value == T{} ? static_cast<T>(1) : T{};
+  } else if constexpr (std::is_floating_point_v<T>) {
+    value = value == T{1} ? T{2} : T{1};
+  } else if constexpr (std::integral<T>) {
+    value = static_cast<T>(value ^ 1);
+  } else {
+    value += T{1};
+  }
+}
+
+template <class Whole>
+struct Edit {
+  const char* label;
+  void (*make)(Whole&);
+};
+
+constexpr Edit<Axis> edits_of_an_axis[] = {
+    {"drive.node_id", [](Axis& a) { change(a.drive.node_id); }},
+    {"drive.force_per_torque_N_per_Nm", [](Axis& a) { change(a.drive.force_per_torque_N_per_Nm); }},
+    {"drive.rated_torque_mNm", [](Axis& a) { change(a.drive.rated_torque_mNm); }},
+    {"drive.heartbeat_period", [](Axis& a) { change(a.drive.heartbeat_period); }},
+    {"drive.heartbeat_timeout", [](Axis& a) { change(a.drive.heartbeat_timeout); }},
+    {"drive.sdo_timeout", [](Axis& a) { change(a.drive.sdo_timeout); }},
+    {"drive.invert_direction", [](Axis& a) { change(a.drive.invert_direction); }},
+    {"drive.absolute_encoder", [](Axis& a) { change(a.drive.absolute_encoder); }},
+    {"limits.position_min_m", [](Axis& a) { change(a.limits.position_min_m); }},
+    {"limits.position_max_m", [](Axis& a) { change(a.limits.position_max_m); }},
+    {"limits.speed_m_s", [](Axis& a) { change(a.limits.speed_m_s); }},
+    {"limits.force_N", [](Axis& a) { change(a.limits.force_N); }},
+    {"limits.following_error_m", [](Axis& a) { change(a.limits.following_error_m); }},
+    {"limits.feedback_timeout", [](Axis& a) { change(a.limits.feedback_timeout); }},
+    {"law.mass_kg", [](Axis& a) { change(a.law.mass_kg); }},
+    {"law.stiffness_N_per_m", [](Axis& a) { change(a.law.stiffness_N_per_m); }},
+    {"law.approach_damping_Ns_per_m", [](Axis& a) { change(a.law.approach_damping_Ns_per_m); }},
+    {"law.kick_damping_Ns_per_m", [](Axis& a) { change(a.law.kick_damping_Ns_per_m); }},
+    {"law.friction.lower_N", [](Axis& a) { change(a.law.friction.lower_N); }},
+    {"law.friction.upper_N", [](Axis& a) { change(a.law.friction.upper_N); }},
+    {"law.max_force_N", [](Axis& a) { change(a.law.max_force_N); }},
+    {"law.max_approach_speed_m_s", [](Axis& a) { change(a.law.max_approach_speed_m_s); }},
+    {"law.position_tolerance_m", [](Axis& a) { change(a.law.position_tolerance_m); }},
+    {"law.encoder_resolution_m", [](Axis& a) { change(a.law.encoder_resolution_m); }},
+    {"law.period_s", [](Axis& a) { change(a.law.period_s); }},
+    {"law.latency_periods", [](Axis& a) { change(a.law.latency_periods); }},
+    {"law.kick_shape", [](Axis& a) { change(a.law.kick_shape); }},
+    {"law.coast", [](Axis& a) { change(a.law.coast); }},
+    {"law.encoder_noise_m", [](Axis& a) { change(a.law.encoder_noise_m); }},
+    {"law.feedforward_N", [](Axis& a) { change(a.law.feedforward_N); }},
+    {"k3_table.root_max", [](Axis& a) { change(a.k3_table.root_max); }},
+    {"k3_table.nodes_per_root", [](Axis& a) { change(a.k3_table.nodes_per_root); }},
+    {"braked.brake_N", [](Axis& a) { change(a.braked.brake_N); }},
+    {"braked.force_step_N", [](Axis& a) { change(a.braked.force_step_N); }},
+    {"braked.preload_N", [](Axis& a) { change(a.braked.preload_N); }},
+    {"braked.resting_force_N", [](Axis& a) { change(a.braked.resting_force_N); }},
+    {"braked.holding_force_N", [](Axis& a) { change(a.braked.holding_force_N); }},
+    {"braked.fast_lag", [](Axis& a) { change(a.braked.fast_lag); }},
+    {"braked.slow_lag", [](Axis& a) { change(a.braked.slow_lag); }},
+    {"braked.short_lag", [](Axis& a) { change(a.braked.short_lag); }},
+    {"braked.coast_per_N", [](Axis& a) { change(a.braked.coast_per_N); }},
+    {"braked.load_N", [](Axis& a) { change(a.braked.load_N); }},
+    {"braked.least_seen_N", [](Axis& a) { change(a.braked.least_seen_N); }},
+    {"braked.most_seen_N", [](Axis& a) { change(a.braked.most_seen_N); }},
+    {"braked.still_periods", [](Axis& a) { change(a.braked.still_periods); }},
+    {"braked.either_way_periods", [](Axis& a) { change(a.braked.either_way_periods); }},
+    {"braked.patient_periods", [](Axis& a) { change(a.braked.patient_periods); }},
+    {"braked.settling_periods", [](Axis& a) { change(a.braked.settling_periods); }},
+    {"braked.spring.reach_m", [](Axis& a) { change(a.braked.spring.reach_m); }},
+    {"braked.spring.most_N", [](Axis& a) { change(a.braked.spring.most_N); }},
+    {"braked.spring.gain_N_per_m", [](Axis& a) { change(a.braked.spring.gain_N_per_m); }},
+    {"braked.spring.share", [](Axis& a) { change(a.braked.spring.share); }},
+    {"braked.spring.longest_periods", [](Axis& a) { change(a.braked.spring.longest_periods); }},
+    {"braked.spring.ringing_periods", [](Axis& a) { change(a.braked.spring.ringing_periods); }},
+    {"braked.approach.mass_kg", [](Axis& a) { change(a.braked.approach.mass_kg); }},
+    {"braked.approach.friction_N", [](Axis& a) { change(a.braked.approach.friction_N); }},
+    {"braked.approach.hard_m_s2", [](Axis& a) { change(a.braked.approach.hard_m_s2); }},
+    {"braked.approach.gentle_m_s2", [](Axis& a) { change(a.braked.approach.gentle_m_s2); }},
+    {"braked.approach.switch_speed_m_s", [](Axis& a) { change(a.braked.approach.switch_speed_m_s); }},
+    {"braked.approach.switch_distance_m", [](Axis& a) { change(a.braked.approach.switch_distance_m); }},
+    {"braked.approach.short_of_target_m", [](Axis& a) { change(a.braked.approach.short_of_target_m); }},
+    {"braked.approach.response_s", [](Axis& a) { change(a.braked.approach.response_s); }},
+    {"braked.approach.lag_s", [](Axis& a) { change(a.braked.approach.lag_s); }},
+    {"braked.approach.correction", [](Axis& a) { change(a.braked.approach.correction); }},
+    {"braked.approach.standing_m_s", [](Axis& a) { change(a.braked.approach.standing_m_s); }},
+    {"braked.approach.move.speed_m_s", [](Axis& a) { change(a.braked.approach.move.speed_m_s); }},
+    {"braked.approach.move.acceleration_m_s2", [](Axis& a) { change(a.braked.approach.move.acceleration_m_s2); }},
+    {"braked.approach.move.deceleration_m_s2", [](Axis& a) { change(a.braked.approach.move.deceleration_m_s2); }},
+    {"braked.approach.move.jerk_m_s3", [](Axis& a) { change(a.braked.approach.move.jerk_m_s3); }},
+    {"braked.table.first", [](Axis& a) { change(a.braked.table.first); }},
+    {"braked.table.count", [](Axis& a) { change(a.braked.table.count); }},
+    {"braked.table.list", [](Axis& a) { change(a.braked.table.list); }},
+    {"k3_table.nodes[0].value", [](Axis& a) { change(a.k3_table.nodes[0].value); }},
+    {"k3_table.nodes[0].slope", [](Axis& a) { change(a.k3_table.nodes[0].slope); }},
+    {"k3_table.nodes[1].value", [](Axis& a) { change(a.k3_table.nodes[1].value); }},
+    {"certified", [](Axis& a) { change(a.certified); }},
+    {"name.characters[0]", [](Axis& a) { change(a.name.characters[0]); }},
+    {"name.characters[1]", [](Axis& a) { change(a.name.characters[1]); }},
+    {"braked.table.entries[0].a0", [](Axis& a) { change(a.braked.table.entries[0].a0); }},
+    {"braked.table.entries[0].a1", [](Axis& a) { change(a.braked.table.entries[0].a1); }},
+    {"braked.table.entries[0].a2", [](Axis& a) { change(a.braked.table.entries[0].a2); }},
+    {"braked.table.entries[0].a3", [](Axis& a) { change(a.braked.table.entries[0].a3); }},
+    {"braked.table.entries[1].a0", [](Axis& a) { change(a.braked.table.entries[1].a0); }},
+    {"braked.table.periods[1]", [](Axis& a) { change(a.braked.table.periods[1]); }},
+    {"braked.table.cut_periods[1]", [](Axis& a) { change(a.braked.table.cut_periods[1]); }},
+};
+
+constexpr Edit<Node> edits_of_the_node[] = {
+    {"loop.network.period", [](Node& n) { change(n.loop.network.period); }},
+    {"loop.network.bit_rate", [](Node& n) { change(n.loop.network.bit_rate); }},
+    {"loop.network.node_id", [](Node& n) { change(n.loop.network.node_id); }},
+    {"loop.network.heartbeat_period", [](Node& n) { change(n.loop.network.heartbeat_period); }},
+    {"loop.fault_scope", [](Node& n) { change(n.loop.fault_scope); }},
+    {"loop.moves_end", [](Node& n) { change(n.loop.moves_end); }},
+    {"loop.command_timeout", [](Node& n) { change(n.loop.command_timeout); }},
+    {"count", [](Node& n) { change(n.count); }},
+};
+
+// With two kicks in each table, since of a table only what is there counts.
+Node node_with_tables() {
+  Node node = testing::certified_node();
+  for (Axis& axis : node.axes) axis.braked.table.count = 2;
+  return node;
+}
+
+TEST(Checksum, CountsEveryNumberOfEveryAxis) {
+  const Node whole = node_with_tables();
+  for (const auto& edit : edits_of_an_axis) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      Node edited = whole;
+      edit.make(edited.axes[axis]);
+      EXPECT_NE(checksum_of(edited), checksum_of(whole)) << edit.label << " of axis " << axis;
+    }
+  }
+}
+
+TEST(Checksum, CountsEveryNumberOfTheNodeButItself) {
+  const Node whole = node_with_tables();
+  for (const auto& edit : edits_of_the_node) {
+    Node edited = whole;
+    edit.make(edited);
+    EXPECT_NE(checksum_of(edited), checksum_of(whole)) << edit.label;
+  }
+  Node other = whole;
+  change(other.checksum);
+  EXPECT_EQ(checksum_of(other), checksum_of(whole));
+}
+
+TEST(Checksum, CountsOnlyWhatIsThere) {
+  const Node whole = node_with_tables();
+  Node beyond = whole;
+  change(beyond.axes[0].braked.table.entries[2].a0);
+  change(beyond.axes[0].braked.table.periods[2]);
+  EXPECT_EQ(checksum_of(beyond), checksum_of(whole));
+  Node alone = whole;
+  alone.count = 1;
+  Node changed = alone;
+  change(changed.axes[1].law.mass_kg);
+  EXPECT_EQ(checksum_of(changed), checksum_of(alone));
+}
+
+// CRC-32 of Ethernet and zip: every number as a little-endian word, a longer one as two.
+TEST(Checksum, IsTheCrc32OfItsWords) {
+  Crc32 words, doubled, byte, half;
+  words.add_bits_of(std::uint32_t{0x34333231});
+  words.add_bits_of(std::uint32_t{0x38373635});
+  EXPECT_EQ(words.value(), 0x9AE0DAAFU) << "of the digits 1 to 8";
+  doubled.add_bits_of(std::uint64_t{0x3837363534333231});
+  EXPECT_EQ(doubled.value(), words.value());
+  byte.add_bits_of('A');
+  EXPECT_EQ(byte.value(), 0x2ECE044U);
+  half.add_bits_of(std::uint16_t{'A'});
+  EXPECT_EQ(half.value(), byte.value());
+}
+
+struct Refusal {
+  const char* label;
+  NodeError error;
+  std::uint8_t axis;
+  void (*spoil)(Node&);
+};
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+constexpr Refusal refusals[] = {
+    {"no axis", NodeError::count_impossible, 0, [](Node& n) { n.count = 0; }},
+    {"three axes", NodeError::count_impossible, 0, [](Node& n) { n.count = 3; }},
+    {"not certified", NodeError::not_certified, 1, [](Node& n) { n.axes[1].certified = false; }},
+    {"no mass", NodeError::law_invalid, 1, [](Node& n) { n.axes[1].law.mass_kg = 0; }},
+    {"no kicks", NodeError::law_invalid, 0, [](Node& n) { n.axes[0].law.coast = law::Coast::brake; }},
+    {"shorter period", NodeError::period_differs, 0, [](Node& n) { n.axes[0].law.period_s = 0.999e-3F; }},
+    {"longer period", NodeError::period_differs, 1, [](Node& n) { n.axes[1].law.period_s = 1.001e-3F; }},
+    {"a little shorter", NodeError::period_differs, 1, [](Node& n) { n.axes[1].law.period_s = 1e-3F * (1 - 1.5e-6F); }},
+    {"a little longer", NodeError::period_differs, 1, [](Node& n) { n.axes[1].law.period_s = 1e-3F * (1 + 1.5e-6F); }},
+    {"id of the node", NodeError::node_id_taken, 1, [](Node& n) { n.axes[1].drive.node_id = n.loop.network.node_id; }},
+    {"id of the other", NodeError::node_id_taken, 1, [](Node& n) { n.axes[1].drive.node_id = 1; }},
+    {"id of nobody", NodeError::drive_invalid, 1, [](Node& n) { n.axes[1].drive.node_id = 0; }},
+    {"name of the other", NodeError::name_taken, 1, [](Node& n) { n.axes[1].name = n.axes[0].name; }},
+    {"force", NodeError::limits_below_law, 0, [](Node& n) { n.axes[0].limits.force_N = 49.9F; }},
+    {"following error", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.following_error_m = 1.9e-6F; }},
+    {"no room", NodeError::limits_below_law, 1,
+     [](Node& n) { n.axes[1].limits.position_min_m = n.axes[1].limits.position_max_m = 1; }},
+    {"speed", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.speed_m_s = 4.9F; }},
+    {"force is no number", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.force_N = std::nanf(""); }},
+    {"slow bus", NodeError::bus_overloaded, 0, [](Node& n) { n.loop.network.bit_rate = 125'000; }},
+};
+
+TEST(Verify, RefusesByNameWhatContradictsItself) {
+  for (const Refusal& refusal : refusals) {
+    Node node = testing::certified_node();
+    refusal.spoil(node);
+    EXPECT_EQ(verify(node).error, NodeError::checksum_differs) << refusal.label;
+    node.checksum = checksum_of(node);
+    const NodeVerdict verdict = verify(node);
+    EXPECT_EQ(verdict.error, refusal.error) << refusal.label << ": " << to_string(verdict.error);
+    EXPECT_EQ(verdict.axis, refusal.axis) << refusal.label;
+    EXPECT_FALSE(verdict.ok()) << refusal.label;
+  }
+}
+
+struct Allowance {
+  const char* label;
+  void (*make)(Axis&);
+};
+
+constexpr Allowance allowances[] = {
+    {"force of the law", [](Axis& a) { a.limits.force_N = a.law.max_force_N; }},
+    {"tolerance", [](Axis& a) { a.limits.following_error_m = a.law.position_tolerance_m; }},
+    {"speed of the law", [](Axis& a) { a.limits.speed_m_s = a.law.max_approach_speed_m_s; }},
+    {"no speed asked for, and little allowed",
+     [](Axis& a) {
+       a.law.max_approach_speed_m_s = infinity;
+       a.limits.speed_m_s = 0.1F;
+     }},
+    {"period but for rounding, shorter", [](Axis& a) { a.law.period_s = 1e-3F * (1 - 0.5e-6F); }},
+    {"period but for rounding, longer", [](Axis& a) { a.law.period_s = 1e-3F * (1 + 0.5e-6F); }},
+};
+
+TEST(Verify, TakesLimitsThatTheLawJustKeeps) {
+  EXPECT_TRUE(verify(testing::certified_node()).ok());
+  for (const Allowance& allowance : allowances) {
+    Node node = testing::certified_node();
+    allowance.make(node.axes[1]);
+    node.checksum = checksum_of(node);
+    EXPECT_TRUE(verify(node).ok()) << allowance.label << ": " << to_string(verify(node).error);
+  }
+}
+
+TEST(AxisName, EndsAtItsZeroAndAtItsEnd) {
+  AxisName name;
+  EXPECT_EQ(name.view(), "");
+  name.characters = {'x', 'y'};
+  EXPECT_EQ(name.view(), "xy");
+  name.characters.fill('z');
+  EXPECT_EQ(name.view().size(), longest_axis_name);
+}
+
+}  // namespace
+}  // namespace breakaway::firmware

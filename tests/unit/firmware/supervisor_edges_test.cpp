@@ -1,0 +1,231 @@
+// The edges of what a supervisor watches: ties, the first sample, both signs, and what a reset and a start forget.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "breakaway/firmware/supervisor.hpp"
+
+namespace breakaway::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+using Feedback = hal::DriveFeedback<float>;
+
+// A supervisor, and samples of an enabled drive at 1 kHz.
+struct Watched {
+  Supervisor<float> supervisor;
+  hal::Time now{};
+
+  explicit Watched(const AxisLimits<float>& limits, const AxisModel<float>& model = {}) : supervisor{limits, model} {
+    supervisor.begin_motion(0);
+    supervisor.begin_commands();
+  }
+  Feedback sample() {
+    now += 1ms;
+    Feedback f;
+    f.state = hal::DriveState::enabled;
+    f.sample_time = now;
+    f.fresh = f.ever_valid = true;
+    return f;
+  }
+  AxisFault see(const Feedback& f, const AxisHealth& health = {}) { return supervisor.check(f, health, now); }
+  AxisFault at(float position_m) {
+    Feedback f = sample();
+    f.position_m = position_m;
+    return see(f);
+  }
+  AxisFault off_by(float error_m) {
+    Feedback f = sample();
+    f.position_offset_m = error_m;
+    return see(f);
+  }
+  AxisFault under(float force_N) {
+    Feedback f = sample();
+    f.force_N = force_N;
+    return see(f);
+  }
+  // Samples until a fault, the one that brings it included; `most` where there is none.
+  int samples_until_fault(float force_N, int most) {
+    for (int n = 1; n <= most; ++n) {
+      if (under(force_N) != AxisFault::none) return n;
+    }
+    return most;
+  }
+};
+
+AxisLimits<float> no_limits() { return {.feedback_timeout = 2500us}; }
+
+TEST(SupervisorEdges, AnAxisMayBeAtItsLimitsAndNotBeyond) {
+  constexpr float epsilon = std::numeric_limits<float>::epsilon();
+  for (const float sign : {1.0F, -1.0F}) {
+    AxisLimits<float> limits = no_limits();
+    limits.position_min_m = -1;
+    limits.position_max_m = 1;
+    Watched position{limits};
+    EXPECT_EQ(position.at(sign), AxisFault::none);
+    EXPECT_EQ(position.at(sign * (1 + epsilon)), AxisFault::position_limit);
+    limits = no_limits();
+    limits.following_error_m = 0.125F;
+    Watched error{limits};
+    error.supervisor.begin_motion(sign * 0.5F);
+    EXPECT_EQ(error.off_by(sign * 0.625F), AxisFault::none);
+    EXPECT_EQ(error.off_by(-sign * 0.625F), AxisFault::none);
+    EXPECT_EQ(error.off_by(sign * 0.6250001F), AxisFault::following_error);
+    limits = no_limits();
+    limits.force_N = 1;
+    Watched force{limits};
+    EXPECT_EQ(force.under(sign * (1 + 8 * epsilon)), AxisFault::none) << "whole steps of force are rounded";
+    EXPECT_EQ(force.under(sign * (1 + 9 * epsilon)), AxisFault::force_limit);
+  }
+}
+
+TEST(SupervisorEdges, TheFirstSampleHasNoSpeed) {
+  AxisLimits<float> limits = no_limits();
+  limits.speed_m_s = 2;
+  Watched axis{limits};
+  Feedback jumped = axis.sample();
+  jumped.travel_m = 0.9F;
+  EXPECT_EQ(axis.see(jumped), AxisFault::none);
+  axis.supervisor.reset();
+  jumped = axis.sample();
+  jumped.travel_m = -0.9F;
+  EXPECT_EQ(axis.see(jumped), AxisFault::none) << "the first one after a reset";
+  jumped = axis.sample();
+  jumped.travel_m = -0.9F;
+  EXPECT_EQ(axis.see(jumped), AxisFault::speed_limit);
+}
+
+TEST(SupervisorEdges, ASampleMayBeAsOldAsTheTimeout) {
+  Watched axis{no_limits()};
+  Feedback old = axis.sample();
+  EXPECT_EQ(axis.see(old), AxisFault::none);
+  old.fresh = false;
+  axis.now = old.sample_time + 2500us;
+  EXPECT_EQ(axis.see(old), AxisFault::none);
+  axis.now += 1ns;
+  EXPECT_EQ(axis.see(old), AxisFault::feedback_stale);
+}
+
+TEST(SupervisorEdges, AnAxisHasAMinuteToComeNearer) {
+  Watched axis{no_limits()};
+  EXPECT_EQ(axis.off_by(1), AxisFault::none);
+  const hal::Time begin = axis.now;
+  const auto stands_until = [&](hal::Time time, bool on_its_way) {
+    Feedback f = axis.sample();
+    axis.now = f.sample_time = time;
+    f.position_offset_m = 1;
+    return axis.see(f, {.on_its_way = on_its_way});
+  };
+  EXPECT_EQ(stands_until(begin + 60s, true), AxisFault::none);
+  EXPECT_EQ(stands_until(begin + 60s + 1ns, false), AxisFault::none) << "it holds";
+  EXPECT_EQ(stands_until(begin + 60s + 1ns, true), AxisFault::target_not_reached);
+  Watched nobody_says{no_limits()};
+  EXPECT_EQ(nobody_says.off_by(1), AxisFault::none);
+  nobody_says.now += 61s;
+  EXPECT_EQ(nobody_says.off_by(1), AxisFault::none) << "unless told an axis is not on its way";
+}
+
+TEST(SupervisorEdges, TellsTheCodeThatBelongsToTheFault) {
+  Watched axis{no_limits()};
+  EXPECT_EQ(axis.supervisor.fault_code(), 0);
+  Feedback bad = axis.sample();
+  bad.state = hal::DriveState::fault;
+  bad.fault_code = 0x7305;
+  EXPECT_EQ(axis.see(bad), AxisFault::drive_fault);
+  EXPECT_EQ(axis.supervisor.fault_code(), 0x7305);
+  axis.supervisor.reset();
+  EXPECT_EQ(axis.supervisor.fault_code(), 0);
+  for (const AxisHealth& health : {AxisHealth{.heartbeat_lost = true}, AxisHealth{.bus_off = true}}) {
+    axis.supervisor.reset();
+    axis.supervisor.check_idle(health, axis.now);
+    EXPECT_NE(axis.supervisor.fault(), AxisFault::none);
+    EXPECT_EQ(axis.supervisor.fault_code(), 0);
+  }
+}
+
+TEST(SupervisorEdges, NamesALawThatGotNotANumber) {
+  Watched axis{no_limits()};
+  EXPECT_EQ(axis.see(axis.sample(), {.control_fault = law::ControlFault::not_a_number}), AxisFault::not_a_number);
+  EXPECT_EQ(to_string(AxisFault::none), "none");
+}
+
+TEST(SupervisorEdges, AResetForgetsWhereAndHowFarTheAxisMightBe) {
+  AxisLimits<float> limits = no_limits();
+  limits.position_min_m = -0.5F;
+  limits.position_max_m = 0.5F;
+  limits.following_error_m = 0.1F;
+  for (const float sign : {1.0F, -1.0F}) {
+    Watched axis{limits};
+    axis.supervisor.begin_commands(sign * 1.5F);
+    axis.supervisor.reset();
+    EXPECT_EQ(axis.at(sign * 0.9F), AxisFault::position_limit);
+    axis.supervisor.reset();
+    EXPECT_EQ(axis.off_by(sign * 0.3F), AxisFault::none) << "no motion has begun";
+  }
+}
+
+TEST(SupervisorEdges, AForceThatIsReportedAsCommandedHasNoName) {
+  for (const float sign : {1.0F, -1.0F}) {
+    Watched axis{no_limits(), {.max_force_N = 50}};
+    for (int n = 0; n < 100; ++n) {
+      axis.supervisor.command(sign * 30);
+      ASSERT_EQ(axis.under(sign * 30), AxisFault::none);
+    }
+    for (int n = 0; n < CommandedForce<float>::patience + 2; ++n) {
+      axis.supervisor.command(0);
+      axis.under(sign * 30);
+    }
+    EXPECT_EQ(axis.supervisor.fault(), AxisFault::force_not_commanded) << "it is kept";
+  }
+}
+
+TEST(SupervisorEdges, AStartForgetsTheForceThatWasCommandedBefore) {
+  Watched axis{no_limits(), {.max_force_N = 50}};
+  for (const float sign : {1.0F, -1.0F}) {
+    axis.supervisor.command(sign * 50);
+    axis.supervisor.begin_commands();
+    EXPECT_EQ(axis.samples_until_fault(sign * 10, 100), CommandedForce<float>::patience);
+    EXPECT_EQ(axis.supervisor.fault(), AxisFault::force_not_commanded);
+    axis.supervisor.reset();
+  }
+}
+
+// Under 50 N an axis of 1 kg has gone its twenty counts long before the 10 ms are over.
+TEST(SupervisorEdges, CountsTheTimeWithoutMotionFromTheStart) {
+  const AxisModel<float> model{.mass_kg = 1, .friction_upper_N = 4.5F, .encoder_resolution_m = 1e-6F};
+  Watched axis{no_limits(), model};
+  EXPECT_EQ(axis.samples_until_fault(-50, 100), 11) << "between the first sample and the second lies the first period";
+  EXPECT_EQ(axis.supervisor.fault(), AxisFault::no_motion_under_force);
+  Watched again{no_limits(), model};
+  EXPECT_EQ(again.samples_until_fault(-50, 8), 8);
+  again.supervisor.begin_commands();
+  EXPECT_EQ(again.samples_until_fault(-50, 9), 9);
+  EXPECT_EQ(again.supervisor.fault(), AxisFault::none) << "another start";
+}
+
+TEST(SupervisorEdges, AConstantForceOnTheAxisTakesUpItsShareOfTheDrives) {
+  const AxisModel<float> model{
+      .mass_kg = 1, .friction_upper_N = 4.5F, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
+  for (const float held_N : {14.0F, 6.0F}) {
+    Watched axis{no_limits(), model};
+    EXPECT_EQ(axis.samples_until_fault(held_N, 200), 200);
+    EXPECT_EQ(axis.supervisor.fault(), AxisFault::none) << held_N;
+  }
+  for (const float moving_N : {15.5F, 4.5F, -10.0F}) {
+    Watched axis{no_limits(), model};
+    EXPECT_LT(axis.samples_until_fault(moving_N, 200), 20);
+    EXPECT_EQ(axis.supervisor.fault(), AxisFault::no_motion_under_force) << moving_N;
+  }
+}
+
+// Of an axis whose scale is not told a kilogram and a metre a count are taken: twenty metres, and no more than nothing
+// of a constant force.
+TEST(SupervisorEdges, AnAxisOfWhichOnlyTheFrictionIsToldIsGivenTheTimeForTwentyMetres) {
+  Watched axis{no_limits(), {.friction_upper_N = 10}};
+  EXPECT_NEAR(axis.samples_until_fault(-50, 5000), 1000, 3);
+  EXPECT_EQ(axis.supervisor.fault(), AxisFault::no_motion_under_force);
+}
+
+}  // namespace
+}  // namespace breakaway::firmware
