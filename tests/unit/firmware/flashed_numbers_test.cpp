@@ -46,6 +46,8 @@ constexpr Edit<Axis> edits_of_an_axis[] = {
     {"drive.heartbeat_period", [](Axis& a) { change(a.drive.heartbeat_period); }},
     {"drive.heartbeat_timeout", [](Axis& a) { change(a.drive.heartbeat_timeout); }},
     {"drive.sdo_timeout", [](Axis& a) { change(a.drive.sdo_timeout); }},
+    {"drive.torque_base", [](Axis& a) { change(a.drive.torque_base); }},
+    {"drive.user_position_unit", [](Axis& a) { change(a.drive.user_position_unit); }},
     {"drive.invert_direction", [](Axis& a) { change(a.drive.invert_direction); }},
     {"drive.absolute_encoder", [](Axis& a) { change(a.drive.absolute_encoder); }},
     {"limits.position_min_m", [](Axis& a) { change(a.limits.position_min_m); }},
