@@ -191,6 +191,18 @@ double least_move_speed_m_s(const BrakedDesign<Real>& design) {
   return least_speed * static_cast<double>(design.kicks.approach.switch_speed_m_s);
 }
 
+// The force is that which leads to the greatest speed V within response_s, from the speed that the plan takes an axis
+// for whose friction is not the least: its readings say too much by what the force ought to have done in the time
+// since. So the axis goes slower than V by what is computed here, and must not stand.
+template <class Real>
+double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+  constexpr double moving = 1.1;
+  const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const double unseen_s = axes.period_s * (1 / static_cast<double>(plan.correction) - 0.5 + axes.latency_periods);
+  return moving * PlannedForce{axes, KickClass{axes}}.needed_acceleration() *
+         (static_cast<double>(plan.response_s) + unseen_s);
+}
+
 // The double S: jerk up and down to the greatest acceleration that the way lets it reach, and the greatest speed.
 double least_move_s(const MoveRequest& move) {
   const double j = move.jerk_m_s3.value_or(infinity), d = move.distance_m;
@@ -364,6 +376,8 @@ template bool keeps_speed(const BrakedClass&, const BrakedDesign<float>&);
 template bool keeps_speed(const BrakedClass&, const BrakedDesign<double>&);
 template double least_move_speed_m_s(const BrakedDesign<float>&);
 template double least_move_speed_m_s(const BrakedDesign<double>&);
+template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<float>&);
+template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<double>&);
 template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
 template double move_beyond_m(const BrakedClass&, const BrakedDesign<float>&);

@@ -188,7 +188,7 @@ std::vector<Check> checks_of_pd(const AxisDesign& axis, const DesignReport& repo
   return checks;
 }
 
-// The five conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
+// The six conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
 std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const double least_N = c.friction.lower_N - c.load_N, brake_N = static_cast<double>(design.kicks.brake_N);
@@ -218,6 +218,12 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
                          design.least_tolerance_m, axis.position_tolerance_m,
                          "the least tolerance against position_tolerance_m",
                          "widen the tolerance, shorten the period, or know the axis better", Equality::holds));
+  if (!c.move)
+    checks.push_back(below("approach_gets_on", "the force that leads to the greatest speed must exceed all friction",
+                           least_approach_speed_m_s(c, design), axis.max_approach_speed_m_s,
+                           "the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths "
+                           "of [limits] speed_m_s",
+                           "raise these, know friction better, or use a finer encoder", Equality::holds));
   const double from_m = kicks_begin_m(design);
   const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
   const bool end = most > 0 || axis.position_tolerance_m >= from_m;

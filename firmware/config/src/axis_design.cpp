@@ -79,6 +79,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .latency_ticks = p.latency_periods,
           .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
           .position_tolerance_m = accuracy_m(node, axis),
+          .max_approach_speed_m_s = p.max_approach_speed_m_s,
           .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
           .outside = outside_class(node, axis)};
 }

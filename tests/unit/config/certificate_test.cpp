@@ -172,6 +172,18 @@ TEST(Certificate, RefusesToTellTheCoastPdOfFrictionThatBends) {
   EXPECT_NE(error.find("set [controller] coast = \"brake\""), std::string::npos) << error;
 }
 
+std::string without_move() {
+  std::string text = scene;
+  const auto move = text.find("[move]");
+  return text.erase(move, text.find("[drive]") - move);
+}
+
+TEST(Certificate, IsRefusedWhereTheApproachMayNotBeFastEnoughToGetOn) {
+  const std::string text = without_move(), slow = with(text, "approach_speed_m_s = 5", "approach_speed_m_s = 0.005");
+  EXPECT_EQ(why_not(text), "");
+  expect_refused(slow, "approach_gets_on");
+}
+
 TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
   EXPECT_EQ(why_not(more("[plant]", "force_N = -0.3")), "");
   expect_refused(more("[plant]", "force_N = -0.31"), "raise that");

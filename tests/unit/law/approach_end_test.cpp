@@ -71,5 +71,25 @@ TEST(ApproachEnd, ComesSoonForAnAxisThatCreepsAndNotForAHeavyOne) {
   EXPECT_EQ(given_up_after([&](float i) { return slow_m / 4 * i * i / periods; }), 5000);
 }
 
+// Where the first kick begins on an axis under its greatest friction that is approached no faster than this.
+double first_kick_m(double share_of_least_speed, double lag_s) {
+  const design::BrakedClass axes = breakaway::testing::axes_of_the_scenes(lag_s);
+  const auto design = design::design_braked_kicks<float>(axes);
+  auto p = testing::braked_axis();
+  p.max_approach_speed_m_s = static_cast<float>(share_of_least_speed * design::least_approach_speed_m_s(axes, design));
+  const auto greatest = [&](const breakaway::testing::Moment&) { return axes.friction.upper_N; };
+  const auto end = breakaway::testing::run_kicked_axis<float>(p, testing::no_k3, design.kicks, {.lag_s = lag_s},
+                                                              greatest, -0.1, 0, 60);
+  return end.first_kick_m;
+}
+
+TEST(ApproachEnd, IsNearWhereItsSpeedLeavesTheForceThatBreaksTheAxisAway) {
+  for (const double lag_s : {0.0, 1e-3, 5e-3}) {
+    SCOPED_TRACE(lag_s);
+    EXPECT_LT(first_kick_m(1.001, lag_s), 1e-3);
+    EXPECT_GT(first_kick_m(0.85, lag_s), 0.0999);
+  }
+}
+
 }  // namespace
 }  // namespace breakaway::law

@@ -85,6 +85,10 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes);
 template <class Real>
 double hand_over_m(const BrakedDesign<Real>& design);
 
+// An approach that may go this fast moves every axis of the class; a slower one may have too little force for that.
+template <class Real>
+double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design);
+
 // The distance from which kicks may be needed: that, or what one kick can aim for, whichever is more.
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design);

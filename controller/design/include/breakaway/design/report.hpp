@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,8 +27,9 @@ struct AxisDesign {
   int latency_ticks{};                      // from a sample to the force that answers it, in periods
   double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
-  std::optional<BrakedClass> braked{};      // the axes it stands for, where the coast is "brake"
-  std::vector<std::string> outside{};       // what is known of the machine and no check covers, a sentence each
+  double max_approach_speed_m_s = std::numeric_limits<double>::infinity();
+  std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake"
+  std::vector<std::string> outside{};   // what is known of the machine and no check covers, a sentence each
 };
 
 // What a certificate of the coast "brake" says in figures.
