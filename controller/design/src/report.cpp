@@ -362,7 +362,7 @@ std::string range(const Interval& interval, const std::string& unit) {
 std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
-      "its places, and that the approach ends within hand_over_m of the target";
+      "its places, and that one of four approaches ends where kicks begin, within reach_m or hand_over_m of the target";
   const BrakedClass& c = *axis.braked;
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/design/binding_limit.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
@@ -85,8 +87,13 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
   });
 }
 
-void write_axis(format::JsonWriter& json, const config::Axis& axis, const DesignReport& report) {
+void write_axis(format::JsonWriter& json, const Node& node, const config::Axis& axis, const DesignReport& report) {
   write_report(json, report);
+  if (report.braked && report.certified) {
+    const design::BindingLimit limit = design::binding_limit(config::braked_class(node, axis));
+    json.member("limited_by", std::string{limit.name});
+    json.member("least_tolerance_with_half_m", limit.least_tolerance_m);
+  }
   if (const std::string told = config::told_otherwise(axis); !told.empty()) json.member("told", told);
 }
 
@@ -94,13 +101,13 @@ void write_axis(format::JsonWriter& json, const config::Axis& axis, const Design
 std::string to_json(const Node& node, const Reports& reports) {
   format::JsonWriter json;
   json.object([&] {
-    if (reports.size() == 1) return write_axis(json, node.axes.front(), reports.front());
+    if (reports.size() == 1) return write_axis(json, node, node.axes.front(), reports.front());
     json.member("certified", std::ranges::all_of(reports, &DesignReport::certified));
     json.array("axes", [&] {
       for (std::size_t i = 0; i < reports.size(); ++i) {
         json.object([&] {
           json.member("name", node.axes[i].name);
-          write_axis(json, node.axes[i], reports[i]);
+          write_axis(json, node, node.axes[i], reports[i]);
         });
       }
     });
@@ -144,6 +151,11 @@ void print_reports(const Node& node, const Reports& reports) {
     const std::string told = config::told_otherwise(node.axes[i]);
     if (!told.empty()) fmt::print("designed for what the controller is told: {}\n\n", told);
     print_report(reports[i]);
+    if (reports[i].braked && reports[i].certified) {
+      const design::BindingLimit limit = design::binding_limit(config::braked_class(node, node.axes[i]));
+      fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:.4g} m could be certified\n",
+                 limit.name, limit.least_tolerance_m);
+    }
   }
 }
 

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <utility>
 
+#include "breakaway/design/binding_limit.hpp"
 #include "breakaway/design/k3.hpp"
 #include "breakaway/design/kick_promise.hpp"
 
@@ -232,6 +234,19 @@ TEST(BrakedKicks, AreAsManyAsPromisedForWhoeverReadsAtHisWorst) {
 }
 
 // The time of a kick is at least that of its periods, and grows with the distance.
+TEST(BindingLimit, IsWhatTheLeastToleranceWouldBeLeastWithHalfOf) {
+  BrakedClass coarse = example();
+  coarse.encoder_resolution_m = 1e-3;
+  for (const auto& [axes, name] :
+       {std::pair{coarse, "the encoder"}, std::pair{example(1e-3, 0, 20), "the step of force"},
+        std::pair{example(1e-3, 0.02), "the time constant of the current loop"},
+        std::pair{example(), "the width of the friction bounds"}}) {
+    const BindingLimit limit = binding_limit(axes);
+    EXPECT_EQ(limit.name, name);
+    EXPECT_LT(limit.least_tolerance_m, 0.7 * design_braked_kicks<float>(axes).least_tolerance_m) << name;
+  }
+}
+
 TEST(KickPromise, BoundsTheTimeOfTheKicks) {
   const BrakedClass c = example(1e-3, 1e-3);
   const auto design = design_braked_kicks<float>(c);
