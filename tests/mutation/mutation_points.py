@@ -140,6 +140,8 @@ class Finder:
         if place and place[0] != self.path and kind not in ("NamespaceDecl",):
             return
         returns = self.returns
+        if kind in FUNCTIONS and place and re.search(r"\bconsteval\b", self.source(place[1], place[1] + 80)):
+            return
         if kind in FUNCTIONS:
             self.returns = node.get("type", {}).get("qualType", "")
             children = [c for c in children if c.get("kind") in ("ParmVarDecl", "CompoundStmt", "CXXCtorInitializer")]

@@ -191,7 +191,7 @@ constexpr std::remove_cvref_t<T> returned(int id, T&& value) {
   else if constexpr (std::is_default_constructible_v<Value>)
     return Value{};
   else
-    return std::forward<T>(value);
+    __builtin_trap();
 }
 template <std::size_t N>
 constexpr const char* returned(int id, const char (&value)[N]) {

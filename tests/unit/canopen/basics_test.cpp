@@ -82,6 +82,35 @@ TEST(Nmt, CommandNamesTheNode) {
   EXPECT_EQ(nmt_frame(NmtCommand::reset_communication, all_nodes).data[0], 0x82);
 }
 
+TEST(Nmt, NamesItsStatesAndKnowsNoOthers) {
+  EXPECT_EQ(to_string(NmtState::boot_up), "boot-up");
+  EXPECT_EQ(to_string(NmtState::stopped), "stopped");
+  EXPECT_EQ(to_string(NmtState::operational), "operational");
+  EXPECT_EQ(to_string(NmtState::pre_operational), "pre-operational");
+  EXPECT_EQ(to_string(NmtState{3}), "unknown NMT state");
+  for (unsigned value = 0; value < 256; ++value) {
+    const bool known = value == 0x00 || value == 0x04 || value == 0x05 || value == 0x7F;
+    EXPECT_EQ(is_nmt_state(static_cast<std::uint8_t>(value)), known) << value;
+  }
+}
+
+TEST(Heartbeat, SupervisionBeginsAnewWithEveryStartAndEndsWithAStop) {
+  HeartbeatConsumer consumer{3, 250ms};
+  consumer.start(Time{0ms});
+  consumer.update(Time{251ms});
+  ASSERT_TRUE(consumer.lost());
+  consumer.start(Time{1s});
+  EXPECT_FALSE(consumer.lost());
+  consumer.update(Time{1250ms});
+  EXPECT_FALSE(consumer.lost()) << "heard within the timeout from the start on";
+  consumer.update(Time{1250ms + 1ns});
+  ASSERT_TRUE(consumer.lost());
+  consumer.stop();
+  EXPECT_FALSE(consumer.lost());
+  consumer.update(Time{10s});
+  EXPECT_FALSE(consumer.lost());
+}
+
 TEST(Heartbeat, SilenceIsNoLossBeforeSupervisionStarts) {
   HeartbeatConsumer consumer{3, 250ms};
   consumer.update(Time{10s});
@@ -130,6 +159,7 @@ TEST(Heartbeat, ProducerSendsOnceAPeriodAndDoesNotCatchUp) {
   EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{104ms}));
   EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{405ms}));
   EXPECT_FALSE(producer.next_frame(frame, NmtState::operational, Time{406ms}));
+  EXPECT_TRUE(producer.next_frame(frame, NmtState::operational, Time{505ms})) << "a period after the last one";
   HeartbeatProducer silent{127, 0ms};
   EXPECT_FALSE(silent.next_frame(frame, NmtState::operational, Time{1s}));
 }
@@ -145,6 +175,15 @@ TEST(Emcy, RoundTripAndReset) {
   EXPECT_FALSE(consumer.active());
   EXPECT_EQ(consumer.take_error(), overload.code) << "it came, although it is gone";
   EXPECT_EQ(consumer.take_error(), 0);
+}
+
+TEST(Emcy, ForgetsTheLastErrorWhenTold) {
+  EmcyConsumer consumer{9};
+  ASSERT_TRUE(consumer.on_frame(emcy_frame({.code = 0x2310}, 9)));
+  consumer.forget();
+  EXPECT_FALSE(consumer.active());
+  EXPECT_EQ(consumer.last(), Emcy{});
+  EXPECT_EQ(Emcy{}.error_register, 0);
 }
 
 TEST(Emcy, SaysWhatAnErrorCodeIsAbout) {

@@ -55,6 +55,17 @@ TEST(BusBudget, HeartbeatsThatMustPassInOnePeriodCountToo) {
   EXPECT_EQ(bus_budget(1, 1ms, 1'000'000, traffic).needed_us, 285U + 135U + 2U * 65U);
 }
 
+TEST(BusBudget, TakesTheWholeOfEachRange) {
+  EXPECT_EQ(check_bus_budget(127, 1h, 1'000'000), BusFit::fits);
+  EXPECT_EQ(check_bus_budget(1, 1h, 10'000), BusFit::fits);
+  EXPECT_EQ(bus_budget(1, 1h, 1'000'000).max_axes, 127U) << "there are no more node ids";
+  EXPECT_EQ(bus_budget(1, 127 * 230us + 190us, 1'000'000).max_axes, 127U);
+  EXPECT_EQ(bus_budget(1, 127 * 230us + 189us, 1'000'000).max_axes, 126U);
+  EXPECT_EQ(bus_budget(1, 189us, 1'000'000).max_axes, 0U) << "less than what every period needs";
+  const auto nothing = bus_budget(0, 1ms, 1'000'000);
+  EXPECT_EQ(nothing.needed_us + nothing.available_us + nothing.max_axes + nothing.max_rate_Hz, 0U);
+}
+
 TEST(BusBudget, NamesTheParameterThatIsOutOfRange) {
   EXPECT_EQ(check_bus_budget(0, 1ms, 1'000'000), BusFit::axes_out_of_range);
   EXPECT_EQ(check_bus_budget(128, 1ms, 1'000'000), BusFit::axes_out_of_range);

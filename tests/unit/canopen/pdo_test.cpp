@@ -64,6 +64,53 @@ TEST(Pdo, RandomMappingsSurviveTheRoundTrip) {
   }
 }
 
+TEST(Pdo, StartsEmptyAndValidWithEverySync) {
+  const PdoMapping pdo{};
+  EXPECT_EQ(pdo.parameter_index, 0);
+  EXPECT_EQ(pdo.mapping_index, 0);
+  EXPECT_EQ(pdo.cob_id, 0U);
+  EXPECT_EQ(pdo.transmission_type, 1);
+  EXPECT_TRUE(pdo.mapped().empty());
+  EXPECT_EQ(MappedObject{}, (MappedObject{0, 0, 0}));
+  const auto frame = pack_pdo(pdo, {});
+  EXPECT_EQ(frame, breakaway::hal::CanFrame{});
+}
+
+// Eight objects of a byte, and one more than there is room for.
+TEST(Pdo, HoldsEightObjects) {
+  PdoMapping pdo{.cob_id = 0x185, .count = PdoMapping::max_objects};
+  for (auto& object : pdo.objects) object = {0x2000, 1, 8};
+  EXPECT_EQ(pdo.mapped().size(), PdoMapping::max_objects);
+  pdo.count = PdoMapping::max_objects + 1;
+  EXPECT_EQ(pdo.mapped().size(), PdoMapping::max_objects) << "a count that is damaged reads no further";
+}
+
+TEST(Pdo, PacksNoMoreThanAFrameHolds) {
+  PdoMapping pdo{.cob_id = 0x185, .count = 3};
+  pdo.objects[0] = pdo.objects[1] = pdo.objects[2] = {0x2000, 1, 32};
+  const std::array<std::uint64_t, 3> values{0x11111111, 0x22222222, 0x33333333};
+  const auto frame = pack_pdo(pdo, values);
+  EXPECT_EQ(frame.size, 8);
+  EXPECT_EQ(frame.data, (std::array<std::uint8_t, 8>{0x11, 0x11, 0x11, 0x11, 0x22, 0x22, 0x22, 0x22}));
+  const auto whole = pack_pdo(feedback_mapping, values);
+  std::array<std::uint64_t, 3> more{7, 7, 7};
+  EXPECT_FALSE(unpack_pdo(pdo, whole, more)) << "no frame is so long";
+}
+
+TEST(Pdo, ValuesThatAreMissingCountAsZeroAndThoseTooManyAsNone) {
+  const auto frame = pack_pdo(feedback_mapping, std::array<std::uint64_t, 1>{0xFFFFF1237});
+  EXPECT_EQ(frame.size, 8);
+  EXPECT_EQ(frame.data, (std::array<std::uint8_t, 8>{0x37, 0x12})) << "and no bit of it beyond its own";
+  EXPECT_EQ(pack_pdo(feedback_mapping, std::array<std::uint64_t, 4>{0, 0, 0, 0xFF}).data,
+            (std::array<std::uint8_t, 8>{}));
+  std::array<std::uint64_t, 4> values{1, 1, 1, 1};
+  EXPECT_TRUE(unpack_pdo(feedback_mapping, frame, values));
+  EXPECT_EQ(values, (std::array<std::uint64_t, 4>{0x1237, 0, 0, 1})) << "the fourth is not mapped";
+  std::array<std::uint64_t, 1> first{};
+  EXPECT_TRUE(unpack_pdo(feedback_mapping, frame, first));
+  EXPECT_EQ(first[0], 0x1237U);
+}
+
 TEST(Pdo, WrongIdentifierRemoteOrShortFrameIsNotUnpacked) {
   std::array<std::uint64_t, 3> values{7, 7, 7};
   auto frame = pack_pdo(feedback_mapping, values);

@@ -53,6 +53,7 @@ TEST_F(StateMachineTest, SendsTheControlwordOfEachState) {
 }
 
 TEST_F(StateMachineTest, BeforeTheFirstStatuswordNoVoltage) {
+  EXPECT_EQ(machine.controlword(), 0x00) << "before the first period, too";
   machine.request_enable();
   EXPECT_EQ(step(), 0x00);
   machine.on_statusword(0x0002);  // a combination that the profile does not define
@@ -134,9 +135,8 @@ TEST_F(StateMachineTest, EveryFaultResetShowsTheWholeOfItsLevels) {
   for (int reset = 0; reset < 3; ++reset) {
     see(State::fault);
     machine.reset_fault();
-    std::string edges;
-    for (int i = 0; i < 8; ++i) edges += step() == 0x80 ? 'H' : 'L';
-    EXPECT_EQ(edges, "LLLHHHLL");
+    for (const unsigned expected : {0x00U, 0x00U, 0x00U, 0x80U, 0x80U, 0x80U, 0x00U, 0x00U})
+      EXPECT_EQ(step(), expected);
     see(State::switch_on_disabled);
   }
 }
@@ -184,7 +184,7 @@ TEST_F(StateMachineTest, EverySecondQuickStopLastsAsLongAsTheFirst) {
       machine.request_stop();
       see(State::quick_stop_active);
       const Time begin = now;
-      for (int i = 0; i < (stop == 0 && again == 0 ? 500 : 2000) && step() == 0x02; ++i) {
+      for (int i = 0; i < (stop == 0 && again == 0 ? 500 : 2000) && see(State::quick_stop_active) == 0x02; ++i) {
       }
       if (stop == 0 && again == 0) continue;  // it left by itself
       EXPECT_EQ(now - begin, StateMachine::quick_stop_time + 1ms) << "stop " << again + 1;

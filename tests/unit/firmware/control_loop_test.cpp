@@ -98,6 +98,13 @@ TEST_F(ControlLoopTest, TellsTheDriveToStopWithinTheCallAndGivesNoMoreForce) {
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
 }
 
+TEST_F(ControlLoopTest, ALawThatSaysNothingOfItsFrictionMayTakeAsLongAsItLikes) {
+  enable();
+  probe.feedback.position_offset_m = 0.01F;
+  run_for(61s);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+}
+
 TEST_F(ControlLoopTest, GivesNoForceToADriveThatNobodyWantsEnabled) {
   probe.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
   for (int i = 0; i < 10; ++i) step();

@@ -169,6 +169,19 @@ TEST_F(SeveralAxesTest, AnAxisThatIsNotWantedGetsNoFaultOfAnother) {
   EXPECT_EQ(faults(), (std::vector{AxisFault::not_a_number, with_another, none}));
 }
 
+TEST_F(SeveralAxesTest, AnAxisThatIsWantedLaterWaitsForTheResetOfTheOthers) {
+  start(FaultScope::all_axes);
+  loop->request_stop(axes[2]);
+  probes[2].feedback.state = hal::DriveState::disabled;
+  step();
+  probes[0].heartbeat_lost = true;
+  step();
+  loop->request_enable(axes[2]);
+  for (int periods = 0; periods < 5; ++periods) step();
+  EXPECT_EQ(probes[2].enables, 0);
+  EXPECT_EQ(loop->status(axes[2]).fault, none);
+}
+
 TEST_F(SeveralAxesTest, ADriveThatCannotBeUsedStopsTheOthersWhereTheNodeSaysSo) {
   start(FaultScope::all_axes);
   probes[2].feedback.state = hal::DriveState::unusable;

@@ -231,6 +231,7 @@ TEST(Supervisor, AllowsTheErrorThatATargetChangeMakes) {
 
 TEST(Supervisor, WatchesNothingThatHasNoLimit) {
   Supervisor<float> supervisor{{.feedback_timeout = 2500us}};
+  supervisor.begin_motion(0);
   for (int i = 1; i < 100; ++i) {
     const hal::Time now{i * 1ms};
     Feedback f = healthy(now);

@@ -24,5 +24,20 @@ TEST(TimingStatistics, TakesJitterBelowHalfAPeriodForOnTime) {
   EXPECT_EQ(statistics.longest_interval(), 1400us);
 }
 
+// From one and a half periods on, to the nearest period.
+TEST(TimingStatistics, RoundsAnIntervalToTheNearestPeriod) {
+  struct Row {
+    hal::Duration interval;
+    unsigned missed;
+  };
+  for (const Row& row : {Row{1ms, 0}, Row{1500us - 1ns, 0}, Row{1500us, 1}, Row{2ms, 1}, Row{2499us, 1}, Row{2500us, 2},
+                         Row{10ms, 9}, Row{10'400us, 9}}) {
+    TimingStatistics statistics{1ms};
+    statistics.begin(hal::Time{5ms});
+    statistics.begin(hal::Time{5ms + row.interval});
+    EXPECT_EQ(statistics.missed_ticks(), row.missed) << row.interval.count() << " ns";
+  }
+}
+
 }  // namespace
 }  // namespace breakaway::firmware

@@ -47,7 +47,7 @@ class StuffedBits {
   static constexpr std::size_t place(bool last, unsigned run, unsigned four) noexcept {
     return (((last ? longest_run : 0) + run) << 4U) + four;
   }
-  static constexpr Groups make_groups() noexcept;
+  static consteval Groups make_groups() noexcept;
   static const Groups groups_;
 
   constexpr void send_bit(bool bit) noexcept {
@@ -68,7 +68,7 @@ class StuffedBits {
   bool last_ = true;
 };
 
-constexpr StuffedBits::Groups StuffedBits::make_groups() noexcept {
+consteval StuffedBits::Groups StuffedBits::make_groups() noexcept {
   Groups groups;
   for (unsigned four = 0; four < 16; ++four) {
     for (const bool last : {false, true}) {
