@@ -75,6 +75,13 @@ TEST_F(Command, CertifiesAndRunsAMoveWithinItsLimits) {
   EXPECT_LE(figure(motion.out, "settling_time_s"), 0.65) << "from 1.25 s on, with a turn on the way";
 }
 
+TEST_F(Command, SaysWhatLimitsTheAccuracyOfTheCoastBrake) {
+  const Ended ended = run("design " + scenarios + "braked_axis.toml --json -");
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_keys(ended.out, {"limited_by", "least_tolerance_with_half_m"});
+  EXPECT_LT(figure(ended.out, "least_tolerance_with_half_m"), 0.7 * figure(ended.out, "least_tolerance_m"));
+}
+
 TEST_F(Command, DrawsTheKicksOfTheCoastBrake) {
   const Ended ended = run("design " + scenarios + "braked_axis.toml --report " + path("braked.html"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
