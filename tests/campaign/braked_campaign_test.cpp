@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -127,6 +128,52 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAway) {
   run_all(Start::far_away, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_FAR_AXES", 60));
+}
+
+// The target moves once: in the approach or between kicks, by what kicks are for or by as much as the axis is away.
+testing::Retarget random_retarget(const CertifiedAxis& axis, double distance_m, double approach_s, Random& r) {
+  const double soon_s = axis.axes.period_s * r.decades(1, 300), late_s = approach_s * r.decades(0.1, 10);
+  const double near_m = design::kicks_begin_m(axis.design) * r.decades(0.01, 3), far_m = distance_m * 2 * r.share();
+  const double way_m = std::min(r.share() < 0.7 ? near_m : far_m, furthest_m);
+  return {r.share() < 0.5 ? soon_s : late_s, r.share() < 0.5 ? way_m : -way_m};
+}
+
+void run_retargeted(CertifiedAxis& axis, Random& r) {
+  const BrakedClass& c = axis.axes;
+  const double q = c.encoder_resolution_m, tolerance_m = axis.tolerance_m;
+  const law::K3Table<float> unused;
+  const double kicks_s = 20 + 4 * axis.promise.most_s(design::kicks_begin_m(axis.design)) +
+                         40 * c.period_s * axis.design.kicks.patient_periods;
+  const double surplus_N = c.force_gain.least * c.max_force_N - c.friction.upper_N - c.load_N;
+  for (int kind = 0; kind < kinds; ++kind) {
+    const testing::TrueAxis truth = true_axis(c, r);
+    const double distance_m = start_m(Start::as_drawn, axis.design, r.share());
+    const double approach_s = std::sqrt(2 * distance_m * c.mass_kg.most / surplus_N);
+    const testing::Retarget retarget = random_retarget(axis, distance_m, approach_s, r);
+    const double longest_s = retarget.at_s + kicks_s + 20 * approach_s +
+                             20 * std::sqrt(2 * std::fabs(retarget.shift_m) * c.mass_kg.most / surplus_N);
+    const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(axis.number * kinds + kind),
+                                               std::max(3 * axis.design.floor_m, q), tolerance_m);
+    const auto end =
+        testing::run_kicked_axis<float>(parameters(c, tolerance_m), unused, axis.design.kicks, truth, friction,
+                                        r.share() < 0.5 ? distance_m : -distance_m, 0, longest_s, 4, 50,
+                                        tolerance_m < q ? 0 : r.between(-0.5, 0.5), retarget, disturbance(c, r));
+    const std::string where = "axis " + std::to_string(axis.number) + ", friction " + std::to_string(kind);
+    EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault) << ", error " << end.error_m;
+    EXPECT_FALSE(end.moving_in_hold) << where;
+    // The target is a float as well.
+    const double rounding_m = 2 * std::fabs(retarget.shift_m) * std::numeric_limits<float>::epsilon();
+    EXPECT_LE(std::fabs(end.error_m), (tolerance_m + c.reading_error_m()) * (1 + 1e-6) + rounding_m) << where;
+  }
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisSettlesWhereItsTargetMovesOnTheWay) {
+  const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_RETARGETED_AXES", 60);
+  for (long number = first; number < first + axes; ++number) {
+    auto axis = certified_axis(number);
+    Random r{static_cast<std::uint64_t>(number) + 2'000'000'000};
+    if (axis && approach_gets_on(*axis)) run_retargeted(*axis, r);
+  }
 }
 
 struct CounterExample {
