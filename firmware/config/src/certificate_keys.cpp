@@ -24,6 +24,7 @@ constexpr std::array rows{
     CertificateKey{"", "machine", refused,
                    "a certificate is of an axis that moves alone, and here its axes move one another; simulate it"},
     CertificateKey{"", "start", apart},
+    CertificateKey{"", "target", apart},
 
     CertificateKey{"axis", "name", apart},
     CertificateKey{"axis", "plant", counted},
@@ -152,6 +153,16 @@ constexpr std::array rows{
     CertificateKey{"bus", "delay_min_s", bounded},
     CertificateKey{"bus", "delay_max_s", bounded},
     CertificateKey{"bus", "seed", apart},
+
+    CertificateKey{"target", "stm32f405", apart},
+    CertificateKey{"stm32f405", "can", apart},
+    CertificateKey{"stm32f405", "can_receive", apart},
+    CertificateKey{"stm32f405", "can_transmit", apart},
+    CertificateKey{"stm32f405", "can_standby", apart},
+    CertificateKey{"stm32f405", "can_awake", apart},
+    CertificateKey{"stm32f405", "serial_baud", apart},
+    CertificateKey{"stm32f405", "serial_receive", apart},
+    CertificateKey{"stm32f405", "serial_transmit", apart},
 
     CertificateKey{"run", "settle_tolerance_m", counted},
     CertificateKey{"run", "duration_s", apart},

@@ -100,6 +100,7 @@ template <class Real>
 AnyNode<Real> flashed(const Node& node) try {
   AnyNode<Real> flashed;
   flashed.loop = loop_config(node);
+  flashed.wiring = node.wiring;
   flashed.count = static_cast<std::uint8_t>(node.axes.size());
   std::ranges::transform(node.axes, flashed.axes.begin(),
                          [&](const Axis& axis) { return flashed_axis<Real>(node, axis); });

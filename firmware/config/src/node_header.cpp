@@ -72,6 +72,10 @@ class HeaderWriter {
   static std::string exact(cia402::TorqueBase base) {
     return base == cia402::TorqueBase::rated ? "cia402::TorqueBase::rated" : "cia402::TorqueBase::largest";
   }
+  static std::string exact(firmware::Pin pin) {
+    if (pin == firmware::Pin::none) return "Pin::none";
+    return fmt::format("pin('{}', {})", static_cast<char>('A' + port_of(pin)), number_of(pin));
+  }
   static std::string exact(firmware::FaultScope scope) {
     return scope == firmware::FaultScope::axis ? "FaultScope::axis" : "FaultScope::all_axes";
   }
@@ -125,6 +129,7 @@ std::string assertions() {
       {"name_taken", name_taken},
       {"limits_below_law", limits_below_law},
       {"bus_overloaded", bus_overloaded},
+      {"wiring_impossible", wiring_impossible},
   };
   std::string text;
   for (const auto& [name, error] : errors)
@@ -142,6 +147,7 @@ std::string node_header(const AnyNode<float>& flashed, const Node& node,
          fmt::format(
              "#pragma once\n\n#include <limits>\n\n#include \"breakaway/firmware/flashed_node.hpp\"\n\n"
              "namespace breakaway::flashed {{\n\nusing firmware::FaultScope;\nusing firmware::MovesEnd;\n"
+             "using firmware::Pin;\nusing firmware::pin;\n"
              "inline constexpr float infinity = std::numeric_limits<float>::infinity();\n\n"
              "inline constexpr firmware::FlashedNode<float, {}> node{{\n{}    .checksum = 0x{:08X}U,\n}};\n\n"
              "static_assert(checksum_of(node) == node.checksum, \"this file was edited: generate it again\");\n"

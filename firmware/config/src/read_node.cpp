@@ -13,6 +13,7 @@
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "surroundings.hpp"
+#include "wiring.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -133,10 +134,10 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
         .in_file(name);
   Node node;
   node.file = name;
-  std::optional<Section> loop, bus, run;
+  std::optional<Section> loop, bus, run, target;
   AxisTables alone;
   const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
-                                keep_table("run", run)};
+                                keep_table("run", run), keep_table("target", target)};
   const Key entries = optional("axis", tables([](const Section&) {}));
   for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty", "move"})
     if (root.has("axis") && root.has(part))
@@ -148,6 +149,9 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
               others.run +
               elsewhere({"integrator", "step_s", "theta", "tolerance"},
                         "it is for a [machine] without axes; leave it out, or ask an axis for accuracy_m"));
+  if (target)
+    target->read(std::vector<Key>{
+        optional("stm32f405", table([&](const Section& board) { node.wiring = read_wiring(board); }))});
   read_axes(root, node, alone, others);
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);

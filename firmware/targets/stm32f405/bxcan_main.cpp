@@ -9,8 +9,8 @@ constinit breakaway::stm32f405::BxcanNode* active = nullptr;
 
 extern "C" {
 void systick_handler() { breakaway::stm32f405::ticker.on_interrupt(); }
-void can1_transmit_handler() { active->port().on_transmit_interrupt(); }
-void can1_receive_handler() { active->port().on_receive_interrupt(breakaway::stm32f405::ticker.now()); }
+void can_transmit_handler() { active->port().on_transmit_interrupt(); }
+void can_receive_handler() { active->port().on_receive_interrupt(breakaway::stm32f405::ticker.now()); }
 }
 
 void run_image() {

@@ -22,6 +22,7 @@ enum class StartResult : std::uint8_t {
   period_impossible,
   no_idle_bus,
   watchdog_impossible,
+  line_too_slow,
 };
 
 constexpr std::string_view to_string(StartResult result) noexcept {
@@ -40,13 +41,15 @@ constexpr std::string_view to_string(StartResult result) noexcept {
     case StartResult::no_lock:
       return "the PLL does not lock, or the core does not take its clock: check the crystal and the supply";
     case StartResult::rate_impossible:
-      return "the bit or baud rate cannot be made of the clock: choose one that divides it";
+      return "the bit rate, or serial_baud, cannot be made of the clock: choose one that divides it";
     case StartResult::period_impossible:
       return "the period is longer than the tick timer counts: choose one below 99 ms";
     case StartResult::no_idle_bus:
       return "the CAN controller sees no 11 recessive bits: check transceiver, wiring and termination";
     case StartResult::watchdog_impossible:
       return "the independent watchdog does not take its time: its oscillator does not run, the chip is broken";
+    case StartResult::line_too_slow:
+      return "the frames of a period take longer than that on the serial line: raise serial_baud, or the period";
   }
   return "unknown start result";
 }

@@ -43,8 +43,8 @@ void reset_entry();
 }
 
 [[gnu::weak]] void systick_handler() { halt(); }
-[[gnu::weak]] void can1_transmit_handler() { halt(); }
-[[gnu::weak]] void can1_receive_handler() { halt(); }
+[[gnu::weak]] void can_transmit_handler() { halt(); }
+[[gnu::weak]] void can_receive_handler() { halt(); }
 [[gnu::weak]] void usart1_handler() { halt(); }
 
 [[noreturn]] void reset_handler() {
@@ -79,8 +79,8 @@ constexpr VectorTable make_vectors() {
   table.interrupts.fill(halt);
   table.exceptions[0] = reset_entry;
   table.exceptions[14] = systick_handler;
-  table.interrupts[19] = can1_transmit_handler;
-  table.interrupts[20] = can1_receive_handler;
+  table.interrupts[19] = table.interrupts[63] = can_transmit_handler;  // of CAN1 and CAN2, of which a node uses one
+  table.interrupts[20] = table.interrupts[64] = can_receive_handler;
   table.interrupts[37] = usart1_handler;
   return table;
 }

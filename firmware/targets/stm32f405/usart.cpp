@@ -2,36 +2,36 @@
 
 #include "breakaway/bare_metal/mmio.hpp"
 #include "pins.hpp"
+#include "rcc.hpp"
 
 namespace breakaway::stm32f405 {
 namespace {
 
 using bare_metal::reg32;
-using bare_metal::set_bits;
 
 constexpr std::uintptr_t usart1 = 0x40011000;
 constexpr std::uintptr_t status = usart1, data = usart1 + 0x04, baud_rate = usart1 + 0x08, control1 = usart1 + 0x0C;
 constexpr std::uint32_t overrun = 1U << 3, not_empty = 1U << 5, transmit_empty = 1U << 7;
 
-// A byte takes 10 bits of at least 16 cycles of APB2, which is half the core clock, and a poll 8 cycles or more.
-constexpr std::uint32_t polls_per_byte = 1000;
-
 }  // namespace
 
-bool Usart::start(std::uint32_t apb2_Hz, std::uint32_t baud) noexcept {
+bool Usart::start(std::uint32_t apb2_Hz, const firmware::Wiring& wiring) noexcept {
+  const std::uint32_t baud = wiring.serial_baud;
   const std::uint32_t divider = (apb2_Hz + baud / 2) / baud;
   if (divider < 16 || divider > 0xFFFF) return false;
   const std::uint32_t made = apb2_Hz / divider;
   if (made > baud + baud / 50 || made < baud - baud / 50) return false;
+  // A byte takes 10 bits of `divider` cycles of APB2, which is half the core clock, and a poll 8 cycles or more.
+  polls_per_byte_ = 10 * divider;
 
-  constexpr std::uintptr_t rcc_apb2enr = 0x40023844;
-  set_bits(rcc_apb2enr, 1U << 4);
-  connect_pin(Gpio::a, 9, 7);
-  connect_pin(Gpio::a, 10, 7);
+  bare_metal::Memory chip;
+  bare_metal::set_bits(chip, rcc::apb2_enable, 1U << 4);
+  connect_pin(chip, wiring.serial_transmit, usart1_function);
+  connect_pin(chip, wiring.serial_receive, usart1_function);
   constexpr std::uint32_t receive = 1U << 2, transmit = 1U << 3, interrupt_on_receive = 1U << 5, on = 1U << 13;
   reg32(baud_rate) = divider;
   reg32(control1) = on | interrupt_on_receive | transmit | receive;
-  enable_interrupt(interrupt_number);
+  enable_interrupt(chip, interrupt_number);
   return true;
 }
 
@@ -44,10 +44,10 @@ bool Usart::read(char& character) noexcept {
 }
 
 bool Usart::write(std::span<const char> text) noexcept {
-  if (!bare_metal::await_bits(status, transmit_empty, transmit_empty, polls_per_byte)) return false;
+  if (!bare_metal::await_bits(status, transmit_empty, transmit_empty, polls_per_byte_)) return false;
   for (const char character : text) {
     reg32(data) = static_cast<std::uint8_t>(character);
-    bare_metal::await_bits(status, transmit_empty, transmit_empty, polls_per_byte);
+    bare_metal::await_bits(status, transmit_empty, transmit_empty, polls_per_byte_);
   }
   return true;
 }

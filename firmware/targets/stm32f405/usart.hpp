@@ -1,4 +1,4 @@
-// USART1 on PA9 (out) and PA10 (in) as a byte stream (RM0090, chapter 30). Reception by interrupt into a ring;
+// USART1 as a byte stream (RM0090, chapter 30). Reception by interrupt into a ring;
 // transmission waits for each byte, and for no more than a few times as long as a byte takes.
 #pragma once
 
@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <span>
 
+#include "breakaway/firmware/wiring.hpp"
+
 namespace breakaway::stm32f405 {
 
 class Usart {
@@ -15,7 +17,7 @@ class Usart {
   static constexpr unsigned interrupt_number = 37;
 
   // False: this baud rate cannot be made from that clock within 2 %.
-  bool start(std::uint32_t apb2_Hz, std::uint32_t baud) noexcept;
+  bool start(std::uint32_t apb2_Hz, const firmware::Wiring& wiring) noexcept;
 
   // For the loop.
   bool read(char& character) noexcept;
@@ -27,6 +29,7 @@ class Usart {
   void on_interrupt() noexcept;
 
  private:
+  std::uint32_t polls_per_byte_ = 0;
   static constexpr std::size_t capacity = 1024;  // the longest a line can say in 10 ms at 1 Mbaud
   std::array<char, capacity> ring_{};
   std::atomic<std::uint32_t> written_{0}, read_{0}, lost_{0};

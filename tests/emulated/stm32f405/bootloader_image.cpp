@@ -1,5 +1,5 @@
-// A bootloader that tidies nothing away before it starts the image behind it: its interrupts are on and pending and go to
-// its own vectors, priorities are masked, the core is on another stack.
+// A bootloader that tidies nothing away before it starts the image behind it: its interrupts are on and pending and go
+// to its own vectors, priorities are masked, the core is on another stack.
 #include <cstdint>
 
 #include "breakaway/bare_metal/mmio.hpp"

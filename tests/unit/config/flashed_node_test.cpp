@@ -104,6 +104,10 @@ std::size_t padding_in(const LoopConfig& loop) {
   return padding_of(loop, network, fault_scope, moves_end, command_timeout) +
          padding_of(network, period, bit_rate, node_id, heartbeat_period);
 }
+std::size_t padding_in(const Wiring& wiring) {
+  const auto& [can, can_receive, can_transmit, standby, awake, baud, serial_receive, serial_transmit] = wiring;
+  return padding_of(wiring, can, can_receive, can_transmit, standby, awake, baud, serial_receive, serial_transmit);
+}
 std::size_t padding_in(const law::AxisParameters<float>& law) {
   const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast, noise,
                feedforward] = law;
@@ -148,9 +152,9 @@ std::size_t padding_in(const FlashedAxis<float>& axis) {
 
 TEST(FlashedNode, AllBytesButPaddingAreVisited) {
   const Pair node = flashed_pair();
-  const auto& [loop, count, axes, checksum] = node;
-  const std::size_t padding =
-      padding_of(node, loop, count, axes, checksum) + padding_in(loop) + axes.size() * padding_in(axes[0]);
+  const auto& [loop, wiring, count, axes, checksum] = node;
+  const std::size_t padding = padding_of(node, loop, wiring, count, axes, checksum) + padding_in(loop) +
+                              padding_in(wiring) + axes.size() * padding_in(axes[0]);
   const auto is_number = ByteMarker{node}.marked();
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(is_number, true)), sizeof node - padding);
 }
@@ -200,6 +204,8 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Pair& n) { n.axes[1].limits.following_error_m = 1e-6F; }},
         Spoiled{"NoRoomBetweenPositions", NodeError::limits_below_law, 1,
                 [](Pair& n) { n.axes[1].limits.position_max_m = n.axes[1].limits.position_min_m; }},
+        Spoiled{"PinOfAnotherController", NodeError::wiring_impossible, 0,
+                [](Pair& n) { n.wiring.can_receive = pin('B', 5); }},
         Spoiled{"BusTooSlow", NodeError::bus_overloaded, 0, [](Pair& n) { n.loop.network.bit_rate = 250'000; }}),
     [](const auto& row) { return std::string{row.param.label}; });
 
@@ -221,7 +227,8 @@ TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
        {NodeError::node_id_taken, {"node id", "give each its own"}},
        {NodeError::name_taken, {"name", "give each its own"}},
        {NodeError::limits_below_law, {"limit", "raise the limit"}},
-       {NodeError::bus_overloaded, {"bus", "canopen::bus_budget()"}}});
+       {NodeError::bus_overloaded, {"bus", "canopen::bus_budget()"}},
+       {NodeError::wiring_impossible, {"[target.stm32f405]", "breakaway design"}}});
 }
 
 }  // namespace

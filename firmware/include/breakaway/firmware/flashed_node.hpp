@@ -17,6 +17,7 @@
 #include "breakaway/firmware/crc32.hpp"
 #include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
+#include "breakaway/firmware/wiring.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/k3_table.hpp"
@@ -54,6 +55,7 @@ struct FlashedAxis {
 template <class Scalar, std::size_t Axes>
 struct FlashedNode {
   LoopConfig loop{};
+  Wiring wiring{};
   std::uint8_t count = Axes;
   std::array<FlashedAxis<Scalar>, Axes> axes{};
   std::uint32_t checksum{};  // checksum_of(), made by the generator
@@ -214,6 +216,17 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
     visit.value("moves_end", node.loop.moves_end, "");
     visit.value("command_timeout", node.loop.command_timeout, "ns");
   });
+  visit.group("wiring", [&] {
+    auto& wiring = node.wiring;
+    visit.value("can_controller", wiring.can_controller, "");
+    visit.value("can_receive", wiring.can_receive, "");
+    visit.value("can_transmit", wiring.can_transmit, "");
+    visit.value("can_standby", wiring.can_standby, "");
+    visit.value("can_awake", wiring.can_awake, "level of can_standby");
+    visit.value("serial_baud", wiring.serial_baud, "Bd");
+    visit.value("serial_receive", wiring.serial_receive, "");
+    visit.value("serial_transmit", wiring.serial_transmit, "");
+  });
   visit.value("count", node.count, "");
   visit.list("axes", present_axes(node), [&](auto& axis) {
     visit.value("name", axis.name, "");
@@ -278,6 +291,7 @@ enum class NodeError : std::uint8_t {
   name_taken,
   limits_below_law,
   bus_overloaded,
+  wiring_impossible,
 };
 
 constexpr std::string_view to_string(NodeError error) noexcept {
@@ -304,6 +318,8 @@ constexpr std::string_view to_string(NodeError error) noexcept {
       return "a limit of an axis is below what its law may use: raise the limit or lower the law's";
     case NodeError::bus_overloaded:
       return "the axes do not fit the bus at this period: canopen::bus_budget() names the least one that does";
+    case NodeError::wiring_impossible:
+      return "a pin of [target.stm32f405] cannot have its function, or has two: breakaway design names it";
   }
   return "unknown node error";
 }
@@ -360,6 +376,7 @@ constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
   const auto& network = node.loop.network;
   if (canopen::check_bus_budget(node.count, network.period, network.bit_rate) != canopen::BusFit::fits)
     return {NodeError::bus_overloaded};
+  if (!is_possible(node.wiring)) return {NodeError::wiring_impossible};
   return {};
 }
 

@@ -16,6 +16,7 @@
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
+#include "breakaway/firmware/wiring.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/friction_bounds.hpp"
@@ -177,6 +178,7 @@ struct Node {
   std::optional<Loop> loop;               // absent: the ideal law, which nothing samples
   std::optional<std::uint32_t> bit_rate;  // of the bus; present where there is a drive
   BusSurroundings bus_surroundings;
+  firmware::Wiring wiring;        // of the board, where the node runs on a microcontroller
   double settle_tolerance_m = 0;  // [run]: within which true error an axis counts as settled; 0: see below
   std::vector<Axis> axes;         // at least one
 
