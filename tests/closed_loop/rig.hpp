@@ -36,8 +36,9 @@ struct RigConfig {
   model::FrictionLaw friction{{2.5, 4.5}, model::shape::constant(1)};
   firmware::AxisLimits<Real> limits{};
   firmware::FaultScope fault_scope = firmware::FaultScope::axis;
-  std::uint32_t supported_modes = cia402::supports_cyclic_torque;
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque | cia402::supports_homing;
   bool absolute_encoder = true;
+  cia402::HomingConfig homing{};
   cia402::TorqueBase torque_base = cia402::TorqueBase::rated;
   std::uint16_t drive_max_torque_per_mille = 2000;
   bool user_position_unit = false;  // a count of the loop is a unit of the drive, whatever its encoder's are
@@ -159,6 +160,7 @@ class Rig {
     master.node_id = node_id;
     master.force_per_torque_N_per_Nm = 50;
     master.absolute_encoder = config_.absolute_encoder;
+    master.homing = config_.homing;
     master.torque_base = config_.torque_base;
     master.user_position_unit = config_.user_position_unit;
     const auto added = loop_.add_axis(master, {p, table_}, config_.limits);

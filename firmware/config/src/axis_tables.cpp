@@ -178,6 +178,43 @@ Value thousandths(std::uint32_t& to, std::string_view unit) {
   return number([&to](double value) { to = static_cast<std::uint32_t>(std::lround(value * 1000)); }, unit, {1e-3, 4e6});
 }
 
+std::vector<Key> homing_rows(Homing& homing) {
+  using cia402::Home;
+  return {
+      optional("home", choice(homing.home, {{"none", Home::none}, {"here", Home::here}, {"drive", Home::by_drive}})),
+      optional("home_position_m", number(homing.position_m, "m", anywhere)),
+      optional("home_method", integer([&](std::int64_t n) { homing.method = static_cast<std::int8_t>(n); }, -128, 127)),
+      optional("home_speed_m_s", number(homing.speed_m_s, "m/s", positive)),
+      optional("home_zero_speed_m_s", number(homing.zero_speed_m_s, "m/s", positive)),
+      optional("home_acceleration_m_s2", number(homing.acceleration_m_s2, "m/s^2", positive)),
+      optional("home_timeout_s", duration_s(homing.timeout, {1e-1, 3600})),
+  };
+}
+
+// What is said of a home that nobody looks for is a mistake.
+void check_homing(const Section& section, const Drive& d) {
+  using cia402::Home;
+  const Homing& homing = d.homing;
+  if (homing.home != Home::none && d.absolute_encoder)
+    section.fail("home", "stands beside encoder = \"absolute\", which needs none; leave out the one that is wrong");
+  for (const char* key :
+       {"home_method", "home_speed_m_s", "home_zero_speed_m_s", "home_acceleration_m_s2", "home_timeout_s"}) {
+    if (section.has(key) && homing.home != Home::by_drive)
+      section.fail(key, "is for a drive that finds its home by itself; set home = \"drive\", or leave it out");
+  }
+  if (section.has("home_position_m") && homing.home == Home::none)
+    section.fail("home_position_m", "needs a home; set home = \"here\" or \"drive\", or leave it out");
+  const double most = std::numeric_limits<std::int32_t>::max() * d.encoder_resolution_m;
+  if (std::abs(homing.position_m) > most)
+    section.fail("home_position_m", fmt::format("is beyond the {:g} m that a drive can count; lower it", most));
+  for (const auto& [key, rate] :
+       {std::pair{"home_speed_m_s", homing.speed_m_s}, std::pair{"home_zero_speed_m_s", homing.zero_speed_m_s},
+        std::pair{"home_acceleration_m_s2", homing.acceleration_m_s2}}) {
+    if (rate && *rate > most)
+      section.fail(key, fmt::format("is beyond what a drive can be told in counts, {:g}; lower it", most));
+  }
+}
+
 Drive read_drive(const Section& section, std::size_t place, std::vector<Key> others) {
   Drive d;
   d.node_id = static_cast<std::uint8_t>(place + 1);
@@ -201,10 +238,11 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
           optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
       } +
-      std::move(others));
+      homing_rows(d.homing) + std::move(others));
   // The simulation takes steps of a fraction of it, so a run would take for ever.
   if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
     section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");
+  check_homing(section, d);
   if (d.heartbeat_timeout <= d.heartbeat_period)
     section.fail("heartbeat_timeout_s", "is not above heartbeat_period_s; raise it to two or three periods");
   return d;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "breakaway/config/axis_design.hpp"
@@ -36,6 +37,24 @@ firmware::LoopConfig loop_config(const Node& node) {
           .command_timeout = node.loop->command_timeout};
 }
 
+namespace {
+
+cia402::HomingConfig homing_config(const Drive& d) {
+  const auto counts = [&](double metres) { return std::llround(metres / d.encoder_resolution_m); };
+  const auto rate = [&](const std::optional<double>& metres) {
+    return metres ? static_cast<std::uint32_t>(std::max(counts(*metres), 1LL)) : 0U;
+  };
+  return {.home = d.homing.home,
+          .position_counts = static_cast<std::int32_t>(counts(d.homing.position_m)),
+          .method = d.homing.method,
+          .search_counts_s = rate(d.homing.speed_m_s),
+          .zero_counts_s = rate(d.homing.zero_speed_m_s),
+          .acceleration_counts_s2 = rate(d.homing.acceleration_m_s2),
+          .timeout = d.homing.timeout};
+}
+
+}  // namespace
+
 template <class Real>
 cia402::DriveConfig<Real> drive_config(const Axis& axis) {
   const Drive& d = *axis.drive;
@@ -48,7 +67,8 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
           .torque_base = d.torque_base,
           .user_position_unit = d.user_position_unit,
           .invert_direction = d.invert_direction,
-          .absolute_encoder = d.absolute_encoder};
+          .absolute_encoder = d.absolute_encoder,
+          .homing = homing_config(d)};
 }
 
 template <class Real>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "breakaway/config/flash.hpp"
 
@@ -68,6 +69,22 @@ class HeaderWriter {
   static std::string exact(const firmware::AxisName& name) { return fmt::format("{{\"{}\"}}", name.view()); }
   static std::string exact(law::KickShape shape) {
     return shape == law::KickShape::naive ? "law::KickShape::naive" : "law::KickShape::two_phase";
+  }
+  static std::string exact(std::int8_t value) { return fmt::format("{}", value); }
+  static std::string exact(std::int32_t value) {
+    // The least number is no literal.
+    return value == std::numeric_limits<std::int32_t>::min() ? "-2147483647 - 1" : fmt::format("{}", value);
+  }
+  static std::string exact(cia402::Home home) {
+    switch (home) {
+      case cia402::Home::none:
+        return "cia402::Home::none";
+      case cia402::Home::here:
+        return "cia402::Home::here";
+      case cia402::Home::by_drive:
+        break;
+    }
+    return "cia402::Home::by_drive";
   }
   static std::string exact(cia402::TorqueBase base) {
     return base == cia402::TorqueBase::rated ? "cia402::TorqueBase::rated" : "cia402::TorqueBase::largest";

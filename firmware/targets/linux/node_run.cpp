@@ -299,7 +299,8 @@ bool NodeRun::stops_are_confirmed() {
   for (Axis& axis : axes_) {
     const auto& feedback = loop_.status(axis.id).feedback;
     const bool holds_force = feedback.state == hal::DriveState::enabled ||
-                             feedback.state == hal::DriveState::enabling || feedback.state == hal::DriveState::stopping;
+                             feedback.state == hal::DriveState::enabling ||
+                             feedback.state == hal::DriveState::stopping || feedback.state == hal::DriveState::homing;
     // One that fell silent is waited for as `configuring`, too.
     const bool told = (feedback.state == hal::DriveState::configuring && !loop_.drive(axis.id).heartbeat_lost()) ||
                       now_ - feedback.sample_time < 3 * c_.node.loop.network.period;

@@ -42,6 +42,8 @@ const char* to_string(hal::DriveState state) {
       return "fault";
     case hal::DriveState::unusable:
       return "unusable";
+    case hal::DriveState::homing:
+      return "homing";
   }
   return "unknown";
 }

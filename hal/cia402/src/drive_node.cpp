@@ -19,10 +19,12 @@ using canopen::SdoResult;
 constexpr SetupStep read_mode{.kind = SetupStep::Kind::read, .index = object::mode_display};
 constexpr SetupStep read_statusword{.kind = SetupStep::Kind::read, .index = object::statusword};
 constexpr SetupStep read_error_code{.kind = SetupStep::Kind::read, .index = object::error_code};
-constexpr SetupStep write_mode{.kind = SetupStep::Kind::write,
-                               .index = object::mode,
-                               .size = 1,
-                               .value = static_cast<std::uint32_t>(Mode::cyclic_torque)};
+constexpr SetupStep write_mode(Mode mode) noexcept {
+  return {.kind = SetupStep::Kind::write,
+          .index = object::mode,
+          .size = 1,
+          .value = static_cast<std::uint32_t>(static_cast<std::uint8_t>(mode))};
+}
 
 constexpr std::uint32_t reverses_position = 0x80;  // in 607Eh
 constexpr std::uint32_t lowest_position = 0x8000'0000, highest_position = 0x7FFF'FFFF;
@@ -237,7 +239,8 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
       if ((value & 0xFFFFU) != device_profile) refuse(SetupStatus::not_a_cia402_drive);
       break;
     case object::supported_modes:
-      if ((value & supports_cyclic_torque) == 0) refuse(SetupStatus::no_torque_mode);
+      if ((value & supports_cyclic_torque) == 0) return refuse(SetupStatus::no_torque_mode);
+      if (homes_ && (value & supports_homing) == 0) refuse(SetupStatus::no_homing_mode);
       break;
     case object::rated_current:
       rating_.rated_current_mA = value;
@@ -292,6 +295,7 @@ void DriveNode::on_rated_torque(std::uint32_t rated_torque_mNm) noexcept {
 
 void DriveNode::begin_start(hal::Time now) noexcept {
   enter(SetupPhase::starting, now);
+  mode_ = Mode::cyclic_torque;
   status_ = SetupStatus::in_progress;
   setup_object_ = {};
   heartbeat_.forget_state();  // only a state heard after the command counts
@@ -344,19 +348,30 @@ void DriveNode::verify_mode(hal::Time now) noexcept {
   last_mode_poll_ = now;
   mode_write_ = now - last_mode_request_ >= mode_request_time;
   if (mode_write_) last_mode_request_ = now;
-  start_transfer(mode_write_ ? write_mode : read_mode);
+  start_transfer(mode_write_ ? write_mode(mode_) : read_mode);
 }
 
 void DriveNode::on_mode_transfer(SdoResult result, hal::Time now) noexcept {
   if (!mode_write_ && result == SdoResult::done &&
-      canopen::load_little_endian<std::int8_t>(sdo_.data()) == static_cast<std::int8_t>(Mode::cyclic_torque)) {
+      canopen::load_little_endian<std::int8_t>(sdo_.data()) == static_cast<std::int8_t>(mode_)) {
     enter(SetupPhase::ready, now);
     status_ = SetupStatus::ready;
     setup_object_ = {};
   } else if (now - *since_ > mode_timeout) {
     setup_object_ = {object::mode_display, 0};
-    refuse(SetupStatus::mode_refused);
+    refuse(mode_ == Mode::homing ? SetupStatus::no_homing_mode : SetupStatus::mode_refused);
   }
+}
+
+void DriveNode::select_mode(Mode mode, hal::Time now) noexcept {
+  if (!ready()) return;
+  sdo_.cancel();
+  transfer_running_ = false;
+  enter(SetupPhase::verifying_mode, now);
+  status_ = SetupStatus::in_progress;
+  mode_ = mode;
+  last_mode_request_ = now - mode_request_time;
+  last_mode_poll_.reset();
 }
 
 void DriveNode::watch(hal::Time now) noexcept {

@@ -45,6 +45,22 @@ SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::
         may_be_missing);
   // Losing the master is a malfunction: what the drive then does is not left to its vendor's default.
   write(object::abort_connection_option, 0, 2, 1, may_be_missing);
+}
+
+// A drive takes what it is not told from its own set-up. Where home is must be as the file says.
+void SetupPlan::add_homing(const HomingConfig& homing, bool inverted) noexcept {
+  write(object::homing_method, 0, 1, static_cast<std::uint8_t>(homing.method), must_exist);
+  if (homing.search_counts_s != 0) write(object::homing_speeds, 1, 4, homing.search_counts_s, must_exist);
+  if (homing.zero_counts_s != 0) write(object::homing_speeds, 2, 4, homing.zero_counts_s, must_exist);
+  if (homing.acceleration_counts_s2 != 0)
+    write(object::homing_acceleration, 0, 4, homing.acceleration_counts_s2, must_exist);
+  const auto position = static_cast<std::uint32_t>(homing.position_counts);
+  write(object::home_offset, 0, 4, inverted ? 0U - position : position, homing.position_counts == 0);
+  read_back(SetupStep::Kind::confirm);
+  look();
+}
+
+void SetupPlan::add_mode() noexcept {
   write(object::mode, 0, 1, static_cast<std::uint8_t>(Mode::cyclic_torque), must_exist);
 }
 

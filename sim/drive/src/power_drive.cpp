@@ -44,6 +44,7 @@ void PowerDrive::restart(hal::Time time) {
   requested_mode_ = 0;
   controlword_changed_.reset();
   enable_needs_edge_ = limited_ = false;
+  homed_ = 0;
   faults_.clear();
   causes_.clear();
   last_sync_.reset();
@@ -64,7 +65,9 @@ void PowerDrive::control(std::uint16_t controlword, hal::Time time) {
         controlword_changed_ && time - *controlword_changed_ < config_.quirks.min_controlword_interval;
     if (too_soon) return;
     controlword_changed_ = time;
+    const bool starts = (controlword & ~controlword_ & cia402::control::start_homing) != 0;
     controlword_ = controlword;
+    if (starts && in_homing()) home();
   }
   const bool was_fault = machine_.state() == State::fault;
   machine_.control(as_the_drive_reads_it(controlword), causes_.empty(), get(object::quick_stop_option));
@@ -107,11 +110,29 @@ void PowerDrive::advance_mechanism_to(hal::Time time) { mechanism_.advance_to(ha
 
 bool PowerDrive::reversed() const { return (get(object::polarity) & 0x80) != 0; }
 
-std::int32_t PowerDrive::in_units(std::int32_t counts) const {
+bool PowerDrive::in_homing() const {
+  return machine_.state() == State::operation_enabled &&
+         get(object::mode_display) == static_cast<std::int64_t>(cia402::Mode::homing);
+}
+
+// The position is the offset from here on.
+void PowerDrive::home() {
+  homed_ = status_bit::homing_error;
+  if (config_.quirks.homing_fails) return;
+  homed_ = status_bit::homing_attained | status_bit::target_reached;
+  const double offset_counts = static_cast<double>(get(object::home_offset)) / position_factor();
+  origin_m_ = mechanism_.position_m() - (reversed() ? -1 : 1) * offset_counts * config_.encoder_resolution_m;
+}
+
+double PowerDrive::position_factor() const {
   const auto ratio = [this](std::uint16_t index) {
     return static_cast<double>(dictionary_.get({index, 1})) / static_cast<double>(dictionary_.get({index, 2}));
   };
-  const double factor = ratio(object::feed_constant) / ratio(object::encoder_resolution) / ratio(object::gear_ratio);
+  return ratio(object::feed_constant) / ratio(object::encoder_resolution) / ratio(object::gear_ratio);
+}
+
+std::int32_t PowerDrive::in_units(std::int32_t counts) const {
+  const double factor = position_factor();
   return factor == 1 ? counts : static_cast<std::int32_t>(std::llround(std::remainder(counts * factor, 0x1p32)));
 }
 
@@ -188,6 +209,7 @@ std::uint16_t PowerDrive::statusword() const {
   if (emergency_.any() && faults_.empty()) word |= status_bit::warning;
   if (limited_) word |= status_bit::internal_limit;
   if (makes_torque()) word |= status_bit::follows_target;
+  if (get(object::mode_display) == static_cast<std::int64_t>(cia402::Mode::homing)) word |= homed_;
   return static_cast<std::uint16_t>(word);
 }
 

@@ -23,6 +23,7 @@ void read_quirks(const Section& section, drive_emulator::Quirks& q) {
           integer([&q](std::int64_t n) { q.position_range_counts = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
       optional("feed_constant",
                integer([&q](std::int64_t n) { q.feed_constant = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
+      optional("homing_fails", boolean(q.homing_fails)),
       optional("refuses_start_with",
                integer([&q](std::int64_t n) { q.refuses_start_with = static_cast<std::uint16_t>(n); }, 0, 0xFFFF)),
       optional("self_starting", boolean(q.self_starting)),

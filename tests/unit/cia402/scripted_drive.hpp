@@ -40,6 +40,7 @@ class ScriptedDrive {
   bool follows_sdo_controlword = true;    // written to 6040h
   bool stops_in_pre_operational = false;  // by itself
   bool shows_the_mode_at_once = false;    // 6061h follows 6060h; otherwise it is what stands in `objects`
+  std::uint16_t extra_status = 0;         // bits of the statusword in the TPDO beside those of the state
   std::int32_t counts = 0;
   std::int16_t torque = 0;
   std::uint16_t controlword = 0;
@@ -158,7 +159,8 @@ class ScriptedDrive {
   }
   void send_tpdo() {
     hal::CanFrame frame{.id = canopen::tpdo_cob_id(1, node_), .size = 8, .data = {}};
-    canopen::store_little_endian(frame.data, static_cast<std::uint16_t>(cia402::status_bits(state) | 0x0210U), 0);
+    canopen::store_little_endian(frame.data,
+                                 static_cast<std::uint16_t>(cia402::status_bits(state) | 0x0210U | extra_status), 0);
     canopen::store_little_endian(frame.data, counts, 2);
     canopen::store_little_endian(frame.data, torque, 6);
     send(frame);

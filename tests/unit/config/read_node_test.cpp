@@ -98,6 +98,16 @@ INSTANTIATE_TEST_SUITE_P(
             with(two_axes, "[axis.controller]\nk1_N_per_m = 400\nk21_Ns_per_m = 32\nk22_Ns_per_m = 60\ncoast = \"pd\"",
                  "[axis.controller]\nkind = \"pid\"\nkp_N_per_m = 400\nki_N_per_ms = 1\nkd_Ns_per_m = 30"),
             {"axis x", "kind", "pid", "impulsive"}},
+        BadNode{"HomeOfAnAbsoluteEncoder",
+                with_line("drive", "encoder = \"absolute\"\nhome = \"here\""),
+                {"home", "encoder = \"absolute\"", "leave out the one that is wrong"}},
+        BadNode{"HomingOfAnAxisThatStandsAtHome",
+                with_line("drive", "home = \"here\"\nhome_method = 17"),
+                {"home_method", "set home = \"drive\""}},
+        BadNode{"PlaceOfNoHome", with_line("drive", "home_position_m = 0.1"), {"home_position_m", "needs a home"}},
+        BadNode{"HomeBeyondTheCounts",
+                with_line("drive", "home = \"here\"\nhome_position_m = 3000"),
+                {"home_position_m", "that a drive can count", "lower it"}},
         BadNode{"NotCertified",
                 with(two_axes, "k22_Ns_per_m = 60", "k22_Ns_per_m = 300"),
                 {"axis x: not certified", "breakaway design node.toml"}}),
@@ -124,8 +134,8 @@ TEST(ReadNode, ABusThatIsTooSlowIsRefusedWithTheLeastPeriodThatWouldDo) {
 TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
   // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
-  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, torque_base, user_unit, inverted, absolute] =
-      drive_of("");
+  const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, torque_base, user_unit, inverted,
+              absolute, homing] = drive_of("");
   EXPECT_EQ(node_id, 1);
   EXPECT_EQ(force, 50);
   EXPECT_EQ(rated, 500U);
@@ -136,11 +146,24 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_FALSE(user_unit);
   EXPECT_FALSE(inverted);
   EXPECT_FALSE(absolute);
+  EXPECT_EQ(homing.home, cia402::Home::none);
   EXPECT_EQ(certified_node(with(two_axes, "node_id = 1", "node_id = 99")).axes[0].drive.node_id, 99);
   EXPECT_EQ(drive_of("heartbeat_period_s = 0.2").heartbeat_period, 200ms);
   EXPECT_EQ(drive_of("heartbeat_timeout_s = 0.5").heartbeat_timeout, 500ms);
   EXPECT_EQ(drive_of("sdo_timeout_s = 0.3").sdo_timeout, 300ms);
   EXPECT_TRUE(drive_of("invert_direction = true").invert_direction);
+  const auto homed = drive_of(
+                         "home = \"drive\"\nhome_method = 17\nhome_speed_m_s = 0.1\nhome_zero_speed_m_s = 0.01\n"
+                         "home_acceleration_m_s2 = 2\nhome_timeout_s = 20\nhome_position_m = -0.2")
+                         .homing;
+  EXPECT_EQ(homed.home, cia402::Home::by_drive);
+  EXPECT_EQ(homed.method, 17);
+  EXPECT_EQ(homed.search_counts_s, 100'000U);
+  EXPECT_EQ(homed.zero_counts_s, 10'000U);
+  EXPECT_EQ(homed.acceleration_counts_s2, 2'000'000U);
+  EXPECT_EQ(homed.timeout, 20s);
+  EXPECT_EQ(homed.position_counts, -200'000);
+  EXPECT_EQ(drive_of("home = \"here\"").homing.home, cia402::Home::here);
   EXPECT_TRUE(drive_of("position_unit = \"user\"").user_position_unit);
   EXPECT_FALSE(drive_of("position_unit = \"encoder\"").user_position_unit);
   EXPECT_EQ(drive_of("torque_relative_to = \"max\"").torque_base, cia402::TorqueBase::largest);

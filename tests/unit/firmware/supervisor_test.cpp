@@ -122,7 +122,7 @@ TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
     const std::string row = "| " + std::string{to_string(static_cast<AxisFault>(i))} + " |";
     EXPECT_NE(page.find(row), page.npos) << row;
   }
-  EXPECT_EQ(faults, static_cast<int>(AxisFault::less_force_than_commanded));
+  EXPECT_EQ(faults, static_cast<int>(AxisFault::homing_failed));
 }
 
 TEST(Supervisor, NamesWhatKeepsAnIdleAxisFromTheBus) {

@@ -247,7 +247,8 @@ class ControlLoop {
   static constexpr hal::Duration set_up_time = std::chrono::seconds{20};
 
   static bool may_have_force(const hal::DriveFeedback<Scalar>& f) noexcept {
-    return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping;
+    return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping ||
+           f.state == hal::DriveState::homing;
   }
 
   // A step takes in at most what a full bus can bring in a period of 10 ms at 1 Mbit/s; the rest waits in the port.
@@ -407,7 +408,10 @@ class ControlLoop {
     if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
       a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);
     }
-    if (!a.wanted || waiting_) return a.unfulfilled_since.reset();
+    if (feedback.homing_failed) a.supervisor.latch(AxisFault::homing_failed, 0, now);
+    if (feedback.state == hal::DriveState::homing && a.wanted) a.supervisor.check_homing(feedback, health, now);
+    // A drive that finds its zero has a time limit of its own.
+    if (!a.wanted || waiting_ || feedback.state == hal::DriveState::homing) return a.unfulfilled_since.reset();
     a.supervisor.check_idle(health, now);
     if (!a.unfulfilled_since) a.unfulfilled_since = a.enabling_since = now;
     if (feedback.state != hal::DriveState::enabling) a.enabling_since = now;

@@ -83,6 +83,15 @@ constexpr void visit_drive(Drive& drive, Visitor& visit) {
   visit.value("user_position_unit", drive.user_position_unit, "");
   visit.value("invert_direction", drive.invert_direction, "");
   visit.value("absolute_encoder", drive.absolute_encoder, "");
+  visit.group("homing", [&] {
+    visit.value("home", drive.homing.home, "");
+    visit.value("position_counts", drive.homing.position_counts, "");
+    visit.value("method", drive.homing.method, "");
+    visit.value("search_counts_s", drive.homing.search_counts_s, "1/s");
+    visit.value("zero_counts_s", drive.homing.zero_counts_s, "1/s");
+    visit.value("acceleration_counts_s2", drive.homing.acceleration_counts_s2, "1/s^2");
+    visit.value("timeout", drive.homing.timeout, "ns");
+  });
 }
 
 template <class Limits, class Visitor>

@@ -50,6 +50,7 @@ enum class AxisFault : std::uint8_t {
   target_not_reached,         // the axis came no nearer to its target for long, and does not hold there
   watchdog_reset,             // the controller's watchdog ended its last run
   less_force_than_commanded,  // the drive reports less force than it was told to give
+  homing_failed,              // the drive looked for its zero by itself, and did not find it
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -114,6 +115,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "reset by the watchdog";
     case AxisFault::less_force_than_commanded:
       return "less force than commanded";
+    case AxisFault::homing_failed:
+      return "homing failed";
   }
   return "unknown axis fault";
 }
@@ -206,6 +209,15 @@ class Supervisor {
   void check_idle(const AxisHealth& health, hal::Time now) noexcept {
     latch(of_the_bus(health), 0, now);
     if (health.heartbeat_lost) latch(AxisFault::heartbeat_lost, 0, now);
+  }
+
+  // The same while a drive finds its zero by itself. Its position jumps when it has found it, so that neither position
+  // nor speed is watched.
+  void check_homing(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
+    check_idle(health, now);
+    latch(health.emergency_code != 0 ? AxisFault::emergency : AxisFault::none, health.emergency_code, now);
+    if (now - feedback.sample_time > limits_.feedback_timeout) latch(AxisFault::feedback_stale, 0, now);
+    if (!(std::abs(feedback.force_N) <= limits_.force_N)) latch(AxisFault::force_limit, 0, now);
   }
 
   // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.

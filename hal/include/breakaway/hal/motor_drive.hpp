@@ -86,6 +86,7 @@ enum class DriveState : std::uint8_t {
   stopping,     // a quick stop or a fault reaction is going on
   fault,        // stopped by itself, and stays so until reset_fault()
   unusable,     // is the wrong device or refuses its configuration; setup_status() says why
+  homing,       // finds its zero by itself, with force of its own
 };
 
 template <class Scalar>
@@ -99,6 +100,7 @@ struct DriveFeedback {
   bool fresh = false;   // a new position came since the last call
   bool ever_valid = false;       // a position came since power-up
   bool stop_not_obeyed = false;  // was to stop, and was not seen without force within the time that a stop takes
+  bool homing_failed = false;    // looked for its zero and did not find it; until reset_fault()
   std::uint16_t fault_code = 0;  // while state is fault: the error code of 603Fh or EMCY
   Scalar force_step_N{};         // between two forces that the drive can report; 0: finer than matters
 };

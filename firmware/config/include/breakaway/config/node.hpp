@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
@@ -76,6 +77,16 @@ struct Controller {
   std::vector<TargetChange> targets;  // in the order of time
 };
 
+// How an axis with an incremental encoder gets its zero.
+struct Homing {
+  cia402::Home home = cia402::Home::none;
+  double position_m = 0;  // of home
+  // The rest is for a drive that finds its home by itself; what is not given is the drive's own.
+  std::int8_t method = 37;  // 6098h
+  std::optional<double> speed_m_s{}, zero_speed_m_s{}, acceleration_m_s2{};
+  hal::Duration timeout{std::chrono::seconds{60}};
+};
+
 // The drive on the bus, as the file describes it.
 struct Drive {
   std::uint8_t node_id = 1;
@@ -90,6 +101,7 @@ struct Drive {
   bool user_position_unit = false;  // one count is the drive's own unit of position, not its encoder's
   bool invert_direction = false;    // the drive's positive direction is the axis' negative one
   bool absolute_encoder = false;    // its counts mean the same after a reboot of the drive
+  Homing homing;                    // of an encoder that is not absolute
   hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
   hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer

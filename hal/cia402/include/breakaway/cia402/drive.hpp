@@ -24,6 +24,10 @@
 // wished it and however far its set-up is, is told by other means than PDOs until it is seen without force
 // (forced_stop.hpp), and is `stopping` all that time.
 //
+// An axis whose file says how it gets its zero gets it when it is enabled first, and again after a reset that
+// acknowledges that it was lost; a drive that finds its home by itself is `homing` meanwhile (homing.hpp), and wants
+// another request_enable() after it.
+//
 // It owns no port, holds no pointers and may be copied. It never blocks or allocates, and is for one thread.
 #pragma once
 
@@ -44,6 +48,8 @@
 #include "breakaway/canopen/sync.hpp"
 #include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/drive_node.hpp"
+#include "breakaway/cia402/homing.hpp"
+#include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
 #include "breakaway/cia402/setup_status.hpp"
 #include "breakaway/cia402/state.hpp"
@@ -74,7 +80,9 @@ class Drive {
         sign_{config.invert_direction ? Scalar{-1} : Scalar{1}},
         command_pdo_{command_pdo(config.node_id)},
         feedback_pdo_{feedback_pdo(config.node_id)},
-        node_{config, network, scale.max_force_N} {}
+        node_{config, network, scale.max_force_N},
+        homing_{config.homing},
+        home_wanted_{homes()} {}
 
   // Takes any frame that the bus brought; those of other nodes are passed over.
   void on_frame(const hal::ReceivedFrame& received) noexcept {
@@ -101,6 +109,7 @@ class Drive {
     if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
     watch_stop(now);
+    if (homing_.active()) lead_home(now);
     if (node_.ready() && pdo_seen_) follow(now);
   }
 
@@ -117,8 +126,12 @@ class Drive {
     if (!usable() || !node_.operational()) return false;
     // A drive whose state no PDO shows is not led anywhere.
     const bool led = node_.ready() && pdo_seen_;
-    const std::int16_t torque = led && machine_.follows() ? torque_scale_.per_mille(sign_ * force_N) : std::int16_t{0};
-    const std::array<std::uint64_t, 2> values{led ? machine_.controlword() : control::disable_voltage,
+    const bool homing = homing_.active();
+    const std::int16_t torque =
+        led && machine_.follows() && !homing ? torque_scale_.per_mille(sign_ * force_N) : std::int16_t{0};
+    const bool seeks = homing_.stage() == Homing::Stage::seeking && machine_.follows();
+    const unsigned word = machine_.controlword() | (seeks ? control::start_homing : 0U);
+    const std::array<std::uint64_t, 2> values{led ? word : control::disable_voltage,
                                               static_cast<std::uint16_t>(torque)};
     frame = canopen::pack_pdo(command_pdo_, values);
     return true;
@@ -138,6 +151,7 @@ class Drive {
             .fresh = std::exchange(fresh_, false),
             .ever_valid = ever_valid_,
             .stop_not_obeyed = node_.forcing_stop(),
+            .homing_failed = homing_.failed(),
             .fault_code = fault_code(),
             .force_step_N = torque_scale_.quantum_N()};
   }
@@ -147,15 +161,27 @@ class Drive {
   void set_reference_counts(std::int32_t counts) noexcept {
     origin_counts_ += static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(counts_);
     counts_ = counts;
-    reference_lost_ = false;
+    reference_lost_ = home_wanted_ = false;
   }
   void request_enable() noexcept {
-    if (!node_.forcing_stop()) machine_.request_enable();
+    if (node_.forcing_stop() || homing_.active()) return;
+    if (!home_wanted_) return machine_.request_enable();
+    if (!node_.ready() || !pdo_seen_) return;
+    if (config_.homing.home == Home::by_drive) return homing_.begin();
+    set_reference_counts(config_.homing.position_counts);
+    machine_.request_enable();
   }
-  void request_stop() noexcept { machine_.request_stop(); }
+  void request_stop() noexcept {
+    homing_.stop();
+    machine_.request_stop();
+  }
   // The drive is set up anew before its fault is reset, because what brought the fault may be its set-up, which another
   // tool changed.
-  void reset_fault() noexcept { reset_asked_ = true; }
+  void reset_fault() noexcept {
+    reset_asked_ = true;
+    homing_.forget_failure();
+    if (homes() && std::exchange(reference_lost_, false)) home_wanted_ = true;
+  }
   // The axis' limit until the drive's own is known; then the lower of the two, in whole quanta.
   Scalar max_force_N() const noexcept {
     return torque_scale_.limit_per_mille() > 0 ? torque_scale_.max_force_N() : scale_.max_force_N;
@@ -241,6 +267,45 @@ class Drive {
     if (shows_no_force(statusword)) has_force_ = false;
   }
 
+  // The file says how the axis gets its zero.
+  bool homes() const noexcept { return config_.homing.home != Home::none && !config_.absolute_encoder; }
+
+  [[gnu::cold]] void lead_home(hal::Time now) noexcept {
+    const bool led = node_.ready() && pdo_seen_;
+    if (!node_.in_mode(Mode::homing) && !node_.in_mode(Mode::cyclic_torque)) return homing_.abort();
+    switch (homing_.stage()) {
+      case Homing::Stage::idle:
+        return;
+      case Homing::Stage::selecting:
+        if (led && node_.in_mode(Mode::cyclic_torque)) return select_mode(Mode::homing, now);
+        if (!led) return;
+        machine_.request_enable();
+        return homing_.on_selected(now);
+      case Homing::Stage::seeking:
+        if (!node_.in_mode(Mode::homing)) return homing_.abort();
+        if (homing_.seek(statusword_, machine_.enable_wished(), machine_.follows(), now)) machine_.request_stop();
+        return;
+      case Homing::Stage::stopping:
+        if (!led || !machine_.without_force()) return;
+        if (homing_.on_stopped()) count_from_home();
+        return select_mode(Mode::cyclic_torque, now);
+      case Homing::Stage::returning:
+        if (node_.ready()) homing_.on_returned();
+        return;
+    }
+  }
+
+  // The drive's own position is the axis' now; it jumped there.
+  void count_from_home() noexcept {
+    origin_counts_ = 0;
+    counted_ = home_wanted_ = reference_lost_ = false;
+  }
+
+  void select_mode(Mode mode, hal::Time now) noexcept {
+    forget_commands();
+    node_.select_mode(mode, now);
+  }
+
   void follow(hal::Time now) noexcept {
     if (std::exchange(reset_pending_, false)) machine_.reset_fault();
     machine_.update(now);
@@ -307,6 +372,7 @@ class Drive {
   hal::DriveState state() const noexcept {
     if (!usable()) return hal::DriveState::unusable;
     if (node_.forcing_stop()) return hal::DriveState::stopping;
+    if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
     if (!node_.ready() || !machine_.state())
       return has_force_ ? hal::DriveState::stopping : hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
@@ -347,6 +413,7 @@ class Drive {
   DriveNode node_;
   StateMachine machine_;
   TorqueScale<Scalar> torque_scale_;
+  Homing homing_;
 
   Scalar force_N_{0};
   std::uint32_t datum_counts_ = 0;
@@ -363,6 +430,7 @@ class Drive {
   bool was_faulty_ = false;
   bool reset_asked_ = false;
   bool reference_lost_ = false;
+  bool home_wanted_;      // before the next force
   unsigned samples_ = 0;  // since the last update()
   unsigned doubled_ = 0;  // periods in a row with more than one
   std::optional<hal::Time> answered_at_;

@@ -11,6 +11,7 @@
 
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/network_config.hpp"
+#include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/motor_drive.hpp"
 #include "breakaway/hal/time.hpp"
@@ -37,6 +38,7 @@ struct DriveConfig {
   bool user_position_unit = false;
   bool invert_direction = false;  // the drive's positive direction is the axis' negative one
   bool absolute_encoder = false;  // its counts mean the same after a reboot
+  HomingConfig homing{};          // of an encoder that is not absolute
 };
 
 // The period of SYNC as 60C2h wants it: units x 10^exponent seconds.
@@ -74,6 +76,7 @@ enum class DriveConfigError : std::uint8_t {
   heartbeat_timeout,
   master_heartbeat_period,
   sdo_timeout,
+  homing_timeout,
   period,
   encoder_resolution,
   force_per_torque,
@@ -99,6 +102,8 @@ constexpr std::string_view to_string(DriveConfigError error) noexcept {
              "NMT frame";
     case DriveConfigError::sdo_timeout:
       return "sdo_timeout must be above 0";
+    case DriveConfigError::homing_timeout:
+      return "homing.timeout must be above 0";
     case DriveConfigError::period:
       return "period must be 1 to 255 times 1 us, 10 us, 100 us, 1 ms, 10 ms, 100 ms or 1 s: a drive can be told no "
              "other";
@@ -138,6 +143,7 @@ constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
   if (network.heartbeat_period != hal::Duration::zero() && network.heartbeat_period < 2 * network.period)
     return DriveConfigError::master_heartbeat_period;
   if (drive.sdo_timeout <= hal::Duration::zero()) return DriveConfigError::sdo_timeout;
+  if (drive.homing.timeout <= hal::Duration::zero()) return DriveConfigError::homing_timeout;
   if (!interpolation_period(network.period)) return DriveConfigError::period;
   return DriveConfigError::none;
 }

@@ -31,6 +31,7 @@
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/forced_stop.hpp"
+#include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/position_factor.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
 #include "breakaway/cia402/setup_status.hpp"
@@ -44,7 +45,7 @@ enum class SetupPhase : std::uint8_t {
   waiting,         // until the node shows up in Pre-operational
   configuring,     // until the transfers of the set-up plan are done
   starting,        // until the node says that it is NMT operational
-  verifying_mode,  // until 6061h shows cyclic synchronous torque
+  verifying_mode,  // until 6061h shows cyclic synchronous torque, or the mode that was selected
   ready,           // until the node reboots or leaves NMT operational, or is forced to a stop
   forcing_stop,    // until the node is seen without force
   refused,         // until the node reboots or is set up anew; status() says why
@@ -79,6 +80,7 @@ class DriveNode {
         rated_torque_mNm_{drive.rated_torque_mNm},
         torque_base_{drive.torque_base},
         user_position_unit_{drive.user_position_unit},
+        homes_{drive.homing.home == Home::by_drive},
         force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},
         max_force_N_{static_cast<float>(max_force_N)},
         config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
@@ -102,6 +104,9 @@ class DriveNode {
   void end_forced_stop(hal::Time now) noexcept;
   // The node is waited for and set up as if it were new.
   void set_up_anew(hal::Time now) noexcept;
+  // Has the drive take another mode, which it then shows when the node is ready again. Cyclic synchronous torque is
+  // that of every set-up. Only a node that is ready does.
+  void select_mode(Mode mode, hal::Time now) noexcept;
   // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
   void forget_errors() noexcept;
@@ -112,6 +117,8 @@ class DriveNode {
 
   SetupPhase phase() const noexcept { return phase_; }
   bool ready() const noexcept { return phase_ == SetupPhase::ready; }
+  // The drive is ready and shows this mode, or is asked for it.
+  bool in_mode(Mode mode) const noexcept { return mode_ == mode && (ready() || phase_ == SetupPhase::verifying_mode); }
   bool forcing_stop() const noexcept { return phase_ == SetupPhase::forcing_stop; }
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept {
@@ -173,6 +180,7 @@ class DriveNode {
   std::uint32_t rated_torque_mNm_;
   TorqueBase torque_base_;
   bool user_position_unit_;
+  bool homes_;
   float force_per_torque_N_per_Nm_;
   float max_force_N_;
   bool config_valid_;
@@ -196,7 +204,8 @@ class DriveNode {
   bool write_taken_ = false;               // the last one of the plan
   bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
   std::optional<std::uint16_t> statusword_;
-  bool mode_write_ = false;  // the running transfer is a renewed request of the mode
+  Mode mode_ = Mode::cyclic_torque;  // that 6061h must show
+  bool mode_write_ = false;          // the running transfer is a renewed request of the mode
   hal::Time last_mode_request_{};
   std::optional<hal::Time> last_mode_poll_;
   DriveRating rating_;

@@ -46,7 +46,11 @@ inline constexpr std::uint16_t max_torque = 0x6072;             // u16, per mill
 inline constexpr std::uint16_t torque_demand = 0x6074;          // i16, per mille
 // :01 i32 lowest, :02 i32 highest; 0 and 0, or the whole range, is none
 inline constexpr std::uint16_t position_range = 0x607B;
-inline constexpr std::uint16_t polarity = 0x607E;  // u8: bit 7 reverses the position
+inline constexpr std::uint16_t home_offset = 0x607C;          // i32: the position of home, in units of position
+inline constexpr std::uint16_t homing_method = 0x6098;        // i8
+inline constexpr std::uint16_t homing_speeds = 0x6099;        // :01 u32 to the switch, :02 u32 to zero; units a second
+inline constexpr std::uint16_t homing_acceleration = 0x609A;  // u32, units a second squared
+inline constexpr std::uint16_t polarity = 0x607E;             // u8: bit 7 reverses the position
 // :01 u32 encoder counts, :02 u32 motor revolutions
 inline constexpr std::uint16_t encoder_resolution = 0x608F;
 inline constexpr std::uint16_t gear_ratio = 0x6091;     // :01 u32 motor revolutions, :02 u32 revolutions of the shaft
@@ -66,6 +70,7 @@ namespace breakaway::cia402 {
 inline constexpr std::uint16_t disable_drive_function = 0;
 
 inline constexpr std::uint16_t device_profile = 402;              // in the lower half of 1000h
+inline constexpr std::uint32_t supports_homing = 1U << 5;         // in 6502h
 inline constexpr std::uint32_t supports_cyclic_torque = 1U << 9;  // in 6502h
 
 // The values of 6060h and 6061h: modes of operation.

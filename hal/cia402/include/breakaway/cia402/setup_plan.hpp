@@ -36,7 +36,10 @@ class SetupPlan {
   // The arguments must be what check() accepts.
   template <class Scalar>
   SetupPlan(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
-      : SetupPlan{drive.node_id, drive.heartbeat_period, drive.heartbeat_timeout, network} {}
+      : SetupPlan{drive.node_id, drive.heartbeat_period, drive.heartbeat_timeout, network} {
+    if (drive.homing.home == Home::by_drive) add_homing(drive.homing, drive.invert_direction);
+    add_mode();
+  }
 
   std::span<const SetupStep> steps() const noexcept { return std::span{steps_}.first(count_); }
 
@@ -48,6 +51,8 @@ class SetupPlan {
   void read_rating() noexcept;
   void bound_force() noexcept;
   void add_clock(const canopen::NetworkConfig& network) noexcept;
+  void add_homing(const HomingConfig& homing, bool inverted) noexcept;
+  void add_mode() noexcept;
   void look() noexcept;
   void read(std::uint16_t index, std::uint8_t subindex, bool optional) noexcept;
   void write(std::uint16_t index, std::uint8_t subindex, std::uint8_t size, std::uint32_t value,

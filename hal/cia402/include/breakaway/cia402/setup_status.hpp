@@ -13,6 +13,7 @@ enum class SetupStatus : std::uint8_t {
   config_invalid,         // check() refuses what the drive was configured with
   not_a_cia402_drive,     // 1000h shows another device profile
   no_torque_mode,         // 6502h lacks cyclic synchronous torque
+  no_homing_mode,         // the file has the drive find its home, and 6502h lacks homing or 6061h never showed it
   mode_refused,           // 6061h never showed cyclic synchronous torque
   no_rated_torque,        // 6076h is 0, so there is no unit to command torque in
   rated_torque_differs,   // 6076h is not what the axis was described with
@@ -45,6 +46,10 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
     case SetupStatus::no_torque_mode:
       return "the drive has no cyclic synchronous torque mode (6502h, bit 9); take a drive, or a firmware of it, that "
              "has";
+    case SetupStatus::no_homing_mode:
+      return "the drive has no homing mode, or refuses it (6502h, bit 5; 6061h never showed 6); let it stand at its "
+             "home "
+             "when it is enabled (home = \"here\"), or end what else commands it";
     case SetupStatus::mode_refused:
       return "the drive refuses the cyclic synchronous torque mode (6061h never showed 10); end what else commands it, "
              "its commissioning software, say, and look for an interlock on the mode in its manual";

@@ -26,7 +26,9 @@ inline constexpr std::uint16_t warning = 1U << 7;
 inline constexpr std::uint16_t remote = 1U << 9;
 inline constexpr std::uint16_t target_reached = 1U << 10;
 inline constexpr std::uint16_t internal_limit = 1U << 11;
-inline constexpr std::uint16_t follows_target = 1U << 12;  // cyclic modes: the drive uses the target it is sent
+inline constexpr std::uint16_t follows_target = 1U << 12;   // cyclic modes: the drive uses the target it is sent
+inline constexpr std::uint16_t homing_attained = 1U << 12;  // homing mode: the drive counts from its home
+inline constexpr std::uint16_t homing_error = 1U << 13;     // homing mode
 }  // namespace status_bit
 
 namespace control {
@@ -36,7 +38,8 @@ inline constexpr std::uint16_t shutdown = 0x06;
 inline constexpr std::uint16_t switch_on = 0x07;
 inline constexpr std::uint16_t disable_operation = 0x07;
 inline constexpr std::uint16_t enable_operation = 0x0F;
-inline constexpr std::uint16_t fault_reset = 0x80;  // acts on the rising edge
+inline constexpr std::uint16_t start_homing = 0x10;  // homing mode: a bit beside enable operation
+inline constexpr std::uint16_t fault_reset = 0x80;   // acts on the rising edge
 inline constexpr std::uint16_t halt = 0x100;
 }  // namespace control
 

@@ -34,6 +34,8 @@ struct Quirks {
   std::uint32_t position_range_counts = 0;
   // 6092h:01 at power-on, units of 6064h a revolution of `encoder_counts_per_revolution`; 0: as many as those.
   std::uint32_t feed_constant = 0;
+  // A homing that is started ends with an error.
+  bool homing_fails = false;
   // The node goes on to Operational by itself after its boot-up.
   bool self_starting = false;
   // PDOs may be changed in Pre-operational only.
@@ -60,7 +62,8 @@ struct EmulatorConfig {
   std::optional<double> peak_force_N{};       // the most that the motor can do, > 0; default: max_torque_per_mille
   double current_loop_time_constant_s = 0.0;  // of the first-order lag from demand to force, >= 0; 0: ideal
   double encoder_resolution_m = 1e-6;         // one count, > 0
-  std::uint32_t supported_modes = cia402::supports_cyclic_torque;  // 6502h; without bit 9 the drive makes no torque
+  // 6502h; without bit 9 the drive makes no torque, and without bit 5 it finds no home.
+  std::uint32_t supported_modes = cia402::supports_cyclic_torque | cia402::supports_homing;
 
   // A TPDO leaves between min and max after the SYNC or event that asks for it, uniformly distributed.
   hal::Duration min_tpdo_delay = std::chrono::microseconds{20};

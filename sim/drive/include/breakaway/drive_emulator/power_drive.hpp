@@ -72,6 +72,9 @@ class PowerDrive {
   void command_torque(double demand_per_mille, hal::Time time);
   void watch_stops(hal::Time time);
   std::uint16_t statusword() const;
+  bool in_homing() const;
+  void home();
+  double position_factor() const;
   bool reversed() const;
   std::int32_t in_units(std::int32_t counts) const;
   std::int32_t in_range(std::int32_t counts) const;
@@ -97,6 +100,7 @@ class PowerDrive {
   std::set<std::uint16_t> faults_;  // tripped since the last reset
   std::set<std::uint16_t> causes_;  // of these, those whose cause is still there
   double origin_m_ = 0;             // where 6064h is 0
+  unsigned homed_ = 0;              // bits of the statusword after a homing
   std::optional<hal::Time> last_sync_;
   std::int32_t last_sync_counts_ = 0;
 };
