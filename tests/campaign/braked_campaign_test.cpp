@@ -279,24 +279,6 @@ TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) {
   EXPECT_GE(tally.moves, moves / 2);
 }
 
-// Each thing that is told is right or off by up to 2 times, as often as not.
-struct Wrong {
-  testing::TrueAxis axis;
-  law::FrictionBounds<double> friction;
-
-  Wrong(const BrakedClass& c, Random& r) {
-    const auto off = [&](double value) { return r.share() < 0.5 ? value : value * std::pow(2, r.between(-1, 1)); };
-    axis.mass_kg = off(r.inside(c.mass_kg));
-    axis.force_gain = off(r.inside(c.force_gain));
-    axis.lag_s = c.lag_s.most > 0 ? off(r.inside(c.lag_s)) : r.share() < 0.5 ? 0 : c.period_s * r.between(0, 2);
-    axis.latency_periods = static_cast<int>(std::lround(off(c.latency_periods + 1) - 1));
-    friction = {off(c.friction.lower_N), off(c.friction.upper_N)};
-    if (friction.lower_N > friction.upper_N) std::swap(friction.lower_N, friction.upper_N);
-    axis.load_N = off(r.inside({-c.load_N, c.load_N}));
-    if (c.load_N == 0 && r.share() < 0.3) axis.load_N = r.between(-0.5, 0.5) * c.friction.lower_N;
-  }
-};
-
 TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   const long runs = asked_for("BREAKAWAY_TOLD_WRONG", 100);
   std::map<std::string_view, long> ends;

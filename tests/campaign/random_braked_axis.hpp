@@ -158,6 +158,24 @@ class GreedyAdversary {
   bool resting_ = false, hard_to_break_ = true;
 };
 
+// Each thing that is told is right or off by up to 2 times, as often as not.
+struct Wrong {
+  testing::TrueAxis axis;
+  law::FrictionBounds<double> friction;
+
+  Wrong(const BrakedClass& c, Random& r) {
+    const auto off = [&](double value) { return r.share() < 0.5 ? value : value * std::pow(2, r.between(-1, 1)); };
+    axis.mass_kg = off(r.inside(c.mass_kg));
+    axis.force_gain = off(r.inside(c.force_gain));
+    axis.lag_s = c.lag_s.most > 0 ? off(r.inside(c.lag_s)) : r.share() < 0.5 ? 0 : c.period_s * r.between(0, 2);
+    axis.latency_periods = static_cast<int>(std::lround(off(c.latency_periods + 1) - 1));
+    friction = {off(c.friction.lower_N), off(c.friction.upper_N)};
+    if (friction.lower_N > friction.upper_N) std::swap(friction.lower_N, friction.upper_N);
+    axis.load_N = off(r.inside({-c.load_N, c.load_N}));
+    if (c.load_N == 0 && r.share() < 0.3) axis.load_N = r.between(-0.5, 0.5) * c.friction.lower_N;
+  }
+};
+
 inline double hashed_share(double cell, std::uint64_t seed) {
   std::uint64_t h = static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) * 0x9E3779B97F4A7C15U + seed;
   h = (h ^ (h >> 31)) * 0xBF58476D1CE4E5B9U;

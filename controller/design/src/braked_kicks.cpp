@@ -298,9 +298,18 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .either_way_periods = counted(either_way),
           .patient_periods = counted(std::max(still, either_way) + 30 + axes.latency_periods + settling),
           .settling_periods = counted(settling),
+          .fine_floor_m = {},
           .spring = spring<Real>(axes, kicks),
           .approach = approach<Real>(axes, kicks),
           .table = {}};
+}
+
+// Of a list each pulse is known with its very cut, so that a weaker one may go further than the list says.
+template <class Real>
+bool is_fine(double tolerance_m, const BrakedDesign<Real>& design) {
+  const bool read = tolerance_m >= design.least_reading_m * (1 - 1e-9);
+  const bool below = tolerance_m < design.least_tolerance_m * (1 - 1e-9);
+  return read && below && design.possible() && !design.kicks.table.list;
 }
 
 }  // namespace
@@ -330,7 +339,9 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   design.aim_lost = builder.aim_lost();
   design.peak_speed_m_s = builder.peak_speed_m_s();
   design.table_bytes = sizeof(design.kicks.table);
-  design.least_tolerance_m = std::max(design.floor_m, least_seen_m(axes));
+  design.least_reading_m = least_seen_m(axes);
+  design.least_tolerance_m = std::max(design.floor_m, design.least_reading_m);
+  if (is_fine(axes.fine_tolerance_m, design)) design.kicks.fine_floor_m = static_cast<Real>(design.least_tolerance_m);
   return design;
 }
 

@@ -1,8 +1,10 @@
 #include "breakaway/design/kick_promise.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "breakaway/law/fine_stage.hpp"
 #include "worst_kicks.hpp"
 
 namespace breakaway::design {
@@ -14,14 +16,27 @@ constexpr int most_counted = 100000;  // kicks
 
 template <class Real>
 KickPromise::KickPromise(const BrakedClass& axes, const BrakedDesign<Real>& design, double tolerance_m)
-    : worst_{design.possible() && tolerance_m >= design.least_tolerance_m * (1 - 1e-9)
-                 ? std::make_shared<const detail::WorstKicks>(axes, design.kicks, tolerance_m,
-                                                              std::max(design.reach_m, tolerance_m))
-                 : nullptr},
-      reading_error_m_{axes.reading_error_m()},
-      tolerance_m_{tolerance_m} {}
+    : reading_error_m_{axes.reading_error_m()},
+      tolerance_m_{design.has_fine_stage() ? design.least_tolerance_m : tolerance_m},
+      fine_tolerance_m_{design.has_fine_stage() ? axes.fine_tolerance_m : 0},
+      fine_reach_m_{design.has_fine_stage() ? (1 + law::fine_floors_beyond) * design.least_tolerance_m : 0} {
+  if (design.possible() && tolerance_m_ >= design.least_tolerance_m * (1 - 1e-9))
+    worst_ = std::make_shared<const detail::WorstKicks>(axes, design.kicks, tolerance_m_,
+                                                        std::max(design.reach_m, tolerance_m_));
+}
 
 KickPromise::Sequence KickPromise::from(double distance_m) const {
+  Sequence all = by_table(distance_m);
+  if (!(fine_tolerance_m_ > 0) || !(distance_m + reading_error_m_ > fine_tolerance_m_) || !std::isfinite(all.time_s))
+    return all;
+  const Sequence back = by_table(fine_reach_m_);
+  if (!std::isfinite(back.time_s)) return back;
+  all.kicks += law::most_fine_kicks + back.kicks;
+  all.time_s += law::most_fine_kicks * worst_->longest_s(fine_reach_m_) + back.time_s;
+  return all;
+}
+
+KickPromise::Sequence KickPromise::by_table(double distance_m) const {
   constexpr Sequence endless{0, std::numeric_limits<double>::infinity()};
   if (!worst_) return endless;
   Sequence all{0, 0};

@@ -80,6 +80,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
           .position_tolerance_m = accuracy_m(node, axis),
           .max_approach_speed_m_s = p.max_approach_speed_m_s,
+          .settle_tolerance_m = node.settle_tolerance_m,
           .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
           .outside = outside_class(node, axis)};
 }

@@ -90,6 +90,7 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .encoder_noise_m = u.encoder_noise_m,
           .latency_periods = axis.latency_periods,
           .presliding_stiffness_N_per_m = axis.friction.presliding_stiffness_N_per_m,
+          .fine_tolerance_m = axis.controller.impulsive->fine_stage ? tolerance_m(node, axis) : 0,
           .move = move_request(axis)};
 }
 

@@ -67,6 +67,7 @@ std::vector<Key> gain_keys(ImpulsiveGains& gains) {
       required("k21_Ns_per_m", number(gains.approach_damping_Ns_per_m, "N s/m", positive)),
       required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
       kick_key(gains),
+      optional("fine_stage", boolean(gains.fine_stage)),
       optional("coast", choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}})),
       optional("feedforward_N", number(gains.feedforward_N, "N", anywhere)),
   };
@@ -164,6 +165,13 @@ Move read_move(const Section& section, const Controller& controller) {
     section.fail("speed_m_s",
                  "is for the coast \"brake\", the only one that keeps to it; set [controller] coast = \"brake\"");
   return move;
+}
+
+// Kicks below the floor are those of the coast "brake".
+void check_fine_stage(const Section& controller, const Axis& axis) {
+  if (!axis.controller.impulsive || !controller.has("fine_stage")) return;
+  if (axis.controller.impulsive->coast != law::Coast::brake)
+    controller.fail("fine_stage", "is of the coast \"brake\"; set coast = \"brake\", or leave it out");
 }
 
 // What friction does before it slides is for the coast "brake" to know.
@@ -405,6 +413,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   if (limits_) axis.limits = read_limits(*limits_);
   if (move_) axis.move = read_move(*move_, axis.controller);
   check_presliding(*friction_, axis);
+  check_fine_stage(*controller_, axis);
   check_force(*controller_, axis);
   check_feedforward(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)

@@ -67,6 +67,7 @@ constexpr std::array rows{
     CertificateKey{"controller", "k22_Ns_per_m", counted},
     CertificateKey{"controller", "kick", counted},
     CertificateKey{"controller", "coast", counted},
+    CertificateKey{"controller", "fine_stage", counted},
     CertificateKey{"controller", "kp_N_per_m", apart},
     CertificateKey{"controller", "ki_N_per_ms", apart},
     CertificateKey{"controller", "kd_Ns_per_m", apart},

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <sstream>
 
 #include "breakaway/config/axis_design.hpp"
@@ -86,11 +88,13 @@ Configuration read_configuration(const Options& options) {
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
   Configuration c{.node = config::certified(node, config::examine(node)), .axes = {}, .timed = options.targets.empty()};
-  for (const Axis& axis : node.axes) {
+  for (std::size_t i = 0; i < node.axes.size(); ++i) {
+    const Axis& axis = node.axes[i];
+    const double promised_m = std::max(tolerance_m(node, axis), double{c.node.axes[i].braked.fine_floor_m});
     // Half a count for the decimal tolerance in float.
     c.axes.push_back({.name = axis.name,
                       .visits = {},
-                      .reached_m = tolerance_m(node, axis) + reading_error_m(axis),
+                      .reached_m = promised_m + reading_error_m(axis),
                       .resolution_m = axis.drive->encoder_resolution_m,
                       .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N()),
                       .max_torque_per_mille = axis.drive->max_torque_per_mille});

@@ -45,6 +45,7 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   json.member("hand_over_m", promise.hand_over_m);
   json.member("most_kicks", promise.most_kicks);
   json.member("kicks_s", promise.kicks_s);
+  json.member("fine_stage", promise.fine_stage);
   json.member("brake_N", promise.brake_N);
   json.member("peak_speed_m_s", promise.peak_speed_m_s);
   json.member("rest_s", promise.rest_s);

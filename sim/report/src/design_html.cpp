@@ -74,6 +74,8 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
   table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");
   table.quantity("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
+  if (promise.fine_stage)
+    table.row("Below the floor", "the fine stage aims at the tolerance, and goes beyond the target");
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");

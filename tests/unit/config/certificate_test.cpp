@@ -166,6 +166,25 @@ TEST(Certificate, NamesWhatIsSimulatedButNotCertifiedOfFrictionThatBends) {
   expect_refused(with(bending("1e7"), "upper_N = 4.5", "upper_N = 3"), "bending_bounds_are_apart");
 }
 
+TEST(Certificate, PromisesTheFloorAndNotTheToleranceUnderTheFineStage) {
+  const std::string below = with(scene, "position_tolerance_m = 5e-6", "position_tolerance_m = 1e-6");
+  expect_refused(below, "tolerance_above_floor");
+  const std::string fine = more("[run]", "settle_tolerance_m = 9e-6", below);
+  EXPECT_EQ(why_not(fine), "");
+  expect_refused(more("[controller]", "fine_stage = false", fine), "tolerance_above_floor");
+  expect_refused(more("[run]", "settle_tolerance_m = 3e-6", below), "tolerance_above_floor");
+  const auto promise = *examine(parse_node(fine, "axis.toml")).front().braked;
+  EXPECT_DOUBLE_EQ(promise.error_m, promise.least_tolerance_m + 0.5e-6);
+  EXPECT_DOUBLE_EQ(promise.beyond_m, 1.35 * promise.least_tolerance_m + 0.5e-6);
+}
+
+TEST(Certificate, RefusesAFineStageUnderTheCoastPd) {
+  const std::string error =
+      refusal([&] { parse_node(more("[controller]", "fine_stage = false", under_pd()), "a.toml"); });
+  EXPECT_NE(error.find("fine_stage"), std::string::npos) << error;
+  EXPECT_NE(error.find("set coast = \"brake\""), std::string::npos) << error;
+}
+
 TEST(Certificate, RefusesToTellTheCoastPdOfFrictionThatBends) {
   const std::string text = more("[friction]", "presliding_stiffness_N_per_m = 1e7", under_pd());
   const std::string error = refusal([&] { parse_node(text, "axis.toml"); });
@@ -324,6 +343,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"controller.kick", {"\"two_phase\"", "\"naive\""}},
       {"controller.coast", {"\"brake\"", "\"pd\""}},
       {"controller.feedforward_N", {"max_force_N = 48", "max_force_N = 48\nfeedforward_N = 1"}},
+      {"controller.fine_stage", {"position_tolerance_m = 1e-6", "fine_stage = false\nposition_tolerance_m = 1e-6"}},
       {"controller.max_force_N", {"max_force_N = 48", "max_force_N = 45"}},
       {"controller.max_approach_speed_m_s", {"max_approach_speed_m_s = 5", "max_approach_speed_m_s = 0.5"}},
       {"controller.position_tolerance_m", {"position_tolerance_m = 5e-6", "position_tolerance_m = 6e-6"}},
@@ -371,8 +391,10 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
     std::string text = scene;
     if (name == "run.settle_tolerance_m")
       text = with(text, "duration_s = 1", "settle_tolerance_m = 9e-6\nduration_s = 1");
+    if (name == "controller.fine_stage")
+      text = with(more("[run]", "settle_tolerance_m = 9e-6", text), "tolerance_m = 5e-6", "tolerance_m = 1e-6");
     const auto& [from, to] = changes.at(name);
-    EXPECT_NE(certificate(with(text, from, to)), plain) << name;
+    EXPECT_NE(certificate(with(text, from, to)), name == "controller.fine_stage" ? certificate(text) : plain) << name;
   }
 }
 

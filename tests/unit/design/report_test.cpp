@@ -193,6 +193,83 @@ TEST(DesignReport, CertifiesTheBrakeByItsOwnConditions) {
   EXPECT_FALSE(design_axis(example()).braked.has_value());
 }
 
+// Of a sentence, the number behind these words.
+double number_after(const std::string& sentence, const std::string& words) {
+  const auto place = sentence.find(words);
+  if (place == std::string::npos) ADD_FAILURE() << words << " in: " << sentence;
+  return place == std::string::npos ? 0 : std::stod(sentence.substr(place + words.size()));
+}
+
+TEST(DesignReport, PromisesTheFloorWhereTheFineStageAimsBelowIt) {
+  AxisDesign axis = braked_example();
+  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 0.6e-6;
+  axis.settle_tolerance_m = 3e-6;
+  const DesignReport report = design_axis(axis);
+  ASSERT_TRUE(report.certified) << report.reasons.front();
+  const BrakedPromise& promise = *report.braked;
+  EXPECT_TRUE(promise.fine_stage);
+  EXPECT_DOUBLE_EQ(promise.error_m, promise.floor_m + 0.5e-6);
+  EXPECT_DOUBLE_EQ(promise.beyond_m, 1.35 * promise.floor_m + 0.5e-6);
+  EXPECT_NE(promise.promise.find("aims at 6e-07 m, which is not promised"), std::string::npos) << promise.promise;
+  AxisDesign at_the_floor = braked_example();
+  at_the_floor.position_tolerance_m = promise.floor_m;
+  const BrakedPromise by_table = *design_axis(at_the_floor).braked;
+  EXPECT_FALSE(by_table.fine_stage);
+  EXPECT_GT(promise.most_kicks, by_table.most_kicks + 40);
+  EXPECT_GT(promise.kicks_s, by_table.kicks_s);
+  axis.settle_tolerance_m = 2e-6;
+  EXPECT_FALSE(design_axis(axis).certified) << "the floor is not good enough";
+}
+
+TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheFloorTakes) {
+  AxisDesign axis = braked_example();
+  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.2e-6;
+  const DesignReport report = design_axis(axis);
+  ASSERT_FALSE(report.certified);
+  const std::string said = report.reasons.front();
+  AxisDesign wider = axis;
+  wider.position_tolerance_m = number_after(said, "widen it to ");
+  EXPECT_TRUE(design_axis(wider).certified) << said;
+  AxisDesign quicker = axis;
+  quicker.period_s = quicker.braked->period_s = number_after(said, "shorten period_s to ");
+  EXPECT_TRUE(design_axis(quicker).certified) << said;
+  EXPECT_GT(quicker.period_s, 0.7e-3) << said;
+  AxisDesign fine = axis;
+  fine.settle_tolerance_m = number_after(said, "settle_tolerance_m = ");
+  EXPECT_TRUE(design_axis(fine).certified) << said;
+  EXPECT_TRUE(design_axis(fine).braked->fine_stage);
+}
+
+TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheEncoderTakes) {
+  AxisDesign axis = braked_example();
+  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 0.3e-6;
+  axis.settle_tolerance_m = 1;
+  const DesignReport report = design_axis(axis);
+  ASSERT_FALSE(report.certified);
+  const std::string said = report.reasons.front();
+  AxisDesign wider = axis;
+  wider.position_tolerance_m = number_after(said, "widen it to ");
+  EXPECT_TRUE(design_axis(wider).certified) << said;
+  AxisDesign finer = axis;
+  finer.encoder_resolution_m = number_after(said, "encoder_resolution_m of ");
+  finer.braked->encoder_resolution_m = finer.encoder_resolution_m;
+  EXPECT_TRUE(design_axis(finer).certified) << said << design_axis(finer).reasons.front();
+  finer.settle_tolerance_m = 0;
+  finer.period_s = finer.braked->period_s = number_after(said, "with a period_s of ");
+  EXPECT_TRUE(design_axis(finer).certified) << said << design_axis(finer).reasons.front();
+}
+
+TEST(DesignReport, HasNoFineStageWhereTheDriveKnowsAFewForcesOnly) {
+  AxisDesign axis = braked_example();
+  axis.braked->force_step_N = 1;
+  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.5e-6;
+  axis.settle_tolerance_m = 1;
+  const DesignReport report = design_axis(axis);
+  ASSERT_FALSE(report.certified);
+  axis.braked->force_step_N = number_after(report.reasons.front(), "with steps of force of ");
+  EXPECT_TRUE(design_axis(axis).certified);
+}
+
 TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
   const struct {
     const char* check;

@@ -194,6 +194,7 @@ constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
   visit.value("either_way_periods", kicks.either_way_periods, "");
   visit.value("patient_periods", kicks.patient_periods, "");
   visit.value("settling_periods", kicks.settling_periods, "");
+  visit.value("fine_floor_m", kicks.fine_floor_m, "m, 0: no fine stage");
   visit.group("spring", [&] {
     visit.value("reach_m", kicks.spring.reach_m, "m, 0: friction holds at once");
     visit.value("most_N", kicks.spring.most_N, "N");

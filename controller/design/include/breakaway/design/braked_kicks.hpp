@@ -48,6 +48,7 @@ struct BrakedClass {
   double encoder_noise_m = 0;  // by which a reading is off beside half a count, either way
   int latency_periods = 1;
   double presliding_stiffness_N_per_m = 0;  // of friction before it slides, at least; 0: it holds at once
+  double fine_tolerance_m = 0;  // law::FineStage aims at this tolerance where it is below the least; 0: never
   std::optional<MoveRequest> move{};
 
   double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
@@ -72,9 +73,12 @@ struct BrakedDesign {
   double peak_speed_m_s = 0;  // which no kick exceeds, from rest anywhere
   std::size_t table_bytes = 0;
 
-  // The tolerance must be at least this: the floor, and a little more than half a count.
+  double least_reading_m = 0;  // no tolerance below this can be told from another reading
+
+  // The tolerance must be at least this: the floor, and what can be read.
   double least_tolerance_m = 0;
 
+  bool has_fine_stage() const { return kicks.fine_floor_m > 0; }
   bool possible() const { return brake_holds && breaks_away && rest_is_seen && floor_m < reach_m; }
 };
 

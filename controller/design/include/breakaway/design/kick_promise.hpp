@@ -8,6 +8,9 @@
 //   gain (F n T + 2 b tau) / (A' + gain b)
 // after its pulse, under any friction of the class: at the stop the impulse of the force, that of a lagging current
 // loop with what it owes, is spent by friction. A sample that is lost adds a period.
+//
+// With a fine stage the least tolerance is what is promised to be reached: by kicks to the floor, all of the fine
+// stage's, and from where these may have led as many of the table's as lead back to the floor.
 #pragma once
 
 #include <memory>
@@ -22,10 +25,12 @@ class WorstKicks;
 
 class KickPromise {
  public:
-  // Promises nothing where the design is not possible or the tolerance is below its least.
+  // Promises nothing where the design is not possible, or has no fine stage and the tolerance is below its least.
   template <class Real>
   KickPromise(const BrakedClass& axes, const BrakedDesign<Real>& design, double tolerance_m);
 
+  // The tolerance that is promised to be reached: the one asked for, or with a fine stage the least.
+  double reached_m() const { return tolerance_m_; }
   // From the distance to within the tolerance; 0 where no end is promised or nothing is to do.
   int most_kicks(double distance_m) const;
   // From the decision for the first of these kicks to the hold [s]; infinite where no end is promised.
@@ -37,9 +42,11 @@ class KickPromise {
     double time_s;
   };
   Sequence from(double distance_m) const;
+  Sequence by_table(double distance_m) const;
 
   std::shared_ptr<const detail::WorstKicks> worst_;
   double reading_error_m_, tolerance_m_;
+  double fine_tolerance_m_, fine_reach_m_;  // of the fine stage: aimed at, and where it may lead; 0: there is none
 };
 
 }  // namespace breakaway::design

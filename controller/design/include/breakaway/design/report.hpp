@@ -28,6 +28,7 @@ struct AxisDesign {
   double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
   double max_approach_speed_m_s = std::numeric_limits<double>::infinity();
+  double settle_tolerance_m{};          // true error that will do where that is below the floor; 0: none will
   std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake"
   std::vector<std::string> outside{};   // what is known of the machine and no check covers, a sentence each
 };
@@ -42,6 +43,7 @@ struct BrakedPromise {
   double hand_over_m;        // the distance from the target at which the approach gives way to brake and kicks
   int most_kicks;            // from where kicks begin, reach_m or hand_over_m, to within the tolerance
   double kicks_s;            // that those kicks take at most, from the first one's decision to the hold
+  bool fine_stage;           // error_m is that of the floor; below it kicks go beyond the target
   double brake_N;
   double peak_speed_m_s;  // which no kick exceeds
   double rest_s;          // without a count of motion, that proves rest after a kick

@@ -22,6 +22,7 @@
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
+#include "breakaway/law/fine_stage.hpp"
 #include "breakaway/law/k3_table.hpp"
 #include "breakaway/law/kick_cycle.hpp"
 #include "breakaway/law/kick_judge.hpp"
@@ -56,6 +57,7 @@ class AxisController {
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
     spring_ = {kicks.spring, p_.encoder_resolution_m};
+    fine_ = {kicks, p_};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
     kicks_begin_m_ = kicks.begin_m();
   }
@@ -81,6 +83,7 @@ class AxisController {
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && braked_->approach.move.are_asked_for();
     if (!goes_on) return restart();
     judge_.forget();
+    fine_.restart();
     cycle_.restart();
     plan_.retarget(shift_m);
   }
@@ -189,6 +192,7 @@ class AxisController {
     if (mode_ == Mode::approach) return approach_to_brake(x);
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return keep_holding(x);
+      if (held_ >= long_braked_hold()) fine_.restart();  // it has been pushed
       if (judge_.left_hold()) return fail(ControlFault::hunting);
       if (std::abs(x) > 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m)) {
         start_approach();
@@ -204,7 +208,7 @@ class AxisController {
   }
 
   ControlOutput<Scalar> keep_holding(Scalar x) noexcept {
-    note_holding(8 * braked_->patient_periods);
+    note_holding(long_braked_hold());
     if (!spring_.active()) return give(0);
     spring_.see(x);
     return give_on_spring();
@@ -214,7 +218,7 @@ class AxisController {
   ControlOutput<Scalar> finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
     if (!(spring_.waits() && cycle_.stays()) && !spring_.overdue()) return give_on_spring();
-    if (std::abs(x) > p_.position_tolerance_m) return start_braked_kick(x);
+    if (std::abs(x) > fine_.tolerance_m()) return start_braked_kick(x);
     mode_ = Mode::hold;
     held_ = 0;
     return give_on_spring();
@@ -223,6 +227,7 @@ class AxisController {
     return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2));
   }
 
+  std::int32_t long_braked_hold() const noexcept { return 8 * braked_->patient_periods; }
   // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
   void note_holding(std::int32_t long_hold) noexcept {
     if (held_ > long_hold) return;
@@ -264,14 +269,15 @@ class AxisController {
 
   // The axis rests: holds it there, or kicks it.
   ControlOutput<Scalar> conclude(Scalar x) noexcept {
-    if (const ControlFault proved = judge_.judge(p_, x, *braked_, cycle_); proved != ControlFault::none)
+    if (const ControlFault proved = judge_.judge(p_, x, cycle_, fine_); proved != ControlFault::none)
       return fail(proved);
+    fine_.learn(x, cycle_.pulse_N());
     if (spring_.reaches(x)) {
       spring_.start(x);
       cycle_.set_free();
       return finish_on_spring(x);
     }
-    if (std::abs(x) <= p_.position_tolerance_m) {
+    if (std::abs(x) <= fine_.tolerance_m()) {
       mode_ = Mode::hold;
       held_ = 0;
       cycle_.release(0);
@@ -288,7 +294,7 @@ class AxisController {
     spring_.stop();
     judge_.kicked(x);
     mode_ = Mode::coast;
-    cycle_.kick(x > 0 ? Scalar{-1} : Scalar{1}, braked_->table.pulse(std::abs(x)));
+    cycle_.kick(x > 0 ? Scalar{-1} : Scalar{1}, fine_.pulse(x));
     return give(0);
   }
 
@@ -328,7 +334,7 @@ class AxisController {
 
   // Leaving hold needs one count more than entering it, so that a reading between two counts does not toggle the mode.
   bool beyond_tolerance(Scalar x) const noexcept {
-    return std::abs(x) > p_.position_tolerance_m + p_.unseen_m() * Scalar(1.5);
+    return std::abs(x) > fine_.tolerance_m() + p_.unseen_m() * Scalar(1.5);
   }
 
   ControlOutput<Scalar> enter_hold(Scalar x, Scalar v) noexcept {
@@ -398,6 +404,7 @@ class AxisController {
 
   void restart() noexcept {
     judge_.forget();
+    fine_.restart();
     start_approach();
   }
   void start_approach() noexcept {
@@ -428,6 +435,7 @@ class AxisController {
   const BrakedKicks<Scalar>* braked_ = nullptr;  // of Coast::brake only
   KickCycle<Scalar> cycle_{};
   SpringStage<Scalar> spring_{};
+  FineStage<Scalar> fine_{p_.position_tolerance_m};
   ApproachPlan<Scalar> plan_{};
   KickJudge<Scalar> judge_{};
   Scalar last_force_N_{};

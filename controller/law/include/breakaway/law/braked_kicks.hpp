@@ -66,6 +66,7 @@ struct BrakedKicks {
   std::uint16_t either_way_periods = 0;  // the same under holding_force_N, where the axis may move either way
   std::uint16_t patient_periods = 0;   // the same under any force: a proof of nothing, but there is no more to wait for
   std::uint16_t settling_periods = 0;  // in which the slowest current loop follows a change
+  Scalar fine_floor_m{};               // below it FineStage kicks; 0: the table does everywhere
   FrictionSpring<Scalar> spring{};
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
@@ -98,8 +99,8 @@ constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
                         a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
                         a.standing_m_s >= 0 && a.move.are_usable();
-  return lags && forces && waits && approach && k.spring.is_usable(a.friction_N) && k.coast_per_N > 0 &&
-         k.table.count > 0 && k.table.count <= KickTable<Scalar>::most_entries;
+  return lags && forces && waits && approach && k.spring.is_usable(a.friction_N) && k.fine_floor_m >= 0 &&
+         k.coast_per_N > 0 && k.table.count > 0 && k.table.count <= KickTable<Scalar>::most_entries;
 }
 
 }  // namespace breakaway::law

@@ -171,6 +171,7 @@ class KickCycle {
   bool stays() const noexcept { return still_ >= kicks_->either_way_periods + latency_; }
 
   Phase phase() const noexcept { return phase_; }
+  const BrakedKicks<Scalar>& kicks() const noexcept { return *kicks_; }
   // Of the last call of next_steps(): whether a pulse began with it, and whether it was one of a pulse.
   bool pulse_starts() const noexcept { return pulse_starts_; }
   bool pulsed() const noexcept { return pulsed_; }

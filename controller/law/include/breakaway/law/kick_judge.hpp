@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "breakaway/law/axis_parameters.hpp"
-#include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
+#include "breakaway/law/fine_stage.hpp"
 #include "breakaway/law/kick_cycle.hpp"
 
 namespace breakaway::law {
@@ -56,10 +56,10 @@ class KickJudge {
   // that it proves. To be called under the coast "pd".
   ControlFault judge(const Parameters& p, Scalar x) noexcept { return judge(p, x, nullptr, nullptr); }
 
-  // The same under the brake, where the travel is compared with what was told as well.
-  ControlFault judge(const Parameters& p, Scalar x, const BrakedKicks<Scalar>& told,
-                     const KickCycle<Scalar>& cycle) noexcept {
-    return judge(p, x, &told, &cycle);
+  // The same under the brake, where the travel of the table's kicks is compared with what was told as well.
+  ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>& cycle,
+                     const FineStage<Scalar>& fine) noexcept {
+    return judge(p, x, &cycle, &fine);
   }
 
   std::uint32_t kicks() const noexcept { return kicks_; }
@@ -74,29 +74,32 @@ class KickJudge {
   static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
   static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
 
-  ControlFault judge(const Parameters& p, Scalar x, const BrakedKicks<Scalar>* told,
-                     const KickCycle<Scalar>* cycle) noexcept {
+  ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>* cycle,
+                     const FineStage<Scalar>* fine) noexcept {
     if (!awaiting_result_) return ControlFault::none;
     awaiting_result_ = false;
     proved_ = ControlFault::none;
     const Scalar error_m = std::abs(x);
-    if (told != nullptr) compare_with_told(p, *told, *cycle, (x - kicked_from_m_) * cycle->direction(), error_m);
+    Scalar lawful_m = std::abs(kicked_from_m_) + p.position_tolerance_m + p.unseen_m();
+    if (fine != nullptr && fine->kicked()) lawful_m += fine->beyond_m();
+    if (cycle != nullptr && (!fine->kicked() || cycle->driven_back()))
+      compare_with_told(p, *cycle, *fine, (x - kicked_from_m_) * cycle->direction(), error_m);
     const bool moved = std::abs(x - kicked_from_m_) > p.unseen_m() / 2;
-    const bool grew = error_m > std::abs(kicked_from_m_) + p.position_tolerance_m + p.unseen_m();
+    const bool grew = error_m > lawful_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
-    note_least_error(p, error_m, moved, told != nullptr);
-    if (told == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
+    note_least_error(p, error_m, moved, fine);
+    if (fine == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
     if (growing_ >= growing_limit) accuse(ControlFault::diverging);
     return proved_;
   }
 
   // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer.
-  void note_least_error(const Parameters& p, Scalar error_m, bool moved, bool all_count) noexcept {
+  void note_least_error(const Parameters& p, Scalar error_m, bool moved, const FineStage<Scalar>* fine) noexcept {
     if (error_m < least_error_m_ - p.unseen_m() / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
-      if (!all_count) {
+      if (fine == nullptr) {
         kicks_counted_ = 0;
         return;
       }
@@ -105,15 +108,16 @@ class KickJudge {
     } else if (moved) {
       moved_since_least_ = true;
     }
-    if (++kicks_counted_ >= most_kicks && error_m > p.position_tolerance_m)
+    if (++kicks_counted_ >= most_kicks && error_m > (fine != nullptr ? fine->tolerance_m() : p.position_tolerance_m))
       accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
   }
 
   // Unless friction bends. Two readings are off by a count together, and may be by another for noise.
-  void compare_with_told(const Parameters& p, const BrakedKicks<Scalar>& told, const KickCycle<Scalar>& cycle,
+  void compare_with_told(const Parameters& p, const KickCycle<Scalar>& cycle, const FineStage<Scalar>& fine,
                          Scalar travel_m, Scalar error_m) noexcept {
+    const BrakedKicks<Scalar>& told = cycle.kicks();
     if (told.spring.is_there()) return;
-    if (cycle.driven_back()) return contradict(p, told.brake_N, error_m);
+    if (cycle.driven_back()) return contradict(fine, told.brake_N, error_m);
     if (!(travel_m > p.unseen_m() / 2) || cycle.pulse_limited()) return;
     const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
     const auto seen_N = [&](Scalar d) {
@@ -121,12 +125,11 @@ class KickJudge {
     };
     const Scalar unsure_m = 2 * p.unseen_m();
     const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < told.least_seen_N;
-    if (less || seen_N(travel_m + unsure_m) > told.most_seen_N) contradict(p, seen_N(travel_m), error_m);
+    if (less || seen_N(travel_m + unsure_m) > told.most_seen_N) contradict(fine, seen_N(travel_m), error_m);
   }
-  void contradict(const Parameters& p, Scalar seen_N, Scalar error_m) noexcept {
+  void contradict(const FineStage<Scalar>& fine, Scalar seen_N, Scalar error_m) noexcept {
     seen_friction_N_ = seen_N > 0 ? seen_N : Scalar{0};  // less than none: mass or force gain are off as well
-    if (++contradictions_ >= most_contradictions && error_m > p.position_tolerance_m)
-      accuse(ControlFault::contradicted);
+    if (++contradictions_ >= most_contradictions && error_m > fine.tolerance_m()) accuse(ControlFault::contradicted);
   }
 
   // Of one kick the first fault that it shows is the one to know.

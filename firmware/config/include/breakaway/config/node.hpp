@@ -54,6 +54,7 @@ struct ImpulsiveGains {
   Kick kick = Kick::ideal;
   law::Coast coast = law::Coast::pd;  // brake, where a file with [loop] and [drive] names none, nor the naive kick
   double feedforward_N = 0;           // as the file has it, before it is rounded to a step of the drive
+  bool fine_stage = true;             // coast "brake": where the tolerance is below the floor, kicks that may go beyond
 };
 
 struct PidGains {

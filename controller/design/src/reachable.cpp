@@ -1,0 +1,83 @@
+#include "reachable.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "breakaway/law/kick_judge.hpp"
+#include "brief.hpp"
+
+namespace breakaway::design::detail {
+namespace {
+
+// With three digits, to the side that is safe.
+double three_digits(double value, double (*whole)(double)) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return whole(value / unit) * unit;
+}
+double more(double value) {
+  return three_digits(value, [](double v) { return std::ceil(v); });
+}
+double less(double value) {
+  return three_digits(value, [](double v) { return std::floor(v); });
+}
+
+// The coarsest encoder whose readings tell the tolerance; none where noise alone hides it.
+std::optional<double> coarsest_count_m(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
+  const double per_error = design.least_reading_m / axes.reading_error_m();
+  const double count_m = 2 * (tolerance_m / per_error - axes.encoder_noise_m);
+  return count_m > 0 ? std::optional{less(count_m)} : std::nullopt;
+}
+
+bool reaches(const BrakedClass& axes, double tolerance_m) {
+  const auto design = design_braked_kicks<float>(axes);
+  if (!design.possible() || design.least_tolerance_m > tolerance_m) return false;
+  const int kicks = most_kicks(axes, design, kicks_begin_m(design), tolerance_m);
+  return kicks > 0 && kicks <= law::KickJudge<float>::most_kicks;
+}
+
+// About the longest period, not above that of the class, with which the tolerance can be promised.
+std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m) {
+  constexpr double spacing = 0.9;
+  constexpr int most_tried = 80;
+  axes.fine_tolerance_m = 0;
+  for (int i = 0; i < most_tried && axes.jitter_s <= most_jitter * axes.period_s; ++i) {
+    axes.period_s = less(axes.period_s);
+    if (reaches(axes, tolerance_m)) return axes.period_s;
+    axes.period_s *= spacing;
+  }
+  return {};
+}
+
+}  // namespace
+
+double error_at_rest_m(const BrakedClass& axes, double reached_m) {
+  const bool bends = axes.presliding_stiffness_N_per_m > 0;
+  return reached_m + (bends ? 2 * axes.encoder_resolution_m : axes.reading_error_m());
+}
+
+std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
+  if (!design.possible()) return "mend the other checks first";
+  std::string ways = "widen it to " + brief(more(design.least_tolerance_m)) + " m";
+  BrakedClass finer = axes;
+  const bool told = tolerance_m >= design.least_reading_m * (1 - 1e-9);
+  if (!told) {
+    const auto count_m = coarsest_count_m(axes, design, tolerance_m);
+    if (!count_m) return ways + ", or take an encoder with less noise";
+    finer.encoder_resolution_m = *count_m;
+    ways += ", or take an encoder_resolution_m of " + brief(*count_m) + " m";
+  }
+  // The ringing on bristles asks for a long period.
+  const bool bends = axes.presliding_stiffness_N_per_m > 0;
+  const auto period_s = bends ? std::nullopt : longest_period_s(finer, tolerance_m);
+  if (period_s)
+    ways += std::string{told ? ", or shorten" : " with a"} + (told ? " period_s to " : " period_s of ") +
+            brief(*period_s) + " s";
+  if (!told) return ways;
+  if (design.kicks.table.list)
+    return ways + ", or take a drive with steps of force of " + brief(less(axes.max_force_N / 65)) + " N";
+  return ways + ", or have the fine stage aim at it and state [run] settle_tolerance_m = " +
+         brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
+         (axes.fine_tolerance_m > 0 ? "" : ", without fine_stage = false");
+}
+
+}  // namespace breakaway::design::detail
