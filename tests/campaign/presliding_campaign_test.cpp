@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../bristled_axis.hpp"
-#include "breakaway/design/report.hpp"
+#include "certified_axis.hpp"
 #include "random_braked_axis.hpp"
 
 namespace breakaway::campaign {
@@ -119,21 +119,6 @@ BrakedClass random_bending_axes(Random& r) {
   const double most_bend_m = std::min(30 * c.encoder_resolution_m, least_N * T * T / (0.0625 * c.mass_kg.most));
   c.presliding_stiffness_N_per_m = least_N / (most_bend_m * r.decades(0.01, 1));
   return c;
-}
-
-design::DesignReport report_of(const BrakedClass& c, double tolerance_m) {
-  const auto p = parameters(c, tolerance_m);
-  return design::design_axis({.mass_kg = static_cast<double>(p.mass_kg),
-                              .stiffness_N_per_m = static_cast<double>(p.stiffness_N_per_m),
-                              .approach_damping_Ns_per_m = static_cast<double>(p.approach_damping_Ns_per_m),
-                              .kick_damping_Ns_per_m = static_cast<double>(p.kick_damping_Ns_per_m),
-                              .friction = c.friction,
-                              .max_force_N = c.max_force_N,
-                              .period_s = c.period_s,
-                              .encoder_resolution_m = c.encoder_resolution_m,
-                              .latency_ticks = c.latency_periods,
-                              .position_tolerance_m = tolerance_m,
-                              .braked = c});
 }
 
 void run(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, double tolerance_m, Random& r,

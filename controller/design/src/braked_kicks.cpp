@@ -265,8 +265,9 @@ Waits waits(const BrakedClass& axes, const KickClass& kicks, double theta_N, dou
   // Half a period of the bristles' ringing shows it by a count.
   const double s0 = axes.presliding_stiffness_N_per_m;
   const double ringing = s0 > 0 ? std::numbers::pi * std::sqrt(axes.mass_kg.most / s0) / axes.period_s : 0;
-  return {std::max(still_periods(axes, A - gain * theta_N), ringing),
-          std::max(still_periods(axes, A - axes.force_gain.most * holding_N), ringing),
+  const double out_of_sight = sprung_rest_s(axes, kicks.brake_N()) / axes.period_s;
+  return {std::max(still_periods(axes, A - gain * theta_N), ringing) + out_of_sight,
+          std::max(still_periods(axes, A - axes.force_gain.most * holding_N), ringing) + out_of_sight,
           std::ceil(4 * axes.lag_s.most / axes.period_s)};
 }
 

@@ -269,6 +269,30 @@ std::vector<Check> checks_of_presliding(const BrakedClass& c) {
                 "64 steps of force against max_force_N", "use a drive with a finer step of force")};
 }
 
+// The rigid law on an axis whose load hangs on a spring.
+std::vector<Check> checks_of_spring_load(const AxisDesign& axis, const BrakedDesign<float>& design) {
+  const BrakedClass& c = *axis.braked;
+  const SpringDemand demand = spring_demand(c, design);
+  const double resonance_Hz = c.spring_load->resonance_Hz();
+  const double safe_Hz = demand.safe_from_Hz(c, axis.position_tolerance_m), shortest_s = c.period_s - c.jitter_s;
+  const std::string remedy = "the load resonates at " + brief(resonance_Hz) +
+                             " Hz, and the law for one rigid mass is safe from " + brief(safe_Hz) +
+                             " Hz on; take a longer period_s, a wider tolerance, or a stiffer joint";
+  const std::string tested = "tested, not proved: what sufficed for all of many axes with a load on a spring";
+  return {
+      below("load_rings_fast", tested, demand.least_per_period, resonance_Hz * shortest_s,
+            "1.2 against the swings of the load in a period", remedy, Equality::holds),
+      below("spring_keeps_the_target", "the work of a pulse against what friction takes and the spring holds",
+            demand.nearest_m, axis.position_tolerance_m,
+            "what the spring adds to a pulse of a period against position_tolerance_m", remedy, Equality::holds),
+      below("pulse_outlasts_the_spring", "a pulse moves the load, and not the motor alone", demand.swing_s, shortest_s,
+            "a quarter of a swing of the motor on the spring against the shortest pulse", remedy, Equality::holds),
+      below("spring_stands_alone", tested,
+            (c.presliding_stiffness_N_per_m > 0) + c.move.has_value() + design.has_fine_stage(), 0,
+            "friction that bends, limits of a move and a fine stage against none", "leave them out, or simulate it",
+            Equality::holds)};
+}
+
 // What a move asks for must be possible for every axis of the class.
 std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float>& design) {
   const MoveRequest& move = *c.move;
@@ -306,6 +330,10 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
   return checks;
 }
 
+double sprung_beyond_m(const BrakedClass& c, const BrakedDesign<float>& design) {
+  return c.spring_load ? spring_demand(c, design).beyond_m : 0;
+}
+
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const KickPromise kicks{c, design, axis.position_tolerance_m};
@@ -313,7 +341,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
   BrakedPromise p{.floor_m = design.floor_m,
                   .least_tolerance_m = design.least_tolerance_m,
                   .error_m = error_at_rest_m(c, kicks.reached_m()),
-                  .beyond_m = c.reading_error_m() + bent_beyond_m(c, design) + fine_m,
+                  .beyond_m = c.reading_error_m() + bent_beyond_m(c, design) + fine_m + sprung_beyond_m(c, design),
                   .reach_m = design.reach_m,
                   .hand_over_m = hand_over_m(design),
                   .most_kicks = kicks.most_kicks(kicks_begin_m(design)),
@@ -353,6 +381,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
   std::vector<Check> checks = checks_of_brake(axis, *braked);
   if (axis.braked->presliding_stiffness_N_per_m > 0)
     for (Check& check : checks_of_presliding(*axis.braked)) checks.push_back(std::move(check));
+  if (axis.braked->spring_load && braked->brake_holds)
+    for (Check& check : checks_of_spring_load(axis, *braked)) checks.push_back(std::move(check));
   if (axis.braked->move && braked->brake_holds)
     for (Check& check : checks_of_move(*axis.braked, *braked)) checks.push_back(std::move(check));
   for (Check& check : checks_of_pd(axis, report)) {
@@ -377,7 +407,9 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
           " N at any position, speed and time, as it likes",
       "the moving mass is " + range(c.mass_kg, " kg") + ", and the mechanism is rigid" +
-          (c.presliding_stiffness_N_per_m > 0 ? " but for the friction" : ""),
+          (c.presliding_stiffness_N_per_m > 0 ? " but for the friction"
+           : c.spring_load                    ? " but for the spring"
+                                              : ""),
       "the drive gives " + range(c.force_gain, " times the force") +
           " that is commanded, in whole periods, behind a current loop with a time constant of " + range(c.lag_s, " s"),
       "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
@@ -394,6 +426,14 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
         "friction is a spring of " + brief(c.presliding_stiffness_N_per_m) +
         " N/m or stiffer before it slides, by the law of Dahl or LuGre with at most critical damping; "
         "tested, not proved: that the axis settles, how far a kick goes beyond, and how many are needed");
+  if (c.spring_load)
+    conditions.push_back(
+        "the load hangs on a spring of " + brief(c.spring_load->stiffness_N_per_m) +
+        " N/m or stiffer, without play, and each side keeps its bounds of friction; the side without the "
+        "encoder may rest " +
+        brief(c.spring_load->unseen_m(c.load_N)) +
+        " m from where the other says, whatever the law; tested, not proved: that the axis settles, and "
+        "how many kicks are needed");
   if (c.move)
     conditions.emplace_back(
         "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "

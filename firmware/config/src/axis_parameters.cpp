@@ -17,6 +17,14 @@ std::optional<design::MoveRequest> move_request(const Axis& axis) {
                              axis.move->acceleration_m_s2, axis.move->jerk_m_s3};
 }
 
+std::optional<design::SpringLoad> spring_load(const Axis& axis) {
+  std::optional<design::SpringLoad> load = axis.surroundings.load;
+  if (!load) return {};
+  load->motor_kg = truth_of(axis).mass_kg;
+  load->motor_friction = truth_of(axis).bounds;
+  return load;
+}
+
 // The supervisor stops an axis beyond its speed limit. Moves have a margin of their own; any other approach under the
 // brake goes as fast as its force lets it.
 double approach_speed_m_s(const Axis& axis) {
@@ -91,7 +99,20 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .latency_periods = axis.latency_periods,
           .presliding_stiffness_N_per_m = axis.friction.presliding_stiffness_N_per_m,
           .fine_tolerance_m = axis.controller.impulsive->fine_stage ? tolerance_m(node, axis) : 0,
-          .move = move_request(axis)};
+          .move = move_request(axis),
+          .spring_load = spring_load(axis)};
+}
+
+double mass_of_all_kg(const Axis& axis) {
+  const auto& load = axis.surroundings.load;
+  return truth_of(axis).mass_kg + (load ? load->load_kg : 0);
+}
+
+law::FrictionBounds<double> friction_of_all(const Axis& axis) {
+  const auto& load = axis.surroundings.load;
+  const law::FrictionBounds<double> motor = truth_of(axis).bounds;
+  if (!load) return motor;
+  return {motor.lower_N + load->load_friction.lower_N, motor.upper_N + load->load_friction.upper_N};
 }
 
 template <class Real>

@@ -44,9 +44,7 @@ constexpr std::array rows{
     CertificateKey{"plant", "ripple", bounded},
     CertificateKey{"plant", "drift", bounded},
     CertificateKey{"plant", "presliding", bounded},
-    CertificateKey{"plant", "load", refused,
-                   "a certificate is of one rigid mass, and here a load hangs behind a spring; simulate it, or leave "
-                   "the table out where the spring is as good as rigid"},
+    CertificateKey{"plant", "load", bounded},
     CertificateKey{"plant", "backlash", refused,
                    "a certificate is of a mechanism without play; simulate it, or leave the table out"},
     CertificateKey{"plant", "encoder_error", bounded},

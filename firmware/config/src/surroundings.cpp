@@ -101,6 +101,13 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
     to.presliding_stiffness_N_per_m = nested_magnitude(section, key, "stiffness_N_per_m");
     to.presliding_damping_Ns_per_m = nested_magnitude(section, key, "damping_Ns_per_m");
   }
+  if (const auto load = section.table_at(key); key == "load" && load) {
+    to.load.emplace();
+    to.load->load_kg = magnitude(*load, "mass_kg");
+    to.load->stiffness_N_per_m = magnitude(*load, "stiffness_N_per_m");
+    to.load->load_friction = {magnitude(*load, "friction_lower_N"), magnitude(*load, "friction_upper_N")};
+    to.load->encoder_on_load = load->word("encoder").value_or("motor") == "load";
+  }
   if (key == "drift") to.drift = nested_magnitude(section, key, "share");
   if (key == "encoder_error")
     to.encoder_error_m =
@@ -157,10 +164,11 @@ class Outside {
       : node_{node}, axis_{axis}, all_{axis.surroundings.uncertified}, gains_{*axis.controller.impulsive} {}
 
   std::vector<std::string> sentences() && {
+    if (axis_.surroundings.load) spring();
     forces();
     readings();
     presliding();
-    if (axis_.surroundings.one_mass) friction(), told();
+    if (axis_.surroundings.one_mass || axis_.surroundings.load) friction(), told();
     law();
     bus();
     return std::move(all_);
@@ -211,7 +219,7 @@ class Outside {
 
   void friction() {
     const Surroundings& s = axis_.surroundings;
-    const law::FrictionBounds<double> truth = truth_of(axis_).bounds, told = axis_.friction.bounds;
+    const law::FrictionBounds<double> truth = friction_of_all(axis_), told = axis_.friction.bounds;
     const double least_N = truth.lower_N * (1 - s.drift), most_N = truth.upper_N * (1 + s.drift);
     if (least_N < told.lower_N * (1 - rounding) || most_N > told.upper_N * (1 + rounding))
       add("friction may be between {:.6g} and {:.6g} N, outside the {:.6g} to {:.6g} N that the controller is told; "
@@ -265,13 +273,21 @@ class Outside {
   }
 
   void told() {
+    within("mass_kg", axis_.mass_kg, axis_.uncertainty.mass, mass_of_all_kg(axis_));
     if (!axis_.truth) return;
-    within("mass_kg", axis_.mass_kg, axis_.uncertainty.mass, axis_.truth->mass_kg);
     if (axis_.drive)
       within("force_gain", 1, axis_.uncertainty.force_gain,
              axis_.truth->force_per_torque_N_per_Nm / axis_.drive->force_per_torque_N_per_Nm);
     if (axis_.latency_periods != 1)
       add("[told] latency_periods = {} is truly 1, and nothing allows for that; tell the truth", axis_.latency_periods);
+  }
+
+  void spring() {
+    if (!braked())
+      add("[plant] load: the coast \"pd\" is for one rigid mass, and here a load hangs on a spring; take coast = "
+          "\"brake\", or simulate it");
+    if (!(axis_.surroundings.load->load_friction.lower_N > 0))
+      add("[plant] load: without friction of its own it swings on for ever; state friction_lower_N, or simulate it");
   }
 
   void law() {

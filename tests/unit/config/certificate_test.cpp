@@ -121,6 +121,29 @@ TEST(Certificate, RefusesByNameWhatIsNoRigidAxisOnFrictionThatHolds) {
   }
 }
 
+// Motor and load of 0.4 and 0.6 kg, which the controller takes for one.
+std::string with_load(const std::string& stiffness_N_per_m, const std::string& friction) {
+  std::string text = with(scene, "mass_kg = 1", "mass_kg = 0.4");
+  text = with(text, "lower_N = 2.5\nupper_N = 4.5", "lower_N = 1.3\nupper_N = 2.4");
+  text = more("[told]", "mass_kg = 1\nfriction_lower_N = 2.5\nfriction_upper_N = 4.5", text);
+  const auto move = text.find("[move]");
+  text.erase(move, text.find("[drive]") - move);
+  return more("[plant]", joined({"load = { mass_kg = 0.6, stiffness_N_per_m = ", stiffness_N_per_m, friction, " }"}),
+              text);
+}
+
+TEST(Certificate, TakesALoadInThatResonatesFastEnough) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  EXPECT_EQ(why_not(with_load("2e8", friction)), "");
+  expect_refused(with_load("1e6", friction), "the load resonates at 324.874 Hz");
+  expect_refused(with_load("1e6", friction), "is safe from ");
+  expect_refused(with_load("2e8", ""), "[plant] load: without friction of its own");
+  expect_refused(with(with_load("2e8", friction), "mass_kg = 1\n", "mass_kg = 0.7\n"),
+                 "[told] mass_kg = 0.7 is truly 1");
+  expect_refused(with(with_load("2e8", friction), "friction_lower_N = 2.5", "friction_lower_N = 2.6"),
+                 "friction may be between 2.5 and 4.5 N");
+}
+
 // Without limits of a move, which are certified for a loop without jitter only.
 TEST(Certificate, TakesNoiseAndJitterInUpToTheStatedBounds) {
   std::string still = scene;

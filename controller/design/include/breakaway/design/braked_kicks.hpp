@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "breakaway/design/spring_load.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/friction_bounds.hpp"
 
@@ -50,6 +51,7 @@ struct BrakedClass {
   double presliding_stiffness_N_per_m = 0;  // of friction before it slides, at least; 0: it holds at once
   double fine_tolerance_m = 0;  // law::FineStage aims at this tolerance where it is below the least; 0: never
   std::optional<MoveRequest> move{};
+  std::optional<SpringLoad> spring_load{};  // mass_kg and friction are of both then
 
   double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
 };

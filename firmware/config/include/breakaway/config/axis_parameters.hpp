@@ -28,6 +28,10 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis);
 // axis.controller.impulsive and axis.drive.
 design::BrakedClass braked_class(const Node& node, const Axis& axis);
 
+// What is true of the axis with the load that hangs on it, if one does.
+double mass_of_all_kg(const Axis& axis);
+law::FrictionBounds<double> friction_of_all(const Axis& axis);
+
 // Requires axis.controller.pid and axis.drive.
 template <class Real>
 law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis);

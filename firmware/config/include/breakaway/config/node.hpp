@@ -15,6 +15,7 @@
 
 #include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
+#include "breakaway/design/spring_load.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
 #include "breakaway/firmware/wiring.hpp"
@@ -151,6 +152,7 @@ struct Surroundings {
   double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square
   double feedback_delay_s = 0;  // from SYNC to the drive's answer, at most
   bool one_mass = true;         // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
+  std::optional<design::SpringLoad> load;  // but for the motor, which is the axis of [plant] and [friction]
   std::vector<std::string> uncertified;  // what no certificate takes in, each in a sentence with its remedy
 };
 

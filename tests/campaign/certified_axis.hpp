@@ -1,0 +1,24 @@
+// What `design` says of a random axis.
+#pragma once
+
+#include "breakaway/design/report.hpp"
+#include "random_braked_axis.hpp"
+
+namespace breakaway::campaign {
+
+inline design::DesignReport report_of(const BrakedClass& c, double tolerance_m) {
+  const auto p = parameters(c, tolerance_m);
+  return design::design_axis({.mass_kg = static_cast<double>(p.mass_kg),
+                              .stiffness_N_per_m = static_cast<double>(p.stiffness_N_per_m),
+                              .approach_damping_Ns_per_m = static_cast<double>(p.approach_damping_Ns_per_m),
+                              .kick_damping_Ns_per_m = static_cast<double>(p.kick_damping_Ns_per_m),
+                              .friction = c.friction,
+                              .max_force_N = c.max_force_N,
+                              .period_s = c.period_s,
+                              .encoder_resolution_m = c.encoder_resolution_m,
+                              .latency_ticks = c.latency_periods,
+                              .position_tolerance_m = tolerance_m,
+                              .braked = c});
+}
+
+}  // namespace breakaway::campaign

@@ -1,0 +1,91 @@
+// What a load on a spring demands of the law for one rigid mass.
+#include "breakaway/design/spring_load.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../../two_mass_axis.hpp"
+#include "breakaway/design/braked_kicks.hpp"
+
+namespace breakaway::design {
+namespace {
+
+using breakaway::testing::axes_of_the_scenes;
+using breakaway::testing::Moment;
+using breakaway::testing::TwoMassAxis;
+
+BrakedClass sprung_axes(double stiffness_N_per_m, bool encoder_on_load = false) {
+  BrakedClass c = axes_of_the_scenes(0);
+  c.spring_load = SpringLoad{0.4, 0.6, stiffness_N_per_m, {1.3, 2.4}, {1.2, 2.1}, encoder_on_load};
+  return c;
+}
+
+TEST(SpringLoad, ResonatesAsTwoMassesOnASpring) {
+  const SpringLoad load{0.5, 0.5, 1e6, {1, 2}, {1, 2}, false};
+  EXPECT_NEAR(load.resonance_Hz(), std::sqrt(4e6) / (2 * std::numbers::pi), 1e-9);
+  EXPECT_DOUBLE_EQ(load.unseen_m(0), 2e-6);
+  const SpringLoad held_by_the_motor{0.5, 0.5, 1e6, {1, 2}, {1, 4}, false};
+  EXPECT_DOUBLE_EQ(held_by_the_motor.unseen_m(0.5), 2.5e-6);
+}
+
+double safe_from_Hz(const BrakedClass& c, double tolerance_m) {
+  BrakedClass whole = c;
+  whole.spring_load.reset();
+  return spring_demand(c, design_braked_kicks<float>(whole)).safe_from_Hz(c, tolerance_m);
+}
+
+TEST(SpringLoad, AsksForMoreThanASwingAPeriod) {
+  const BrakedClass c = sprung_axes(1e6);
+  EXPECT_DOUBLE_EQ(safe_from_Hz(c, 1), 1200);
+  BrakedClass jittery = c;
+  jittery.jitter_s = 2.5e-4;
+  EXPECT_DOUBLE_EQ(safe_from_Hz(jittery, 1), 1600);
+}
+
+// With the resonance that was asked for the ways are short enough, and with much less of it they are not.
+TEST(SpringLoad, IsSafeFromTheResonanceThatIsAskedFor) {
+  for (const bool encoder_on_load : {false, true}) {
+    for (const double tolerance_m : {1e-5, 1e-6}) {
+      BrakedClass c = sprung_axes(1e6, encoder_on_load);
+      const double ratio = safe_from_Hz(c, tolerance_m) / c.spring_load->resonance_Hz();
+      c.spring_load->stiffness_N_per_m *= ratio * ratio;
+      EXPECT_LE(sprung_m(c, 2.25, c.max_force_N, 1), tolerance_m * (1 + 1e-9));
+      c.spring_load->stiffness_N_per_m /= 100;
+      EXPECT_GT(sprung_m(c, 2.25, c.max_force_N, 1), tolerance_m);
+    }
+  }
+}
+
+TEST(SpringLoad, ProvesRestLongerByTheSwingOfTheMassOutOfSight) {
+  const auto still = [](const BrakedClass& c) { return design_braked_kicks<float>(c).kicks.still_periods; };
+  const int rigid = still(axes_of_the_scenes(0)), soft = still(sprung_axes(1e4));
+  // The load of 0.6 kg swings half as long as pi sqrt(m2 / K), and once more while the motor's friction may drive it.
+  EXPECT_GE(soft - rigid, std::floor(2e3 * std::numbers::pi * std::sqrt(0.6 / 1e4)));
+}
+
+// One pulse and the brake, under the least friction of either side: no spring and no split of the masses goes further
+// than the rigid axis and what the spring adds.
+TEST(SpringLoad, AddsAtMostWhatIsStatedToAKick) {
+  for (const double stiffness : {1e5, 1e6, 1e7, 1e8}) {
+    for (const double force_N : {5.0, 12.0, 50.0}) {
+      const BrakedClass c = sprung_axes(stiffness);
+      constexpr double brake_N = 2.25, period_s = 1e-3;
+      const auto least = [](double level_N) { return [=](const Moment&) { return level_N; }; };
+      TwoMassAxis axis{*c.spring_load, 0, {}, {least(1.3), least(1.2)}, 0};
+      axis.run(force_N, period_s, 1);
+      double furthest_m = 0;
+      for (int i = 0; i < 200; ++i) {
+        axis.run(-brake_N, period_s, 1);
+        furthest_m = std::max(furthest_m, axis.position_m());
+      }
+      const double rigid_m = period_s * period_s * (force_N - 2.5) * (force_N + brake_N) / (2 * (2.5 + brake_N));
+      EXPECT_GT(furthest_m, 0.2 * rigid_m);
+      EXPECT_LE(furthest_m, rigid_m + sprung_m(c, brake_N, force_N, 1)) << stiffness << " N/m, " << force_N << " N";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::design
