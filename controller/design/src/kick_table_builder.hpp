@@ -63,9 +63,10 @@ class KickTableBuilder {
   }
 
   // What the controller takes for friction when it sees a lawful kick, at least and at most, and a hundredth more.
-  // A load on a spring takes and gives back what no friction does: there kicks show nothing of it.
+  // Springs take and give back what no friction does: there kicks show nothing of it.
   Interval seen_N() const {
-    if (axes_.spring_load) return {-most_number, most_number};
+    constexpr double anything_N = std::numeric_limits<Real>::max();
+    if (axes_.spring_load || axes_.presliding_stiffness_N_per_m > 0) return {-anything_N, anything_N};
     Interval seen{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     const auto note = [&](const RealPulse& p) {
       const double mass_kg = (axes_.mass_kg.least + axes_.mass_kg.most) / 2, pulse_s = p.periods * axes_.period_s;
@@ -94,7 +95,6 @@ class KickTableBuilder {
   }
 
  private:
-  static constexpr double most_number = 1e30;      // N
   static constexpr int samples = 32;               // of an interval
   static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
 

@@ -19,7 +19,7 @@ std::optional<design::MoveRequest> move_request(const Axis& axis) {
 
 std::optional<design::SpringLoad> spring_load(const Axis& axis) {
   std::optional<design::SpringLoad> load = axis.surroundings.load;
-  if (!load) return {};
+  if (!load || !(load->load_friction.lower_N > 0)) return {};  // the second is refused
   load->motor_kg = truth_of(axis).mass_kg;
   load->motor_friction = truth_of(axis).bounds;
   return load;

@@ -44,7 +44,6 @@ TEST(SpringLoad, AsksForMoreThanASwingAPeriod) {
   EXPECT_DOUBLE_EQ(safe_from_Hz(jittery, 1), 1600);
 }
 
-// With the resonance that was asked for the ways are short enough, and with much less of it they are not.
 TEST(SpringLoad, IsSafeFromTheResonanceThatIsAskedFor) {
   for (const bool encoder_on_load : {false, true}) {
     for (const double tolerance_m : {1e-5, 1e-6}) {
@@ -52,8 +51,7 @@ TEST(SpringLoad, IsSafeFromTheResonanceThatIsAskedFor) {
       const double ratio = safe_from_Hz(c, tolerance_m) / c.spring_load->resonance_Hz();
       c.spring_load->stiffness_N_per_m *= ratio * ratio;
       EXPECT_LE(sprung_m(c, 2.25, c.max_force_N, 1), tolerance_m * (1 + 1e-9));
-      c.spring_load->stiffness_N_per_m /= 100;
-      EXPECT_GT(sprung_m(c, 2.25, c.max_force_N, 1), tolerance_m);
+      EXPECT_GE(c.spring_load->resonance_Hz(), 1200 * (1 - 1e-9));
     }
   }
 }

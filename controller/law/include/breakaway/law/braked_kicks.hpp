@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "breakaway/law/kick_table.hpp"
 #include "breakaway/law/move_plan.hpp"
@@ -61,7 +62,7 @@ struct BrakedKicks {
   Scalar coast_per_N{};      // longest lawful coast, as a multiple of the pulse, per newton of its force
   Scalar load_N{};           // of a force beside the drive's, either way: the most
   Scalar least_seen_N{};     // that friction_seen_N() gives for the kicks of a lawful axis,
-  Scalar most_seen_N{};      // and the most
+  Scalar most_seen_N{};      // and the most; the largest number where springs make kicks show nothing of friction
   std::uint16_t still_periods = 0;       // without a change of count that prove rest under theta
   std::uint16_t either_way_periods = 0;  // the same under holding_force_N, where the axis may move either way
   std::uint16_t patient_periods = 0;   // the same under any force: a proof of nothing, but there is no more to wait for
@@ -71,6 +72,7 @@ struct BrakedKicks {
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
 
+  constexpr bool kicks_show_friction() const noexcept { return most_seen_N < std::numeric_limits<Scalar>::max(); }
   // Kicks begin from no reading further away than this.
   constexpr Scalar begin_m() const noexcept {
     return std::max(table.reach_m(), approach.switch_distance_m + approach.short_of_target_m);

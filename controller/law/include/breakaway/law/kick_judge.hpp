@@ -116,7 +116,7 @@ class KickJudge {
   void compare_with_told(const Parameters& p, const KickCycle<Scalar>& cycle, const FineStage<Scalar>& fine,
                          Scalar travel_m, Scalar error_m) noexcept {
     const BrakedKicks<Scalar>& told = cycle.kicks();
-    if (told.spring.is_there()) return;
+    if (!told.kicks_show_friction()) return;
     if (cycle.driven_back()) return contradict(fine, told.brake_N, error_m);
     if (!(travel_m > p.unseen_m() / 2) || cycle.pulse_limited()) return;
     const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;

@@ -153,7 +153,7 @@ struct Surroundings {
   double feedback_delay_s = 0;  // from SYNC to the drive's answer, at most
   bool one_mass = true;         // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
   std::optional<design::SpringLoad> load;  // but for the motor, which is the axis of [plant] and [friction]
-  std::vector<std::string> uncertified;  // what no certificate takes in, each in a sentence with its remedy
+  std::vector<std::string> uncertified;    // what no certificate takes in, each in a sentence with its remedy
 };
 
 // The same of the bus.
