@@ -67,6 +67,7 @@ void open(socketcan::KernelSocket& socket, const Options& o, const Configuration
   std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, hal::CanFrame::max_id},
                                         {canopen::sdo_response_function_code, canopen::function_code_mask},
                                         {canopen::heartbeat_function_code, canopen::function_code_mask}};
+  static_assert(3 + decltype(c.node)::capacity <= socketcan::KernelSocket::most_filters);
   for (std::size_t place = 0; place < c.node.count; ++place)
     wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_mask});
   const std::span<const socketcan::Filter> all;

@@ -211,7 +211,7 @@ struct Refusal {
   void (*spoil)(Node&);
 };
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float boundless = std::numeric_limits<float>::infinity();
 
 constexpr Refusal refusals[] = {
     {"no axis", NodeError::count_impossible, 0, [](Node& n) { n.count = 0; }},
@@ -260,7 +260,7 @@ constexpr Allowance allowances[] = {
     {"speed of the law", [](Axis& a) { a.limits.speed_m_s = a.law.max_approach_speed_m_s; }},
     {"no speed asked for, and little allowed",
      [](Axis& a) {
-       a.law.max_approach_speed_m_s = infinity;
+       a.law.max_approach_speed_m_s = boundless;
        a.limits.speed_m_s = 0.1F;
      }},
     {"period but for rounding, shorter", [](Axis& a) { a.law.period_s = 1e-3F * (1 - 0.5e-6F); }},

@@ -16,7 +16,7 @@ namespace breakaway::firmware {
 // Puts the axes of a node that verify() has found to be good into a loop with room for them. The node must outlive the
 // loop.
 template <class Loop, class Scalar, std::size_t Axes>
-void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
+[[gnu::cold]] void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
   for (std::size_t i = 0; i < node.count; ++i) {
     const FlashedAxis<Scalar>& axis = node.axes[i];
     static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table, axis.braked}, axis.limits));

@@ -372,7 +372,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
 
 // A controller asks this before it moves anything. The comparisons are written so that a NaN is refused.
 template <class Scalar, std::size_t Axes>
-constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
+[[gnu::cold]] constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
   if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};
   if (node.count < 1 || node.count > Axes) return {NodeError::count_impossible};
   for (std::uint8_t i = 0; i < node.count; ++i) {

@@ -71,7 +71,9 @@ class Drive {
   static constexpr int stop_periods = 10;  // where the period is longer than 2 ms
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
-  Drive(const Config& config, const canopen::NetworkConfig& network, const hal::AxisScale<Scalar>& scale) noexcept
+  // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
+  [[gnu::cold]] Drive(const Config& config, const canopen::NetworkConfig& network,
+                      const hal::AxisScale<Scalar>& scale) noexcept
       : config_{config},
         period_{network.period},
         scale_{scale},

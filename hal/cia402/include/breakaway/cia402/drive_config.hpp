@@ -153,8 +153,9 @@ constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
 // Returns `none`, or the first field that cannot be used. The bit rate is not looked at: the CAN controller's set-up
 // and canopen::check_bus_budget() do that.
 template <class Scalar>
-[[nodiscard]] constexpr DriveConfigError check(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network,
-                                               const hal::AxisScale<Scalar>& scale) noexcept {
+[[nodiscard, gnu::cold]] constexpr DriveConfigError check(const DriveConfig<Scalar>& drive,
+                                                          const canopen::NetworkConfig& network,
+                                                          const hal::AxisScale<Scalar>& scale) noexcept {
   const DriveConfigError node = internal::check_node(drive, network);
   if (node != DriveConfigError::none) return node;
   if (!internal::positive_and_finite(scale.encoder_resolution_m)) return DriveConfigError::encoder_resolution;

@@ -57,7 +57,7 @@ constexpr std::string_view to_string(OpenResult result) noexcept {
 
 class KernelSocket {
  public:
-  static constexpr std::size_t most_filters = 8;
+  static constexpr std::size_t most_filters = 16;
 
   KernelSocket() noexcept = default;
   KernelSocket(const KernelSocket&) = delete;
