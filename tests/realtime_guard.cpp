@@ -17,14 +17,6 @@
 #define PR_SYS_DISPATCH_ON 1
 #endif
 
-#if defined(__SANITIZE_ADDRESS__)
-#define BREAKAWAY_HEAP_IS_REPLACED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define BREAKAWAY_HEAP_IS_REPLACED 1
-#endif
-#endif
-
 namespace {
 
 thread_local bool guarded = false;
@@ -78,7 +70,6 @@ int pthread_rwlock_wrlock(pthread_rwlock_t* lock) noexcept {
   return write_lock(lock);
 }
 
-#ifndef BREAKAWAY_HEAP_IS_REPLACED
 // glibc's own entry points under other names.
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -106,7 +97,6 @@ void free(void* memory) {
   if (memory != nullptr) refuse("release of heap memory");
   __libc_free(memory);
 }
-#endif
 }
 
 namespace breakaway::testing {
@@ -151,13 +141,5 @@ RealtimePause::~RealtimePause() noexcept {
 }
 
 bool RealtimeGuard::sees_system_calls() noexcept { return watch_system_calls(); }
-
-bool RealtimeGuard::sees_the_heap() noexcept {
-#ifdef BREAKAWAY_HEAP_IS_REPLACED
-  return false;
-#else
-  return true;
-#endif
-}
 
 }  // namespace breakaway::testing

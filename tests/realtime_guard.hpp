@@ -1,8 +1,8 @@
 // RealtimeGuard: while one lives, its thread may not call what can wait: the heap, a lock, the system.
 //
 // A program that uses it is linked with realtime_guard.cpp, which puts itself before the C library: whatever the step
-// under test calls, however deep, ends there. A call that is forbidden ends the program with its name. Under the
-// address sanitizer, which must replace malloc itself, the heap is left out.
+// under test calls, however deep, ends there. A call that is forbidden ends the program with its name. It does
+// not go with the address sanitizer, which must put itself there.
 #pragma once
 
 namespace breakaway::testing {
@@ -16,8 +16,6 @@ class RealtimeGuard {
 
   // Whether this machine can see system calls (Linux 5.11 and later on x86).
   static bool sees_system_calls() noexcept;
-  // Whether this program can see the heap.
-  static bool sees_the_heap() noexcept;
 };
 
 // While one lives, its thread may do again what it could before the guard: for a test's own port or drive, which a step
