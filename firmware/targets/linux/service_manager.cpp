@@ -101,7 +101,7 @@ bool ServiceManager::sign_of_life_is_due(hal::Time now) const {
   return watchdog_ && (!told_.alive_at || now - *told_.alive_at >= *watchdog_ / 2);
 }
 
-bool ServiceManager::send(std::string_view text) noexcept {
+bool ServiceManager::send(std::string_view text) const noexcept {
   return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
 }
 

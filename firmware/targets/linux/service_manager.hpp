@@ -48,7 +48,7 @@ class ServiceManager {
   };
 
   bool sign_of_life_is_due(hal::Time now) const;
-  bool send(std::string_view text) noexcept;
+  bool send(std::string_view text) const noexcept;
 
   int socket_ = -1;
   std::optional<hal::Duration> watchdog_;

@@ -75,14 +75,14 @@ class DriveNode {
   // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
   DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network, Scalar max_force_N) noexcept
-      : node_id_{drive.node_id},
-        heartbeat_timeout_{drive.heartbeat_timeout},
+      : heartbeat_timeout_{drive.heartbeat_timeout},
         rated_torque_mNm_{drive.rated_torque_mNm},
+        force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},
+        max_force_N_{static_cast<float>(max_force_N)},
+        node_id_{drive.node_id},
         torque_base_{drive.torque_base},
         user_position_unit_{drive.user_position_unit},
         homes_{drive.homing.home == Home::by_drive},
-        force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},
-        max_force_N_{static_cast<float>(max_force_N)},
         config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
         plan_{drive, network},
         sdo_{drive.node_id, drive.sdo_timeout},
@@ -175,14 +175,14 @@ class DriveNode {
   void enter(SetupPhase phase, hal::Time now) noexcept;
   void refuse(SetupStatus status) noexcept;
 
-  std::uint8_t node_id_;
   hal::Duration heartbeat_timeout_;
   std::uint32_t rated_torque_mNm_;
+  float force_per_torque_N_per_Nm_;
+  float max_force_N_;
+  std::uint8_t node_id_;
   TorqueBase torque_base_;
   bool user_position_unit_;
   bool homes_;
-  float force_per_torque_N_per_Nm_;
-  float max_force_N_;
   bool config_valid_;
   SetupPlan plan_;
   canopen::SdoClient sdo_;
@@ -190,30 +190,30 @@ class DriveNode {
   canopen::EmcyConsumer emcy_;
   ForcedStop forced_stop_;
 
-  SetupPhase phase_ = SetupPhase::waiting;
-  SetupStatus status_ = SetupStatus::in_progress;
-  canopen::ObjectAddress setup_object_{};
   std::optional<hal::Time> since_;         // when the phase was entered
   std::optional<hal::Time> last_command_;  // when NMT was last told something in this phase
-  std::optional<canopen::NmtCommand> nmt_command_;
-  bool reset_told_ = false;  // the last command in `waiting`
-  bool answers_ = false;     // by SDO, after that command
+  std::optional<hal::Time> last_mode_poll_;
+  hal::Time last_mode_request_{};
   std::size_t step_ = 0;
   unsigned attempts_ = 0;
+  std::uint32_t reboots_ = 0;
+  DriveRating rating_;
+  PositionFactor position_factor_;
+  canopen::ObjectAddress setup_object_{};
+  std::optional<canopen::NmtCommand> nmt_command_;
+  std::optional<std::uint16_t> statusword_;
+  std::uint16_t error_code_ = 0;
+  SetupPhase phase_ = SetupPhase::waiting;
+  SetupStatus status_ = SetupStatus::in_progress;
+  Mode mode_ = Mode::cyclic_torque;  // that 6061h must show
+  bool mode_write_ = false;          // the running transfer is a renewed request of the mode
+  bool reset_told_ = false;          // the last command in `waiting`
+  bool answers_ = false;             // by SDO, after that command
   bool transfer_running_ = false;
   bool write_taken_ = false;               // the last one of the plan
   bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
-  std::optional<std::uint16_t> statusword_;
-  Mode mode_ = Mode::cyclic_torque;  // that 6061h must show
-  bool mode_write_ = false;          // the running transfer is a renewed request of the mode
-  hal::Time last_mode_request_{};
-  std::optional<hal::Time> last_mode_poll_;
-  DriveRating rating_;
-  PositionFactor position_factor_;
   bool error_code_wanted_ = false;
-  std::uint16_t error_code_ = 0;
   bool known_ = false;  // its set-up was begun at least once
-  std::uint32_t reboots_ = 0;
 };
 
 }  // namespace breakaway::cia402
