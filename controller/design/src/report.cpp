@@ -5,20 +5,22 @@
 #include <limits>
 #include <utility>
 
+#include "brake_checks.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/kick_promise.hpp"
-#include "breakaway/law/approach_plan.hpp"
 #include "breakaway/law/fine_stage.hpp"
-#include "breakaway/law/kick_judge.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "breakaway/stability/attractivity.hpp"
 #include "brief.hpp"
+#include "check.hpp"
 #include "reachable.hpp"
 
 namespace breakaway::design {
 namespace {
 
+using detail::below;
 using detail::brief;
+using detail::Equality;
 using detail::error_at_rest_m;
 
 void require_in_range(const AxisDesign& axis) {
@@ -38,22 +40,6 @@ void require_in_range(const AxisDesign& axis) {
                      "is not a finite number; give 0 when there is no smooth friction"};
   }
   require_valid(axis.friction);
-}
-
-enum class Equality { fails, holds };
-constexpr double rounding = 1e-12;  // relative: a tolerance set to the very value of its bound is not below it
-
-// Of an axis whose friction bends: tests/campaign.
-constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64;
-
-// A required check of value < limit. `what` names both in words.
-Check below(std::string name, std::string source, double value, double limit, const std::string& what,
-            const std::string& remedy, Equality equality = Equality::fails) {
-  const bool holds = value < limit || (equality == Equality::holds && value <= limit * (1 + rounding));
-  const std::string relation = equality == Equality::holds ? "at most " : "below ";
-  std::string reason = what + ": " + brief(value) + (holds ? " is " : " is not ") + relation + brief(limit);
-  if (!holds) reason += "; " + remedy;
-  return {std::move(name), true, holds, limit - value, std::move(source), std::move(reason)};
 }
 
 // A check of the friction ratio against a threshold, for information.
@@ -185,151 +171,6 @@ std::vector<Check> checks_of_pd(const AxisDesign& axis, const DesignReport& repo
   return checks;
 }
 
-// What the fine stage aims at is not promised, so that it may be asked for only where what is promised will do.
-Check tolerance_check(const AxisDesign& axis, const BrakedDesign<float>& design) {
-  const BrakedClass& c = *axis.braked;
-  const double error_m = error_at_rest_m(c, design.least_tolerance_m);
-  const bool fine = design.has_fine_stage() && error_m <= axis.settle_tolerance_m * (1 + rounding);
-  const double least_m = fine ? design.least_reading_m : design.least_tolerance_m;
-  const std::string reading = c.encoder_noise_m > 0 ? "twice what a reading may be off" : "0.51 counts";
-  const bool holds = least_m <= axis.position_tolerance_m * (1 + rounding);
-  return below("tolerance_above_floor", fine ? reading : "the floor of the kick table, and " + reading, least_m,
-               axis.position_tolerance_m, "the least tolerance against position_tolerance_m",
-               holds ? "" : detail::ways_to_reach(c, design, axis.position_tolerance_m), Equality::holds);
-}
-
-// The six conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
-std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<float>& design) {
-  const BrakedClass& c = *axis.braked;
-  const double least_N = c.friction.lower_N - c.load_N, brake_N = static_cast<double>(design.kicks.brake_N);
-  const std::string source = "every friction between its bounds, by comparison with the least";
-  std::vector<Check> checks{
-      below("brake_lets_the_axis_rest", source, c.force_gain.most * brake_N, least_N,
-            "the brake with the largest force gain against the least friction less the greatest load",
-            "narrow the bounds of the friction or of the force beside the drive's"),
-      below("pulse_breaks_away", "a pulse must be sure to exceed the greatest friction and load by 0.2 %",
-            design.pulse_needed_N, c.max_force_N, "the least sure pulse against max_force_N",
-            "use a stronger drive, or one with a faster current loop", Equality::holds)};
-  checks.push_back(below("latency_is_bridged", "the approach carries its estimate on over the latency",
-                         c.latency_periods, law::ApproachPlan<float>::most_latency_periods,
-                         "the latency in periods against those that the approach has room for",
-                         "shorten the latency, or take a longer period", Equality::holds));
-  if (!design.breaks_away) return checks;
-  const law::BrakedKicks<float>& kicks = design.kicks;
-  checks.push_back(below("rest_is_seen_in_time", "a moving axis loses a count within sqrt(2 q m / (A - theta))",
-                         std::max(kicks.still_periods, kicks.either_way_periods) + kicks.settling_periods, 15000,
-                         "the periods that prove rest", "use a finer encoder"));
-  checks.push_back(below("kicks_contract", "from the floor to the end of the table each kick takes 3 % away",
-                         design.floor_m, design.reach_m, "accuracy floor against the reach of a kick",
-                         "narrow the uncertainties, or use a drive with a finer step of force"));
-  checks.push_back(tolerance_check(axis, design));
-  if (!c.move)
-    checks.push_back(below("approach_gets_on", "the force that leads to the greatest speed must exceed all friction",
-                           least_approach_speed_m_s(c, design), axis.max_approach_speed_m_s,
-                           "the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths "
-                           "of [limits] speed_m_s",
-                           "raise these, know friction better, or use a finer encoder", Equality::holds));
-  const double from_m = kicks_begin_m(design);
-  const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
-  const bool end = most > 0 || axis.position_tolerance_m >= from_m;
-  checks.push_back(
-      below("kicks_are_few", "after so many kicks the law stops by name",
-            end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
-            "the kicks that may be needed from " + brief(from_m) +
-                " m, where brake and kicks take over, against what the law allows",
-            "widen the tolerance, use a finer encoder, or a stronger drive or one with a finer step of force",
-            Equality::holds));
-  return checks;
-}
-
-// Friction that bends before it slides: what random axes needed to settle in closed loop (tests/campaign).
-std::vector<Check> checks_of_presliding(const BrakedClass& c) {
-  const std::string tested = "tested, not proved: what sufficed for all of many axes whose friction bends";
-  const double least_N = c.friction.lower_N - c.load_N, most_N = c.friction.upper_N + c.load_N;
-  const double stiffness = c.presliding_stiffness_N_per_m, counts = least_N / stiffness / c.encoder_resolution_m;
-  return {below("bending_is_few_counts", tested, counts, most_bending_counts,
-                "least friction / presliding_stiffness_N_per_m in counts against 30",
-                "use a coarser encoder, or know a stiffer bound", Equality::holds),
-          below("bending_rings_visibly", tested, least_ringing_per_period,
-                std::sqrt(stiffness / c.mass_kg.most) * c.period_s,
-                "a quarter against sqrt(presliding_stiffness_N_per_m / mass) period_s", "take a longer period",
-                Equality::holds),
-          below("bending_bounds_are_apart", tested, least_N, most_N / least_apart,
-                "the least friction less the load against the greatest and the load over 1.5", "state wider bounds",
-                Equality::holds),
-          below("bending_loop_is_fast", tested, c.lag_s.most, 0.2 * c.period_s,
-                "the time constant of the current loop against a fifth of period_s", "take a longer period",
-                Equality::holds),
-          below("bending_load_is_small", tested, c.load_N, 0.1 * c.friction.lower_N,
-                "the force beside the drive's against a tenth of the least friction", "feed a known force forward",
-                Equality::holds),
-          below("bending_is_read_in_time", tested, c.jitter_s + c.encoder_noise_m, 0,
-                "jitter_s and encoder_noise_m together against 0", "state neither", Equality::holds),
-          below("bending_force_is_fine", tested, most_coarse_steps * c.force_step_N, c.max_force_N,
-                "64 steps of force against max_force_N", "use a drive with a finer step of force")};
-}
-
-// The rigid law on an axis whose load hangs on a spring.
-std::vector<Check> checks_of_spring_load(const AxisDesign& axis, const BrakedDesign<float>& design) {
-  const BrakedClass& c = *axis.braked;
-  const SpringDemand demand = spring_demand(c, design);
-  const double resonance_Hz = c.spring_load->resonance_Hz();
-  const double safe_Hz = demand.safe_from_Hz(c, axis.position_tolerance_m), shortest_s = c.period_s - c.jitter_s;
-  const std::string remedy = "the load resonates at " + brief(resonance_Hz) +
-                             " Hz, and the law for one rigid mass is safe from " + brief(safe_Hz) +
-                             " Hz on; take a longer period_s, a wider tolerance, or a stiffer joint";
-  const std::string tested = "tested, not proved: what sufficed for all of many axes with a load on a spring";
-  return {
-      below("load_rings_fast", tested, demand.least_per_period, resonance_Hz * shortest_s,
-            "1.2 against the swings of the load in a period", remedy, Equality::holds),
-      below("spring_keeps_the_target", "the work of a pulse against what friction takes and the spring holds",
-            demand.nearest_m, axis.position_tolerance_m,
-            "what the spring adds to a pulse of a period against position_tolerance_m", remedy, Equality::holds),
-      below("pulse_outlasts_the_spring", "a pulse moves the load, and not the motor alone", demand.swing_s, shortest_s,
-            "a quarter of a swing of the motor on the spring against the shortest pulse", remedy, Equality::holds),
-      below("spring_stands_alone", tested,
-            (c.presliding_stiffness_N_per_m > 0) + c.move.has_value() + design.has_fine_stage(), 0,
-            "friction that bends, limits of a move and a fine stage against none", "leave them out, or simulate it",
-            Equality::holds)};
-}
-
-// What a move asks for must be possible for every axis of the class.
-std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float>& design) {
-  const MoveRequest& move = *c.move;
-  std::vector<Check> checks{
-      below("move_can_be_made", "the least force that breaks the axis away, and friction with the brake that stops it",
-            least_acceleration_m_s2(c), move.acceleration_m_s2,
-            "the acceleration that some axis of the class takes at least against [move] acceleration_m_s2",
-            "raise it, or know friction, mass and force gain better", Equality::holds)};
-  if (!design.possible()) return checks;
-  const std::string tested = "tested, not proved: what is seen of the speed, and how soon a force follows";
-  checks.push_back(below("speed_is_seen_well_enough", tested, least_move_speed_m_s(design), move.speed_m_s,
-                         "eight times the speed at which brake and kicks take over against [move] speed_m_s",
-                         "raise it, use a finer encoder, or know friction and mass better", Equality::holds));
-  checks.push_back(below("move_keeps_time", "the limits of a move are for a loop without jitter", c.jitter_s, 0,
-                         "[uncertainty] jitter_s against 0 where there is a [move]", "leave [move] out",
-                         Equality::holds));
-  if (!checks.front().holds) return checks;
-  const double planned_m_s = static_cast<double>(design.kicks.approach.move.speed_m_s);
-  checks.push_back(
-      {"speed_margin_is_small", true, keeps_speed(c, design), planned_m_s - 0.75 * move.speed_m_s, tested,
-       "of [move] speed_m_s = " + brief(move.speed_m_s) + ", " + brief(planned_m_s) +
-           " is planned, and must be above three quarters; raise it, lower acceleration_m_s2, or know mass and "
-           "force gain better"});
-  if (!move.jerk_m_s3) return checks;
-  const Interval jerk = jerk_m_s3(c);
-  const std::string remedy = "take one between " + brief(jerk.least) + " and " + brief(jerk.most) + ", or leave it out";
-  checks.push_back(below("jerk_can_be_followed", "four periods at least to the full deceleration", *move.jerk_m_s3,
-                         jerk.most, "[move] jerk_m_s3 against what periods can follow", remedy, Equality::holds));
-  checks.push_back(below("jerk_leaves_time_to_brake", tested, jerk.least, *move.jerk_m_s3,
-                         "64 periods to the full deceleration, and 15 until the axis moves, against [move] jerk_m_s3",
-                         remedy, Equality::holds));
-  checks.push_back(below("jerk_is_followed_soon", tested, c.lag_s.most, most_lag_with_jerk * c.period_s,
-                         "the time constant of the current loop against half a period", "leave [move] jerk_m_s3 out",
-                         Equality::holds));
-  return checks;
-}
-
 double sprung_beyond_m(const BrakedClass& c, const BrakedDesign<float>& design) {
   return c.spring_load ? spring_demand(c, design).beyond_m : 0;
 }
@@ -378,13 +219,7 @@ std::vector<Check> class_checks(const AxisDesign& axis) {
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report,
                               const std::optional<BrakedDesign<float>>& braked) {
   if (!braked) return checks_of_pd(axis, report);
-  std::vector<Check> checks = checks_of_brake(axis, *braked);
-  if (axis.braked->presliding_stiffness_N_per_m > 0)
-    for (Check& check : checks_of_presliding(*axis.braked)) checks.push_back(std::move(check));
-  if (axis.braked->spring_load && braked->brake_holds)
-    for (Check& check : checks_of_spring_load(axis, *braked)) checks.push_back(std::move(check));
-  if (axis.braked->move && braked->brake_holds)
-    for (Check& check : checks_of_move(*axis.braked, *braked)) checks.push_back(std::move(check));
+  std::vector<Check> checks = detail::brake_checks(axis, *braked);
   for (Check& check : checks_of_pd(axis, report)) {
     if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away") continue;  // of the k3 pulses
     check.required = check.name == "assumption_1";
