@@ -178,4 +178,23 @@ class Rig {
   hal::Time now_{};
 };
 
+inline RigConfig far_from_target() {
+  RigConfig config;
+  config.start_m = -1.0;  // full force for a while
+  config.limits.speed_m_s = 20;
+  config.limits.position_min_m = -2;
+  config.limits.position_max_m = 2;
+  return config;
+}
+
+// Steps until the loop has seen the fault; the number of steps that took.
+inline int steps_until_fault(Rig& rig, int most) {
+  int steps = 0;
+  while (rig.status(0).fault == firmware::AxisFault::none && steps < most) {
+    rig.step();
+    ++steps;
+  }
+  return steps;
+}
+
 }  // namespace breakaway::closed_loop

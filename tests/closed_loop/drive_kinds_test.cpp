@@ -1,0 +1,135 @@
+// Drives as they are in the field: each settles, is refused as it is set up, or stops by name.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "rig.hpp"
+
+namespace breakaway::closed_loop {
+namespace {
+
+using firmware::AxisFault;
+
+TEST(DriveKinds, DriveWithoutCyclicTorqueIsRefusedByName) {
+  Rig rig{{.supported_modes = 1}};  // profile position only
+  EXPECT_FALSE(rig.start());
+  EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_status(), cia402::SetupStatus::no_torque_mode);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_object(), (canopen::ObjectAddress{0x6502, 0}));
+}
+
+struct Quirk {
+  const char* label;
+  void (*set)(drive_emulator::Quirks&);
+  cia402::SetupStatus expected = cia402::SetupStatus::ready;
+  std::uint16_t index = 0;  // of the object that is refused
+};
+
+class ADriveInTheField : public ::testing::TestWithParam<Quirk> {};
+
+TEST_P(ADriveInTheField, SettlesOrIsRefusedByName) {
+  RigConfig config;
+  GetParam().set(config.quirks);
+  Rig rig{config};
+  const auto& drive = rig.loop().drive(rig.id(0));
+  ASSERT_EQ(rig.start(), GetParam().expected == cia402::SetupStatus::ready) << to_string(drive.setup_status());
+  EXPECT_EQ(drive.setup_status(), GetParam().expected) << to_string(drive.setup_status());
+  EXPECT_EQ(drive.setup_object().index, GetParam().index);
+  if (GetParam().expected != cia402::SetupStatus::ready) {
+    EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+    return;
+  }
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Quirks, ADriveInTheField,
+    ::testing::Values(
+        Quirk{"ShowsItsModeLate", [](drive_emulator::Quirks& q) { q.mode_display_delay = 700ms; }},
+        Quirk{"NeedsAMode", [](drive_emulator::Quirks& q) { q.needs_mode_to_enable = true; }},
+        Quirk{"MissesFastControlwords", [](drive_emulator::Quirks& q) { q.min_controlword_interval = 3ms; }},
+        Quirk{"AlarmsAtALateSync", [](drive_emulator::Quirks& q) { q.sync_alarm_periods = 2; }},
+        Quirk{"TakesMillisecondsOnly", [](drive_emulator::Quirks& q) { q.interpolation_in_ms_only = true; }},
+        Quirk{"StartsByItself", [](drive_emulator::Quirks& q) { q.self_starting = true; }},
+        Quirk{"StartsByItselfAndMapsBeforeOnly",
+              [](drive_emulator::Quirks& q) { q.self_starting = q.maps_in_pre_operational_only = true; }},
+        Quirk{"SaysNoBootUp", [](drive_emulator::Quirks& q) { q.no_boot_up_message = true; }},
+        Quirk{"SaysNoBootUpAndStartsByItself",
+              [](drive_emulator::Quirks& q) {
+                q.no_boot_up_message = q.self_starting = q.maps_in_pre_operational_only = true;
+              }},
+        Quirk{"ReversesItsPosition", [](drive_emulator::Quirks& q) { q.position_reversed = true; },
+              cia402::SetupStatus::position_reversed, 0x607E},
+        Quirk{"WrapsItsPosition", [](drive_emulator::Quirks& q) { q.position_range_counts = 131072; },
+              cia402::SetupStatus::position_wraps, 0x607B},
+        Quirk{"ScalesItsPosition", [](drive_emulator::Quirks& q) { q.feed_constant = 3600; },
+              cia402::SetupStatus::position_scaled, 0x6092}),
+    [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+// 6072h is lowered to the axis' limit, so that a drive gives that share of what it would be told in the rated torque.
+TEST(DriveKinds, ADriveThatCountsInItsLargestTorqueSettlesWhereTheFileSaysSo) {
+  for (const Real max_force_N : {15.0F, 50.0F}) {
+    RigConfig config;
+    config.max_force_N = max_force_N;
+    config.quirks.torque_relative_to_max = true;
+    config.torque_base = cia402::TorqueBase::largest;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start()) << to_string(rig.loop().drive(rig.id(0)).setup_status());
+    rig.run(3s);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+    EXPECT_LE(std::abs(rig.position_m(0)), 3e-6) << max_force_N;
+  }
+}
+
+TEST(DriveKinds, ADriveThatCountsInItsLargestTorqueIsNamedWhereTheFileSaysOtherwise) {
+  RigConfig config{.start_m = -0.5};
+  config.quirks.torque_relative_to_max = true;
+  for (const auto& [max_force_N, expected] :
+       {std::pair{15.0F, AxisFault::less_force_than_commanded}, std::pair{40.0F, AxisFault::force_not_commanded}}) {
+    config.max_force_N = max_force_N;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start());
+    EXPECT_LE(rig.largest_force_N(0, 3s), max_force_N * 1.001);
+    EXPECT_EQ(rig.status(0).fault, expected) << to_string(rig.status(0).fault) << " at " << max_force_N;
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+  }
+}
+
+TEST(DriveKinds, ADriveThatCountsInItsRatedTorqueAndIsThoughtToCountInItsLargestIsNamed) {
+  RigConfig config{.start_m = -0.5};
+  config.max_force_N = 40;  // 1600 per mille
+  config.torque_base = cia402::TorqueBase::largest;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::less_force_than_commanded) << to_string(rig.status(0).fault);
+}
+
+TEST(DriveKinds, AnAxisWhoseDriveScalesItsPositionSettlesToItsUnitWhereTheFileSaysSo) {
+  RigConfig config;
+  config.quirks.feed_constant = 2500;  // of 10000 counts: the encoder has four counts in a unit of position
+  config.user_position_unit = true;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start()) << to_string(rig.loop().drive(rig.id(0)).setup_status());
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+}
+
+TEST(DriveKinds, ANodeThatRefusesToStartIsNamedByTheErrorThatItTells) {
+  RigConfig config;
+  config.quirks.refuses_start_with = 0x6320;
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  rig.run(19s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  rig.run(2s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::emergency) << to_string(rig.status(0).fault);
+  EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), 0x6320);
+}
+
+}  // namespace
+}  // namespace breakaway::closed_loop
