@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "breakaway/design/report.hpp"
 #include "breakaway/law/kick_judge.hpp"
+#include "certified_axis.hpp"
 #include "random_braked_axis.hpp"
 
 namespace breakaway::campaign {
@@ -36,20 +36,11 @@ struct FineAxes {
     c.fine_tolerance_m = asked_m;
     return c;
   }
+  // The fine stage may fall short of its tolerance by whatever the floor is.
   design::AxisDesign asked() const {
-    const auto p = parameters(axes, tolerance_m);
-    return {.mass_kg = static_cast<double>(p.mass_kg),
-            .stiffness_N_per_m = static_cast<double>(p.stiffness_N_per_m),
-            .approach_damping_Ns_per_m = static_cast<double>(p.approach_damping_Ns_per_m),
-            .kick_damping_Ns_per_m = static_cast<double>(p.kick_damping_Ns_per_m),
-            .friction = axes.friction,
-            .max_force_N = axes.max_force_N,
-            .period_s = axes.period_s,
-            .encoder_resolution_m = axes.encoder_resolution_m,
-            .latency_ticks = axes.latency_periods,
-            .position_tolerance_m = tolerance_m,
-            .settle_tolerance_m = 1,
-            .braked = axes};
+    design::AxisDesign axis = asked_of(axes, tolerance_m);
+    axis.settle_tolerance_m = 1;
+    return axis;
   }
 };
 
