@@ -183,7 +183,7 @@ class Finder:
         elif kind == "ReturnStmt":
             self.returned(node, span, depth)
         elif kind == "CallExpr":
-            self.library_call(node, span, depth)
+            self.call_of_std(node, span, depth)
         if kind in ("IfStmt", "ConditionalOperator", "WhileStmt") and not node.get("isConstexpr"):
             self.condition(node, depth)
         if parent and parent["kind"] in STATEMENT_PARENTS:
@@ -294,7 +294,7 @@ class Finder:
         self.wrap("return", (begin, end), depth, f"::mutation::{name}({{0}}, ", ")",
                   f"`return {self.snippet(begin, end)}` returns something else")
 
-    def library_call(self, node, span, depth):
+    def call_of_std(self, node, span, depth):
         callee, *arguments = [c for c in node.get("inner", []) if self.span(c)]
         begin, end = self.span(callee)
         called = self.source(begin, end)
