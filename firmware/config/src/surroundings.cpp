@@ -202,8 +202,7 @@ class Outside {
     const double off_m = axis_.surroundings.encoder_error_m, told_m = axis_.uncertainty.encoder_noise_m;
     if (off_m == 0 || (braked() && off_m <= told_m * (1 + rounding))) return;
     add("[plant] encoder_error: a reading may be {:.6g} m off beside its count (interpolation_m and 6 times noise_m), "
-        "and "
-        "[uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
+        "and [uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
         off_m, told_m);
   }
 
@@ -228,13 +227,11 @@ class Outside {
     const double rise = s.rise_per_m_s > 0 ? s.rise_per_m_s * (truth.upper_N - truth.lower_N) * (1 + s.drift) : 0;
     if (!braked() && rise > axis_.friction.smooth_slope_Ns_per_m * (1 + rounding))
       add("[friction] law rises with speed, by {:.6g} N s/m at its steepest, and the approach under the coast \"pd\" "
-          "may "
-          "creep for ever where smooth_slope_Ns_per_m = {:.6g} is less; state it there, or take coast = \"brake\"",
+          "may creep for ever where smooth_slope_Ns_per_m = {:.6g} is less; state it there, or take coast = \"brake\"",
           rise, axis_.friction.smooth_slope_Ns_per_m);
     if (braked() && axis_.friction.smooth_slope_Ns_per_m != 0)
       add("[friction] smooth_slope_Ns_per_m = {:.6g} is a force beside the dry friction, which the coast \"brake\" "
-          "does "
-          "not know; widen the bounds so that they hold it at the greatest speed, and leave it out",
+          "does not know; widen the bounds so that they hold it at the greatest speed, and leave it out",
           axis_.friction.smooth_slope_Ns_per_m);
   }
 
@@ -245,8 +242,7 @@ class Outside {
     if (told == 0) {
       add("[plant] presliding: a certificate is of friction that holds the axis without a spring, and here it bends "
           "before it slides; state [friction] presliding_stiffness_N_per_m = {:.6g} under the coast \"brake\", "
-          "simulate "
-          "it, or leave the table out where the bending is far below a count",
+          "simulate it, or leave the table out where the bending is far below a count",
           stiffness);
       return;
     }
@@ -296,8 +292,7 @@ class Outside {
                         u.jitter_s > 0 || u.encoder_noise_m > 0;
     if (!braked() && stated)
       add("[uncertainty] is stated, and the coast \"pd\" is certified for the very numbers of the file only; take "
-          "coast "
-          "= \"brake\"");
+          "coast = \"brake\"");
     if (gains_.kick == Kick::naive)
       add("[controller] kick = \"naive\" goes too far, and is there to compare with; take \"two_phase\"");
   }
@@ -306,19 +301,16 @@ class Outside {
     const BusSurroundings& b = node_.bus_surroundings;
     if (b.loss_probability > 0)
       add("[bus] loss_probability = {:g} has commands lost, each of which makes a kick longer or shorter; a "
-          "certificate "
-          "needs 0",
+          "certificate needs 0",
           b.loss_probability);
     const double apart_s = b.most_delay_s - b.least_delay_s, jitter_s = axis_.uncertainty.jitter_s;
     if (apart_s > 0 && !braked())
       add("[bus] delay_max_s = {:g} is above delay_min_s, so that a kick may be longer or shorter than its periods; "
-          "make "
-          "them equal, or take coast = \"brake\" with [uncertainty] jitter_s = {:g}",
+          "make them equal, or take coast = \"brake\" with [uncertainty] jitter_s = {:g}",
           b.most_delay_s, apart_s);
     else if (apart_s > jitter_s * (1 + rounding))
       add("[bus] delay_max_s = {:g} and delay_min_s are {:g} s apart, so that a kick may be as much longer or shorter "
-          "than "
-          "its periods, and [uncertainty] jitter_s = {:g} is less; raise that",
+          "than its periods, and [uncertainty] jitter_s = {:g} is less; raise that",
           b.most_delay_s, apart_s, jitter_s);
     if (!node_.loop || !node_.bit_rate) return;
     const auto needed_us =
@@ -326,8 +318,7 @@ class Outside {
     const double round_s = 2 * b.least_delay_s + axis_.surroundings.feedback_delay_s;
     if (round_s > 0 && round_s + 1e-6 * needed_us > node_.period_s())
       add("[bus] and [drive] delay a reading by {:.6g} s beside the {} us of its frames, so that it comes too late for "
-          "its "
-          "period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
+          "its period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
           round_s, needed_us);
   }
 

@@ -375,8 +375,7 @@ std::string NodeRun::torque_limit_text(std::size_t place) const {
   if (found == 0 || found > rating.max_torque_per_mille || found >= plan(place).max_torque_per_mille) return {};
   return fmt::format(
       "            torque limit (6072h) was found at {} per mille, and the file says {}: a node that was killed may "
-      "have "
-      "left it so; switch the drive off and on, or write 6072h\n",
+      "have left it so; switch the drive off and on, or write 6072h\n",
       found, plan(place).max_torque_per_mille);
 }
 

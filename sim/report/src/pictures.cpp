@@ -65,8 +65,7 @@ std::string response_caption(const Axis& axis, const AxisResult& result) {
     return "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest is "
            "answered "
            "by an impulse, seen as a jump of the velocity; from t₂ on it is within the minimal stick set. It rests on "
-           "the "
-           "target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine.";
+           "the target at t∞, a finite time. Compare Figure 5 of van de Wouw & Leine.";
   }
   if (axis.controller.pid) return "Position, velocity and actuator force under the PID controller.";
   return fmt::format(

@@ -98,8 +98,7 @@ constexpr std::string_view to_string(DriveConfigError error) noexcept {
              "ms";
     case DriveConfigError::master_heartbeat_period:
       return "the master's heartbeat_period must be 0 or at least two periods: a heartbeat takes the place of an SDO "
-             "or "
-             "NMT frame";
+             "or NMT frame";
     case DriveConfigError::sdo_timeout:
       return "sdo_timeout must be above 0";
     case DriveConfigError::homing_timeout:

@@ -48,8 +48,7 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
              "has";
     case SetupStatus::no_homing_mode:
       return "the drive has no homing mode, or refuses it (6502h, bit 5; 6061h never showed 6); let it stand at its "
-             "home "
-             "when it is enabled (home = \"here\"), or end what else commands it";
+             "home when it is enabled (home = \"here\"), or end what else commands it";
     case SetupStatus::mode_refused:
       return "the drive refuses the cyclic synchronous torque mode (6061h never showed 10); end what else commands it, "
              "its commissioning software, say, and look for an interlock on the mode in its manual";
@@ -68,8 +67,7 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
       return "the drive refuses an object of the set-up; its manual says why";
     case SetupStatus::value_not_kept:
       return "the drive does not keep the value that the set-up writes to an object; end what else writes to it, and "
-             "look "
-             "in its manual for what fixes it";
+             "look in its manual for what fixes it";
     case SetupStatus::protocol_error:
       return "the drive answers the set-up with what CiA 301 forbids; look for a second node with its node_id";
     case SetupStatus::force_step_too_coarse:
@@ -85,8 +83,7 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
       return "the drive keeps its position within a range (607Bh); set both of its limits to 0";
     case SetupStatus::position_scaled:
       return "the drive scales its position (608Fh, 6091h, 6092h), so that a unit of 6064h is no encoder count; set "
-             "its "
-             "factor group to one unit a count, or, where encoder_resolution_m is the travel of such a unit, say "
+             "its factor group to one unit a count, or, where encoder_resolution_m is the travel of such a unit, say "
              "position_unit = \"user\"";
     case SetupStatus::position_too_fine:
       return "the drive shows its position in units that are finer than its encoder's counts (608Fh, 6091h, 6092h), so "
