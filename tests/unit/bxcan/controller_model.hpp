@@ -27,10 +27,12 @@ class ControllerModel {
   bool stuck = false;  // does not acknowledge a change of mode: no clock, or no idle bus
   std::function<void()> transmit_interrupt;
   int pended = 0;
+  bool frame_on_wire = false;  // the oldest request cannot be aborted any more
 
   // Registers
 
   std::uint32_t read(std::uint32_t offset) noexcept {
+    EXPECT_EQ(offset % 4, 0U) << "registers are words";
     if (offset == 0x04) return initialising_ ? 0xC01U : 0xC00U;
     if (offset == 0x08) return transmit_status();
     if (offset == 0x0C) return pass_release(), fifo_status();
@@ -40,6 +42,7 @@ class ControllerModel {
   }
 
   void write(std::uint32_t offset, std::uint32_t value) noexcept {
+    EXPECT_EQ(offset % 4, 0U) << "registers are words";
     switch (offset) {
       case 0x00:
         return write_mode(value);
@@ -64,6 +67,7 @@ class ControllerModel {
       default:
         break;
     }
+    EXPECT_FALSE(offset >= 0x1B0 && offset < 0x1D0) << "the receive FIFOs are read only";
     values_[offset] = value;
     for (std::uint32_t m = 0; m < 3; ++m) {
       if (offset == 0x180 + 0x10 * m && (value & 1U) != 0) request(m);
@@ -131,12 +135,14 @@ class ControllerModel {
     for (std::uint32_t m = 0; m < 3; ++m) {
       if (std::find(requested_.begin(), requested_.end(), m) == requested_.end()) status |= 1U << (26 + m);
     }
+    if (requested_.size() > 1) status |= 1U << (29 + requested_.back());  // LOW: the last of those that wait
     return status;
   }
   void write_transmit_status(std::uint32_t value) {
     for (std::uint32_t m = 0; m < 3; ++m) {
       if ((value >> (8 * m) & 1U) != 0) completed_ &= ~(0xFU << (8 * m));
-      if ((value >> (8 * m) & 0x80U) != 0) std::erase(requested_, m);
+      const bool leaves = frame_on_wire && !requested_.empty() && requested_.front() == m;
+      if ((value >> (8 * m) & 0x80U) != 0 && !leaves) std::erase(requested_, m);
     }
   }
   void request(std::uint32_t m) {
@@ -159,10 +165,11 @@ class ControllerModel {
     if (releasing_ > 0 && --releasing_ == 0) fifo_.pop_front();
   }
   std::uint32_t fifo_word(std::uint32_t word) const {
-    if (fifo_.empty()) return 0xDEADBEEF;
+    if (fifo_.empty()) return 0xDEADBEE0;
     const RawFrame& f = fifo_.front();
-    if (word == 0) return (f.extended ? f.id << 3 | 4U : f.id << 21) | (f.remote ? 2U : 0U);
-    if (word == 1) return f.length;
+    // Bit 0 is reserved, and a time stamp and the number of the filter stand above the length.
+    if (word == 0) return (f.extended ? f.id << 3 | 4U : f.id << 21) | (f.remote ? 2U : 0U) | 1U;
+    if (word == 1) return f.length | 0xABCD'0100U;
     std::uint32_t value = 0;
     for (std::uint32_t i = 4; i-- > 0;) value = value << 8 | f.data[4 * (word - 2) + i];
     return value;

@@ -96,6 +96,7 @@ class ScriptedDrive {
     if (command == canopen::NmtCommand::reset_communication || command == canopen::NmtCommand::reset_node) boot();
   }
   void on_sdo(const hal::CanFrame& frame) {
+    if (frame.data[0] == 0x80) return;  // the client ends a transfer
     if (sdo_requests_lost > 0) {
       --sdo_requests_lost;
       return;

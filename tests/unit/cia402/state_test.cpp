@@ -35,6 +35,17 @@ TEST(State, BitsOfAStateDecodeToIt) {
   }
 }
 
+TEST(State, HasTheNamesOfTheProfile) {
+  EXPECT_EQ(to_string(State::not_ready_to_switch_on), "Not ready to switch on");
+  EXPECT_EQ(to_string(State::switch_on_disabled), "Switch on disabled");
+  EXPECT_EQ(to_string(State::ready_to_switch_on), "Ready to switch on");
+  EXPECT_EQ(to_string(State::switched_on), "Switched on");
+  EXPECT_EQ(to_string(State::operation_enabled), "Operation enabled");
+  EXPECT_EQ(to_string(State::quick_stop_active), "Quick stop active");
+  EXPECT_EQ(to_string(State::fault_reaction_active), "Fault reaction active");
+  EXPECT_EQ(to_string(State::fault), "Fault");
+}
+
 TEST(State, SaysWhatMayKeepADriveFromBeingEnabled) {
   EXPECT_EQ(what_keeps_disabled(0x0250), "Switch on disabled: STO, or no supply of the power stage?");
   EXPECT_EQ(what_keeps_disabled(0x0231), "Ready to switch on: no supply of the power stage?");

@@ -55,6 +55,8 @@ TYPED_TEST(TorqueScaleTest, ATargetMayCountInTheLargestTorqueAndTheActualOneCoun
   EXPECT_NEAR(static_cast<double>(scale.max_force_N()), 150.0, 1e-4);
   const TorqueScale<TypeParam> lower{1000, 3000, TypeParam{50}, TypeParam{60}, TorqueBase::largest};
   EXPECT_EQ(lower.per_mille(TypeParam{1e30F}), 400) << "the axis' limit counts in either";
+  const TorqueScale<TypeParam> wider{1000, 3000, TypeParam{50}, TypeParam{1000}, TorqueBase::largest};
+  EXPECT_EQ(wider.per_mille(TypeParam{1e30F}), 1000) << "and so does the drive's";
 }
 
 TYPED_TEST(TorqueScaleTest, NotANumberAndInfinityAreNoForce) {

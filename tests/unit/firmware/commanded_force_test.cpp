@@ -205,6 +205,45 @@ TEST(CommandedForce, TakesNotANumberForNoForceAndForgetsAtARestart) {
   EXPECT_FALSE(force.exceeded());
 }
 
+// The first command lays the nearer border at a sixteenth of it.
+TEST(CommandedForce, CountsTenShortSamplesInARowFromTheStart) {
+  for (const float sign : {1.0F, -1.0F}) {
+    CommandedForce<float> force{1};
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 0.3F, 0.05F);
+    EXPECT_FALSE(force.fallen_short()) << "nothing is owed yet";
+    for (const int before : {0, 9}) {
+      force = CommandedForce<float>{1};
+      force.command(sign * 16);
+      for (int sample = 0; sample < before; ++sample) force.report(sign * 0.3F, 0.05F);
+      if (before > 0) force.report(sign * 0.9F, 0.05F);
+      for (int sample = 1; sample <= CommandedForce<float>::patience; ++sample) {
+        EXPECT_FALSE(force.fallen_short()) << "sample " << sample;
+        force.report(sign * 0.3F, 0.05F);
+      }
+      EXPECT_TRUE(force.fallen_short());
+    }
+  }
+}
+
+// Less force than before counts at once, and more as the border comes nearer.
+TEST(CommandedForce, OwesThreeQuartersOfTheLeastOfLateLessTheTolerance) {
+  for (const float sign : {1.0F, -1.0F}) {
+    CommandedForce<float> force{40};
+    for (int period = 0; period < 500; ++period) force.command(sign * 40);
+    force.command(sign * 20);
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 12.5F, 0.5F);
+    EXPECT_FALSE(force.fallen_short()) << "15 N less 2.5 N";
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 12.4999F, 0.5F);
+    EXPECT_TRUE(force.fallen_short());
+    force.report(sign * 13, 0.5F);
+    force.command(sign * 36);
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 13.25F, 0.5F);
+    EXPECT_FALSE(force.fallen_short()) << "of 21 N";
+    for (int sample = 0; sample < 20; ++sample) force.report(sign * 13.2499F, 0.5F);
+    EXPECT_TRUE(force.fallen_short());
+  }
+}
+
 TEST(CommandedForce, WatchesNothingWithoutALimit) {
   CommandedForce<float> force{std::numeric_limits<float>::infinity()};
   for (int period = 0; period < 20; ++period) force.report(1e30F, 0);

@@ -106,6 +106,31 @@ TEST(DesignedLoop, NamesAnAxisThatShowsNoMotionUnderMoreThanItsFriction) {
   }
 }
 
+// A law may be designed for its friction and not say how much of it there is by now.
+struct LawOfItsParameters : testing::ProportionalLaw {
+  DesignedLaw::Parameters told{};
+  const DesignedLaw::Parameters& parameters() const noexcept { return told; }
+};
+
+TEST(DesignedLoop, TakesTheFrictionOfTheDesignWhereTheLawSaysNoOther) {
+  for (const float force_N : {4.4F, 20.0F, -4.4F, -20.0F}) {
+    FakePort port;
+    DriveProbe probe;
+    ControlLoop<FakePort, testing::FakeDrive, LawOfItsParameters, float> loop{
+        port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+    const auto axis = *loop.add_axis({&probe, 1}, {}, testing::moderate_limits()).id;
+    loop.request_enable(axis);
+    probe.feedback = {
+        .state = hal::DriveState::enabled, .position_offset_m = -force_N / 10, .fresh = true, .ever_valid = true};
+    for (hal::Time now{1ms}; now <= hal::Time{100ms}; now += 1ms) {
+      probe.feedback.sample_time = now;
+      loop.step(now);
+      probe.feedback.force_N = force_N;
+    }
+    EXPECT_EQ(loop.status(axis).fault, std::abs(force_N) > 4.5F ? AxisFault::no_motion_under_force : AxisFault::none);
+  }
+}
+
 TEST(DesignedLoop, AllowsTheForceThatASlowCurrentLoopStillHas) {
   for (const bool slow : {true, false}) {
     DesignedLaw law;

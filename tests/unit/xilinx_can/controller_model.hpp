@@ -25,18 +25,19 @@ class ControllerModel {
   static constexpr std::size_t fifo_frames = 64;
 
   bool no_clock = false, no_idle_bus = false;
-  bool shows_fullness = true;  // SR.TXFLL works; ISR.TXFLL does in any case
+  bool shows_fullness = true, latches_fullness = true;  // SR.TXFLL works, and ISR.TXFLL
   bool instant = false;  // as emulators have it: frames need no time on the bus, and TXFEMP holds while it is empty
   int resets = 0;
 
   // Registers
 
   std::uint32_t read(std::uint32_t offset) noexcept {
+    EXPECT_EQ(offset % 4, 0U) << "registers are words";
     switch (offset) {
       case 0x18:
         return status();
       case 0x1C:
-        return events_;
+        return events_ | arblst;
       case 0x50:
         return take_received();
       case 0x54:
@@ -50,6 +51,7 @@ class ControllerModel {
   }
 
   void write(std::uint32_t offset, std::uint32_t value) noexcept {
+    EXPECT_EQ(offset % 4, 0U) << "registers are words";
     switch (offset) {
       case 0x00:
         return write_reset(value);
@@ -128,6 +130,8 @@ class ControllerModel {
   bool underflowed() const { return (events_ & rxuflw) != 0; }
 
  private:
+  // On a busy bus the arbitration is lost all the time.
+  static constexpr std::uint32_t arblst = 1U << 0;
   static constexpr std::uint32_t txok = 1U << 1, txfll = 1U << 2, rxok = 1U << 4, rxuflw = 1U << 5, rxoflw = 1U << 6,
                                  rxnemp = 1U << 7, error = 1U << 8, bsoff = 1U << 9, txfemp = 1U << 14;
 
@@ -163,7 +167,7 @@ class ControllerModel {
     EXPECT_LT(transmit_.size(), fifo_frames) << "a full FIFO drops the frame";
     if (transmit_.size() == fifo_frames) return;
     transmit_.push_back(decoded(transmit_words_));
-    if (transmit_.size() == fifo_frames) events_ |= txfll;
+    if (transmit_.size() == fifo_frames && latches_fullness) events_ |= txfll;
     if (instant && on_bus()) send_one();
   }
   std::uint32_t take_received() {
@@ -178,9 +182,10 @@ class ControllerModel {
     return received_words_[0];
   }
 
+  // The bits of an extended identifier say nothing in a base frame.
   static std::uint32_t identifier(const RawFrame& f) {
     if (f.extended) return f.id >> 18 << 21 | 1U << 20 | 1U << 19 | (f.id & 0x3FFFFU) << 1 | (f.remote ? 1U : 0U);
-    return f.id << 21 | (f.remote ? 1U << 20 : 0U);
+    return f.id << 21 | (f.remote ? 1U << 20 : 0U) | 0x2'A5A5U;
   }
   static std::array<std::uint32_t, 4> encoded(const RawFrame& f) {
     std::array<std::uint32_t, 4> words{identifier(f), f.length << 28 | 0x1234U, 0, 0};
@@ -188,6 +193,7 @@ class ControllerModel {
     return words;
   }
   static RawFrame decoded(const std::array<std::uint32_t, 4>& words) {
+    EXPECT_EQ(words[0] & 0x7'FFFFU, 0U) << "what an extended frame has is zero in a base frame";
     RawFrame frame{words[0] >> 21, (words[0] >> 19 & 1U) != 0, (words[0] >> 20 & 1U) != 0, words[1] >> 28, {}};
     for (std::uint32_t i = 0; i < frame.length && !frame.remote; ++i)
       frame.data[i] = static_cast<std::uint8_t>(words[2 + i / 4] >> (24 - 8 * (i % 4)));

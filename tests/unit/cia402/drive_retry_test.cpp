@@ -1,0 +1,98 @@
+// Lost answers of a set-up, and what a drive says of itself that makes its position another than the encoder's.
+#include <algorithm>
+
+#include "drive_fixture.hpp"
+
+namespace breakaway::test {
+namespace {
+
+using breakaway::cia402::DriveNode;
+
+class DriveRetryTest : public DriveTest {
+ protected:
+  void boot_again() {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    node.boot();
+    deliver();
+    step();
+  }
+  bool was_reset() const {
+    return std::find(node.commands.begin(), node.commands.end(), NmtCommand::reset_communication) !=
+           node.commands.end();
+  }
+};
+
+// At each moment of the set-up, up to the mode of operation, which is told last.
+TEST_F(DriveRetryTest, EveryRequestIsMadeThreeTimesBeforeTheNodeIsGivenUp) {
+  int moments = 0;
+  for (Duration onset{};; onset += 1ms) {
+    for (const unsigned lost : {2U, 3U}) {
+      boot_again();
+      run_for(onset);
+      if (!node.written.empty() && node.written.back() == ScriptedDrive::key(0x6060, 0)) {
+        EXPECT_GT(moments, 50);
+        return;
+      }
+      node.sdo_requests_lost = lost;
+      bool gave_up = false;
+      run_until([&] {
+        gave_up = gave_up || drive.setup_status() == SetupStatus::no_answer;
+        return gave_up || feedback.state == DriveState::disabled;
+      });
+      EXPECT_EQ(gave_up, lost == DriveNode::sdo_attempts) << lost << " lost at " << onset / 1ms << " ms";
+      EXPECT_FALSE(was_reset()) << "nobody has waited for it yet";
+      run_until_state(DriveState::disabled);
+      EXPECT_EQ(drive.setup_status(), SetupStatus::ready) << "it is set up in the end";
+    }
+    ++moments;
+  }
+}
+
+// Two losses of one request do not add up with those of another.
+TEST_F(DriveRetryTest, EachRequestHasItsOwnAttempts) {
+  boot_again();
+  run_for(5ms);
+  for (int request = 0; request < 4; ++request) {
+    node.sdo_requests_lost = 2;
+    run_until([&] { return node.sdo_requests_lost == 0; });
+    const ObjectAddress object = drive.setup_object();
+    run_until([&] { return drive.setup_object() != object; });
+    EXPECT_NE(drive.setup_status(), SetupStatus::no_answer) << request;
+  }
+  run_until_state(DriveState::disabled);
+  EXPECT_FALSE(was_reset());
+}
+
+struct Position {
+  std::uint16_t index;
+  std::uint8_t subindex;
+  std::uint32_t value;
+  SetupStatus status;
+};
+
+TEST_F(DriveRetryTest, APositionThatIsReversedOrWrapsIsRefusedByName) {
+  for (const Position& p :
+       {Position{0x607E, 0, 0x80, SetupStatus::position_reversed},
+        Position{0x607E, 0, 0xC0, SetupStatus::position_reversed}, Position{0x607B, 1, 1, SetupStatus::position_wraps},
+        Position{0x607B, 1, 0xFFFFFFFF, SetupStatus::position_wraps},
+        Position{0x607B, 2, 3600, SetupStatus::position_wraps}}) {
+    boot_again();
+    node.objects[ScriptedDrive::key(p.index, p.subindex)] = p.value;
+    run_until_state(DriveState::unusable);
+    EXPECT_EQ(drive.setup_status(), p.status);
+    EXPECT_EQ(drive.setup_object(), (ObjectAddress{p.index, p.subindex}));
+  }
+  for (const Position& p :
+       {Position{0x607E, 0, 0x40, SetupStatus::ready}, Position{0x607E, 0, 0x20, SetupStatus::ready},
+        Position{0x607B, 1, 0, SetupStatus::ready}, Position{0x607B, 1, 0x80000000, SetupStatus::ready},
+        Position{0x607B, 2, 0x7FFFFFFF, SetupStatus::ready}}) {
+    boot_again();
+    node.objects[ScriptedDrive::key(p.index, p.subindex)] = p.value;
+    run_until_state(DriveState::disabled);
+    EXPECT_EQ(drive.setup_status(), p.status);
+  }
+}
+
+}  // namespace
+}  // namespace breakaway::test
