@@ -107,6 +107,12 @@ void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const K
   approach.hard_m_s2 = std::min(approach.hard_m_s2, static_cast<Real>(followed * force.sure_deceleration(braking)));
 }
 
+// Below this speed a friction that rises from its least to its greatest stops the axis before the plan can answer.
+double least_steady_speed_m_s(const BrakedClass& axes, const KickClass& kicks, double response_s) {
+  const double gap_N = kicks.most_friction_N() - kicks.least_friction_N();
+  return 2 * gap_N * (response_s + axes.latency_periods * axes.period_s) / axes.mass_kg.most;
+}
+
 template <class Real>
 law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kicks) {
   const double T = axes.period_s, q = unseen_m(axes), m = axes.mass_kg.most;
@@ -128,9 +134,9 @@ law::BrakedApproach<Real> approach(const BrakedClass& axes, const KickClass& kic
       std::clamp(std::min({T * std::sqrt(doubt_N / (m * q)), most_correction, unshaken}), 1e-3, 1.0);
   const double speed_error = correction * q / T + doubt_N * T / (m * correction);
   // Below the last of these speeds the axis might stick where the plan asks for no more force than friction takes.
-  const double speed = std::max({5 * speed_error / (1 - 5 * correction * jitter),
-                                 2 * gap_N * (response_s + axes.latency_periods * T) / m,
-                                 gentle * (T * (1 + 0.4 * axes.latency_periods) + axes.lag_s.most)});
+  const double speed =
+      std::max({5 * speed_error / (1 - 5 * correction * jitter), least_steady_speed_m_s(axes, kicks, response_s),
+                gentle * (T * (1 + 0.4 * axes.latency_periods) + axes.lag_s.most)});
   law::BrakedApproach<Real> plan{
       .mass_kg = static_cast<Real>((axes.mass_kg.least + axes.mass_kg.most) / 2),
       .friction_N = static_cast<Real>(kicks.least_friction_N()),
@@ -198,9 +204,11 @@ template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
   constexpr double moving = 1.1;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const KickClass kicks{axes};
+  const double response_s = static_cast<double>(plan.response_s);
   const double unseen_s = axes.period_s * (1 / static_cast<double>(plan.correction) - 0.5 + axes.latency_periods);
-  return moving * PlannedForce{axes, KickClass{axes}}.needed_acceleration() *
-         (static_cast<double>(plan.response_s) + unseen_s);
+  return std::max(moving * PlannedForce{axes, kicks}.needed_acceleration() * (response_s + unseen_s),
+                  least_steady_speed_m_s(axes, kicks, response_s));
 }
 
 // The double S: jerk up and down to the greatest acceleration that the way lets it reach, and the greatest speed.
@@ -297,12 +305,36 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .most_seen_N = {},
           .still_periods = counted(still),
           .either_way_periods = counted(either_way),
-          .patient_periods = counted(std::max(still, either_way) + 30 + axes.latency_periods + settling),
+          .patient_periods = {},
           .settling_periods = counted(settling),
           .fine_floor_m = {},
           .spring = spring<Real>(axes, kicks),
           .approach = approach<Real>(axes, kicks),
           .table = {}};
+}
+
+// The net force on the heaviest axis that rests as far away as kicks begin, or further, under the slowest plan; less
+// than none where it may stay there.
+template <class Real>
+double least_surplus_N(const BrakedClass& axes, const KickClass& kicks, const law::BrakedKicks<Real>& k) {
+  const PlannedForce force{axes, kicks};
+  const double response_s = static_cast<double>(k.approach.response_s);
+  const double gentle = static_cast<double>(k.approach.gentle_m_s2), step = gentle * response_s;
+  const double distance_m = static_cast<double>(k.begin_m() - k.approach.short_of_target_m);
+  const double onto_curve = (std::sqrt(step * step + 8 * gentle * distance_m) - step) / (2 * response_s);
+  const double planned = std::min(onto_curve, static_cast<double>(k.approach.switch_speed_m_s) / response_s);
+  const double command_N = std::min(force.told_kg * planned + force.least_N - force.rounding_N, kicks.limit_N());
+  const double whole_N = std::ceil(command_N / axes.force_step_N * (1 - 1e-9)) * axes.force_step_N;
+  return force.gain_least * std::min(whole_N, kicks.limit_N()) - force.most_N;
+}
+
+// An axis that moves shows it within so many periods: one that comes to rest, and one that an approach sets moving.
+template <class Real>
+std::uint16_t patient_periods(const BrakedClass& axes, const KickClass& kicks, const law::BrakedKicks<Real>& k) {
+  const double moving = still_periods(axes, least_surplus_N(axes, kicks, k));
+  const double shown = std::max<double>(k.still_periods, k.either_way_periods);
+  const int settling = axes.lag_s.most > 0 ? k.settling_periods : 0;
+  return counted((std::isfinite(moving) ? std::max(shown, moving) : shown) + 30 + axes.latency_periods + settling);
 }
 
 // Of a list each pulse is known with its very cut, so that a weaker one may go further than the list says.
@@ -332,6 +364,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   builder.build(std::max(least.distance_m, axes.reading_error_m()));
   design.kicks = numbers<Real>(axes, kicks, design.rest_is_seen);
   design.kicks.table = builder.table();
+  design.kicks.patient_periods = patient_periods(axes, kicks, design.kicks);
   design.kicks.least_seen_N = static_cast<Real>(builder.seen_N().least);
   design.kicks.most_seen_N = static_cast<Real>(builder.seen_N().most);
   const Interval range = builder.range_m();

@@ -91,7 +91,8 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes);
 template <class Real>
 double hand_over_m(const BrakedDesign<Real>& design);
 
-// An approach that may go this fast moves every axis of the class; a slower one may have too little force for that.
+// An approach that may go this fast moves every axis of the class, and no rise of friction stops it before the plan can
+// answer; a slower one may have too little force for that, or get on by a few periods at a time.
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design);
 
