@@ -157,17 +157,21 @@ def read_symbols(elf):
             re.findall(r"^([0-9a-f]+) \S (\S+)$", run("arm-none-eabi-nm", elf), re.MULTILINE)}
 
 
-def memory_use(elf, ram_begin):
-    """Bytes of code, constants and initial values, and of RAM, the reserved stack included."""
+def memory_use(elf):
+    """Bytes of code, constants and initial values, and of RAM, the reserved stack included; sections that are written and
+    executed."""
     code = ram = 0
-    for name, address, size in re.findall(r"^ *\[ *\d+\] (\.\S+) +\w+ +(\w+) \w+ (\w+) \w+ +\w*A", run("arm-none-eabi-readelf", "-SW", elf),
-                                          re.MULTILINE):
-        constant = name == ".rodata"  # wherever it lies
-        if int(address, 16) >= ram_begin and not constant:
+    unsafe = []
+    for name, size, flags in re.findall(r"^ *\[ *\d+\] (\.\S+) +\w+ +\w+ \w+ (\w+) \w+ +(\w*A\w*)",
+                                        run("arm-none-eabi-readelf", "-SW", elf), re.MULTILINE):
+        written = "W" in flags
+        if written:
             ram += int(size, 16)
-        if int(address, 16) < ram_begin or constant or name == ".data":
+        if not written or name == ".data":
             code += int(size, 16)
-    return code, ram
+        if written and "X" in flags and int(size, 16) > 0:
+            unsafe.append(name)
+    return code, ram, unsafe
 
 
 def examine(elf):
@@ -188,7 +192,8 @@ def examine(elf):
     problems += sorted(bound.problems)
     if stack > reserved:
         problems.append(f"the stack may need {stack} bytes; {reserved} are reserved")
-    code, ram = memory_use(elf, symbols["image_stack_bottom"])  # which lies lowest in RAM
+    code, ram, unsafe = memory_use(elf)
+    problems += [f"{name} is written and executed" for name in unsafe]
     return {"code": code, "ram": ram, "stack": stack, "stack_reserved": reserved, "chains": chains, "problems": problems}
 
 

@@ -101,7 +101,7 @@ accesses to peripherals, whose time on their bus an emulator does not know: 2.5%
 
 ## Memory, in bytes
 
-Code with constants and initial values (flash of the STM32F405; TCM A, and the upper half of TCM B for constants, of the R5F), and
+Code with constants and initial values (flash of the STM32F405; TCM A and the upper half of TCM B, 98304 together, of the R5F), and
 RAM (the lower half of TCM B) with the reserved stack, as linked. The stack's bound is that of the longest chain of calls, with an interrupt on top where there are any
 (`toolchain/check_image.py`).
 

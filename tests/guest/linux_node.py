@@ -370,6 +370,24 @@ def a_foreign_drive_is_set_up_and_enabled(build):
 
 
 @case
+def a_foreign_tool_looks_into_the_node(build):
+    """The npm package canopen as SDO client of the controller node, which controls an axis at 1 kHz meanwhile."""
+    with Bench(build) as b:
+        b.drive("vcan0")
+        node = b.logged_node("vcan0", "--target", "0")
+        node.wait_for("enabled")
+        tool = b.start("node", f"{PEERS}/look.js", "vcan0", "50000")
+        code = tool.end()
+        require(code == 0 and "done" in tool.output(), f"exit code {code}:\n{tool.output()}\n{node.output()}")
+        code = node.terminate()
+        require(code == 0, f"exit code {code}:\n{node.output()}")
+        require("another master" not in node.output(), f"the tool is taken for a master:\n{node.output()}")
+        ticks, missed, _ = latencies(node.output())
+        require(missed == 0, f"{missed} of {ticks} ticks missed")
+    return f"{len(tool.output().splitlines()) - 1} answers as they should be; the axis went where the tool sent it"
+
+
+@case
 def other_traffic_passes_by(build):
     """can-utils fill the bus, python-can talks to the drive, and tshark understands every frame of the session."""
     with Bench(build) as b:

@@ -8,6 +8,9 @@ prove_images() {
   (cd -- "$work/emulated" && emulate "$tests/overflow.elf") ||
     fail "the stack outgrew its memory without a fault there ($?)"
   printf 'a stack that outgrows its memory faults\n'
+  (cd -- "$work/emulated" && emulate "$tests/protection.elf") ||
+    fail "what the memory protection is to refuse was not refused: attempt $? of tests/emulated/zynqmp_r5/protection_image.cpp"
+  printf 'code and constants cannot be written, data and constants not executed, and the rest not read\n'
 }
 
 # emulate <image> [QEMU option...]: the image at 0 for the first core of the RPU.

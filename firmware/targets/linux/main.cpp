@@ -63,11 +63,14 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
-  // What tells which other nodes are there, SYNC, SDO answers and heartbeats, and the frames of our drives.
-  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, hal::CanFrame::max_id},
-                                        {canopen::sdo_response_function_code, canopen::function_code_mask},
-                                        {canopen::heartbeat_function_code, canopen::function_code_mask}};
-  static_assert(3 + decltype(c.node)::capacity <= socketcan::KernelSocket::most_filters);
+  // What tells which other nodes are there, SYNC, SDO answers and heartbeats, the SDO requests to us, and the frames of
+  // our drives.
+  std::vector<socketcan::Filter> wanted{
+      {canopen::sync_cob_id, hal::CanFrame::max_id},
+      {canopen::sdo_response_function_code, canopen::function_code_mask},
+      {canopen::heartbeat_function_code, canopen::function_code_mask},
+      {canopen::sdo_request_cob_id(c.node.loop.network.node_id), hal::CanFrame::max_id}};
+  static_assert(4 + decltype(c.node)::capacity <= socketcan::KernelSocket::most_filters);
   for (std::size_t place = 0; place < c.node.count; ++place)
     wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_mask});
   const std::span<const socketcan::Filter> all;

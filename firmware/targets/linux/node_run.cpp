@@ -61,7 +61,9 @@ NodeRun::NodeRun(const Configuration& configuration, const Options& options, soc
       telemetry_{telemetry},
       socket_port_{socket},
       port_{socket_port_, telemetry},
-      loop_{port_, configuration.node.loop},
+      served_{port_, configuration.node.loop.network.node_id},
+      loop_{served_, configuration.node.loop},
+      objects_{loop_, configuration.node},
       ticker_{configuration.node.loop.network.period} {
   firmware::add_axes(loop_, c_.node);
   for (std::size_t place = 0; place < loop_.axes(); ++place) {
@@ -106,7 +108,15 @@ void NodeRun::step() {
   poll();
   if (telemetry_.reset.exchange(false)) reset_faults();
   loop_.step(now_);
+  answer();
   for (std::size_t place = 0; place < axes_.size(); ++place) note(place);
+}
+
+// Whoever reads our objects by SDO gets one answer a period at most.
+void NodeRun::answer() {
+  hal::CanFrame frame;
+  if (served_.server().next_frame(frame, objects_))
+    static_cast<void>(port_.send(frame, now_ + c_.node.loop.network.period));
 }
 
 // A reset is for the faults that the operator sees; on a bus that is off it would come too early.
@@ -121,7 +131,7 @@ void NodeRun::note(std::size_t place) {
   const auto& s = loop_.status(axis.id);
   telemetry_.add(StepRecord{.time = now_,
                             .latency = ticker_.last_latency(),
-                            .target_counts = plan(place).visits[axis.visit].counts,
+                            .target_counts = loop_.target_counts(axis.id),
                             .position_counts = loop_.drive(axis.id).position_counts(),
                             .command_N = s.output.force_N,
                             .reported_N = s.feedback.force_N,

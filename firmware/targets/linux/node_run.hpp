@@ -10,6 +10,8 @@
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/firmware/node_objects.hpp"
+#include "breakaway/firmware/served_port.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
@@ -35,7 +37,9 @@ class NodeRun {
  private:
   using SocketPort = socketcan::Port<socketcan::KernelSocket>;
   using Port = NotedPort<SocketPort>;
-  using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float, config::most_axes>;
+  using Served = firmware::ServedPort<Port>;
+  using Loop =
+      firmware::ControlLoop<Served, cia402::Drive<float>, law::AxisController<float>, float, config::most_axes>;
 
   struct Axis {
     Loop::AxisId id;
@@ -50,6 +54,7 @@ class NodeRun {
 
   void poll();
   void step();
+  void answer();
   void reset_faults();
   void note(std::size_t place);
   void refuse_other_master();
@@ -81,7 +86,9 @@ class NodeRun {
   Telemetry& telemetry_;
   SocketPort socket_port_;
   Port port_;
+  Served served_;
   Loop loop_;
+  firmware::NodeObjects<Loop, config::AnyNode<float>> objects_;
   Ticker ticker_;
   hal::Time now_{};
   std::vector<Axis> axes_;

@@ -33,13 +33,14 @@ inline constexpr std::uint32_t core_Hz = BREAKAWAY_CORE_HZ, can_Hz = BREAKAWAY_C
 
 using Filters = std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters>;
 
-// All that the drives say, whatever the function, and the commands for this node: the rest stays out of the FIFO. More
-// drives than there are filters: everything comes in.
+// All that the drives say, whatever the function, and all that bears this node's own id: commands, SDO requests, and
+// the heartbeat of another master. The rest stays out of the FIFO. More drives than there are filters: everything comes
+// in.
 constexpr Filters filters_for(std::span<const firmware::FlashedAxis<float>> axes, std::uint8_t node_id) noexcept {
   Filters wanted{};
   if (axes.size() >= wanted.size()) return wanted;
   std::size_t next = 0;
-  wanted[next++] = xilinx_can::Filter{.mask = hal::CanFrame::max_id, .id = canopen::rpdo_cob_id(1, node_id)};
+  wanted[next++] = xilinx_can::Filter{.mask = canopen::node_id_mask, .id = node_id};
   for (const auto& axis : axes)
     wanted[next++] = xilinx_can::Filter{.mask = canopen::node_id_mask, .id = axis.drive.node_id};
   return wanted;

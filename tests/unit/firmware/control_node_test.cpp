@@ -41,6 +41,7 @@ struct LoopProbe {
   bool takes_resets = true;
   using AxisId = int;
   void set_target_counts(AxisId, std::int32_t counts) { targets.push_back(counts); }
+  std::int32_t target_counts(AxisId) const { return targets.back(); }
   void request_enable(AxisId) { ++enables; }
   void request_stop(AxisId) { ++stops; }
   bool reset_fault(AxisId) {

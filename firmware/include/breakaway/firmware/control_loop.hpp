@@ -202,6 +202,9 @@ class ControlLoop {
   // An id of another loop shows the first axis.
   const AxisStatus<Scalar>& status(AxisId id) const noexcept { return shown(id).status; }
   const Drive& drive(AxisId id) const noexcept { return shown(id).drive; }
+  // The axis was to be enabled, and not to stop since. With a fault it waits for a reset.
+  bool is_wanted(AxisId id) const noexcept { return shown(id).wanted; }
+  std::int32_t target_counts(AxisId id) const noexcept { return shown(id).target_counts; }
   const Controller& controller(AxisId id) const noexcept { return shown(id).controller; }
   const Supervisor<Scalar>& supervisor(AxisId id) const noexcept { return shown(id).supervisor; }
   const TimingStatistics& statistics() const noexcept { return statistics_; }

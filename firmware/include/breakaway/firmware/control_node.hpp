@@ -1,4 +1,5 @@
-// ControlNode: a whole controller on one bus, commanded by another node. A target's main() adds a port and a tick.
+// ControlNode: a whole controller on one bus, commanded by another node, and open to whoever reads its objects by SDO.
+// A target's main() adds a port and a tick.
 #pragma once
 
 #include <array>
@@ -8,7 +9,9 @@
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/firmware/flashed_node.hpp"
+#include "breakaway/firmware/node_objects.hpp"
 #include "breakaway/firmware/remote_control.hpp"
+#include "breakaway/firmware/served_port.hpp"
 #include "breakaway/law/axis_controller.hpp"
 
 namespace breakaway::firmware {
@@ -33,8 +36,10 @@ class ControlNode {
   ControlNode(Port& port, const FlashedNode<Scalar, Axes>& node) noexcept
       : network_{node.loop.network},
         command_timeout_{node.loop.command_timeout},
-        port_{port, network_.node_id},
+        served_{port, network_.node_id},
+        port_{served_, network_.node_id},
         loop_{port_, node.loop},
+        objects_{loop_, node},
         verdict_{verify(node)} {
     if (verdict_.ok()) add_axes(loop_, node);
   }
@@ -61,7 +66,8 @@ class ControlNode {
   }
 
  private:
-  using Tap = CommandedPort<Port, Axes>;
+  using Served = ServedPort<Port>;
+  using Tap = CommandedPort<Served, Axes>;
   using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar>, Scalar, Axes>;
 
   void obey(std::size_t place, hal::Time now) noexcept {
@@ -71,18 +77,24 @@ class ControlNode {
     remote_[place].watch(loop_, *axis, now, command_timeout_);
   }
 
-  // The axes take turns, so that no period has more than one status frame.
+  // The axes take turns, so that no period has more than one status frame; an SDO answer waits for one without.
   void tell(hal::Time now) noexcept {
     static_assert(Axes <= status_interval);
     if (++periods_ == status_interval) periods_ = 0;
+    const hal::Time deadline = now + network_.period;
+    hal::CanFrame answer;
     if (const auto axis = loop_.axis(periods_))
-      static_cast<void>(port_.send(status_frame(loop_, *axis, network_.node_id), now + network_.period));
+      static_cast<void>(port_.send(status_frame(loop_, *axis, network_.node_id), deadline));
+    else if (served_.server().next_frame(answer, objects_))
+      static_cast<void>(port_.send(answer, deadline));
   }
 
   canopen::NetworkConfig network_;
   hal::Duration command_timeout_;
+  Served served_;
   Tap port_;
   Loop loop_;
+  NodeObjects<Loop, FlashedNode<Scalar, Axes>> objects_;
   std::array<RemoteAxis, Axes> remote_{};
   NodeVerdict verdict_;
   std::uint32_t periods_ = 0;

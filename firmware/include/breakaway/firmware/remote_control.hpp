@@ -86,13 +86,16 @@ class RemoteAxis {
  public:
   template <class Loop>
   void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command, hal::Time now) noexcept {
-    const bool new_target = !last_ || command.target_counts != last_->target_counts;
+    const bool enables = last_ && command.enable && !last_->enable;
+    // A target that somebody wrote while the axis was enabled does not outlast that.
+    const bool new_target = !last_ || command.target_counts != last_->target_counts ||
+                            (enables && command.target_counts != loop.target_counts(axis));
     if (new_target) loop.set_target_counts(axis, command.target_counts);
     const bool resets = last_ && command.reset_fault && !last_->reset_fault;
     const bool refused = resets && !loop.reset_fault(axis);
     const bool refers = last_ && command.reference && !last_->reference;
     const bool not_taken = refers && !loop.set_reference_counts(axis, command.target_counts);
-    if (last_ && command.enable && !last_->enable) loop.request_enable(axis);
+    if (enables) loop.request_enable(axis);
     if (!command.enable) loop.request_stop(axis);
     last_ = command;
     last_->reset_fault = command.reset_fault && !refused;
