@@ -18,6 +18,7 @@ constexpr const char* exit_codes =
     "\nExit codes: 0 done; 1 not settled, or a check failed; 2 bad input (one line on standard error says what).";
 
 // Each adds its subcommand; when that is run, it sets exit_code or throws InputError.
+void add_new(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_k3(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);

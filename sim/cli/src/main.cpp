@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(std::string{"Example: breakaway simulate sim/scenarios/can_axis.toml --report can_axis.html\n"} +
              cli::exit_codes);
+  cli::add_new(app, exit_code);
   cli::add_simulate(app, exit_code);
   cli::add_k3(app, exit_code);
   cli::add_design(app, exit_code);

@@ -21,6 +21,42 @@ TEST_F(Command, TakesTheToleranceThatHoldsTheAccuracyOfAnAxis) {
   expect_refused("simulate " + scenarios + "can_axis.toml --accuracy 1e-20", {"can_axis.toml", "1e-20", "rounding"});
 }
 
+constexpr const char* seven_numbers =
+    " --mass 12 --friction-lower 15 --friction-upper 28 --encoder 5e-7 --rate 1000 --force 200 --move 0.4";
+
+TEST_F(Command, WritesAFileFromSevenNumbersThatEveryOtherCommandTakes) {
+  const std::string file = path("new.toml");
+  const Ended made = run("new" + std::string{seven_numbers} + " -o " + file);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.out.find("certified"), std::string::npos) << made.out;
+  EXPECT_EQ(run("design " + file).exit_code, 0);
+  const Ended motion = run("simulate " + file + " --json -");
+  EXPECT_EQ(motion.exit_code, 0) << motion.err;
+  EXPECT_LE(figure(motion.out, "beyond_m"), 2.5e-7);
+  EXPECT_EQ(run("study --laws 2 " + file).exit_code, 0);
+  const std::string kept = content(file);
+  expect_refused("new" + std::string{seven_numbers} + " -o " + file, {"new.toml", "is there already", "--overwrite"});
+  EXPECT_EQ(content(file), kept);
+  EXPECT_EQ(run("new --overwrite" + std::string{seven_numbers} + " -o " + file).exit_code, 0);
+}
+
+TEST_F(Command, AsksForTheNumbersOfANewAxisThatAreNotGiven) {
+  const auto answered = [&](const std::string& answers, const std::string& given) {
+    std::ofstream{path("answers")} << answers;
+    return run("new -o - " + given + " < " + path("answers"));
+  };
+  const Ended given = run("new -o -" + std::string{seven_numbers});
+  const Ended asked = answered("15\nmany\n-28\n28\n 5e-7 \n1000\n200\n0.4\n", "--mass 12");
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_EQ(asked.out, given.out);
+  EXPECT_NE(asked.err.find("many is not a finite number above 0"), std::string::npos) << asked.err;
+  EXPECT_EQ(asked.err.find("Mass"), std::string::npos) << asked.err;
+  const Ended silent = answered("15\n", "--mass 12");
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_NE(silent.err.find("add --friction-upper NUMBER"), std::string::npos) << silent.err;
+  expect_refused("new --mass nan", {"nan", "--mass"});
+}
+
 TEST_F(Command, NamesWhatAScenarioOnTheBusLacks) {
   const std::string can_axis = content(scenarios + "can_axis.toml");
   const auto without = [&](const std::string& line) {

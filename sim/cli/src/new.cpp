@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/new_node.hpp"
+#include "breakaway/design/binding_limit.hpp"
+#include "breakaway/format/output_file.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "commands.hpp"
+
+namespace breakaway::cli {
+namespace {
+
+// One of the seven numbers, by option or by question.
+struct Question {
+  const char* option;
+  const char* unit;
+  const char* question;
+  double config::KnownAxis::*answer;
+};
+
+constexpr std::array questions{
+    Question{"--mass", "kg", "Mass that moves, with all that is geared to it", &config::KnownAxis::mass_kg},
+    Question{"--friction-lower", "N", "Least friction, anywhere and ever", &config::KnownAxis::friction_lower_N},
+    Question{"--friction-upper", "N", "Greatest friction, anywhere and ever", &config::KnownAxis::friction_upper_N},
+    Question{"--encoder", "m", "One count of the encoder", &config::KnownAxis::encoder_resolution_m},
+    Question{"--rate", "Hz", "Rate of the control loop", &config::KnownAxis::rate_Hz},
+    Question{"--force", "N", "Greatest force of the drive", &config::KnownAxis::max_force_N},
+    Question{"--move", "m", "Longest move", &config::KnownAxis::longest_move_m},
+};
+
+struct NewCommand {
+  std::array<std::optional<double>, questions.size()> given;
+  std::string file = "axis.toml";
+  bool overwrite = false;
+};
+
+// Asks on standard error until the answer is a number above 0.
+double ask(const Question& question) {
+  while (true) {
+    fmt::print(stderr, "{} [{}]: ", question.question, question.unit);
+    std::string line;
+    if (!std::getline(std::cin, line))
+      throw InputError{fmt::format("{} is not given, and standard input has no answer: add {} NUMBER",
+                                   question.question, question.option)};
+    line = CLI::detail::trim(line);
+    const std::string wrong = positive_number(line);
+    if (wrong.empty()) return std::stod(line);
+    fmt::print(stderr, "{}\n", wrong);
+  }
+}
+
+config::KnownAxis known_axis(const NewCommand& options) {
+  config::KnownAxis known;
+  for (std::size_t i = 0; i < questions.size(); ++i)
+    known.*questions[i].answer = options.given[i] ? *options.given[i] : ask(questions[i]);
+  return known;
+}
+
+int make_new(const NewCommand& options) {
+  const bool to_file = options.file != "-";
+  if (to_file && !options.overwrite && std::filesystem::exists(options.file))
+    throw InputError{options.file + " is there already: give another name with -o, or --overwrite"};
+  const config::NewNode made = config::new_node(known_axis(options));
+  format::write_output(options.file, made.text);
+  if (!to_file) return done;
+  const design::BrakedPromise& promise = *made.report.braked;
+  const config::Axis& axis = made.node.axes.front();
+  const design::BindingLimit limit = design::binding_limit(config::braked_class(made.node, axis));
+  fmt::print("{} is written, and certified: position_tolerance_m = {:g}, true error at rest at most {:.3g} m\n",
+             options.file, axis.controller.position_tolerance_m, promise.error_m);
+  fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:.3g} m could be certified\n", limit.name,
+             limit.least_tolerance_m);
+  fmt::print("next: breakaway simulate {} --report axis.html\n", options.file);
+  return done;
+}
+
+}  // namespace
+
+void add_new(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<NewCommand>();
+  CLI::App* command = app.add_subcommand(
+      "new", "Write the file of an axis from seven numbers, certified; those that are not given are asked for");
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const Question& question = questions[i];
+    command->add_option(question.option, options->given[i], fmt::format("{} [{}]", question.question, question.unit))
+        ->check(positive_number);
+  }
+  command->add_option("-o,--output", options->file, "Write to this file (axis.toml); - is standard output")
+      ->check(file_name);
+  command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
+  command->footer(std::string{"Example: breakaway new --mass 12 --friction-lower 15 --friction-upper 28 --encoder 5e-7 "
+                              "--rate 1000 --force 200 --move 0.4\n"} +
+                  exit_codes);
+  command->callback([options, &exit_code] { exit_code = make_new(*options); });
+}
+
+}  // namespace breakaway::cli

@@ -1,0 +1,95 @@
+#include "breakaway/config/new_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using breakaway::testing::refusal;
+
+constexpr KnownAxis table{12, 15, 28, 5e-7, 1000, 200, 0.4};
+
+TEST(NewNode, IsAFileThatIsCertifiedWithTheLeastToleranceOfTwoDigits) {
+  const NewNode made = new_node(table);
+  const double least_m = made.report.braked->least_tolerance_m;
+  const double tolerance_m = made.node.axes.front().controller.position_tolerance_m;
+  EXPECT_TRUE(made.report.certified);
+  EXPECT_GE(tolerance_m, least_m);
+  EXPECT_LE(tolerance_m, 1.1 * least_m);
+  EXPECT_NE(made.text.find("position_tolerance_m = 1.2e-06"), std::string::npos) << made.text;
+  EXPECT_FALSE(made.report.braked->fine_stage);
+}
+
+TEST(NewNode, DescribesTheAxisThatIsKnown) {
+  const Node node = new_node(table).node;
+  const Axis& axis = node.axes.front();
+  EXPECT_EQ(axis.mass_kg, 12);
+  EXPECT_EQ(axis.friction.bounds.lower_N, 15);
+  EXPECT_EQ(axis.friction.bounds.upper_N, 28);
+  EXPECT_EQ(axis.drive->encoder_resolution_m, 5e-7);
+  EXPECT_EQ(axis.controller.max_force_N, 200);
+  EXPECT_EQ(node.loop->period, std::chrono::milliseconds{1});
+}
+
+TEST(NewNode, NamesTheNumberThatIsImpossible) {
+  const auto why = [](auto change) {
+    KnownAxis known = table;
+    change(known);
+    return refusal([&] { new_node(known); });
+  };
+  EXPECT_NE(why([](KnownAxis& k) { k.mass_kg = 0; }).find("the mass is 0"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.rate_Hz = std::nan(""); }).find("the rate is nan"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.longest_move_m = -1; }).find("the longest move is -1"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) {
+              k.encoder_resolution_m = std::numeric_limits<double>::infinity();
+            }).find("the count of the encoder is inf"),
+            std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.friction_lower_N = 28; }).find("must be below the upper"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.max_force_N = 28; }).find("stronger drive"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.max_force_N = 28.1; }).find("pulse_breaks_away"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.rate_Hz = 4000; }).find("does not fit a [bus]"), std::string::npos);
+}
+
+// Masses of 50 g to 200 kg, bounds a quarter to 0.95 apart, drives of twice to twenty times the friction.
+TEST(NewNode, CertifiesARandomAxisOrSaysInOneSentenceWhatForbidsIt) {
+  std::mt19937_64 bits{14};
+  const auto decades = [&](double low, double high) {
+    return low * std::pow(high / low, std::uniform_real_distribution<>{0, 1}(bits));
+  };
+  int certified = 0;
+  constexpr int axes = 30;
+  for (int i = 0; i < axes; ++i) {
+    KnownAxis known;
+    known.mass_kg = decades(0.05, 200);
+    known.friction_upper_N = known.mass_kg * decades(0.3, 10);
+    known.friction_lower_N = known.friction_upper_N * decades(0.25, 0.95);
+    known.encoder_resolution_m = decades(1e-8, 1e-4);
+    known.rate_Hz = i % 3 == 0 ? 250 : i % 3 == 1 ? 1000 : 2000;
+    known.max_force_N = known.friction_upper_N * decades(2, 20);
+    known.longest_move_m = decades(0.01, 2);
+    std::string why;
+    try {
+      const NewNode made = new_node(known);
+      EXPECT_TRUE(made.report.certified) << made.text;
+      EXPECT_EQ(parse_node(made.text, "again").axes.front().mass_kg, known.mass_kg);
+      ++certified;
+    } catch (const InputError& error) {
+      why = error.what();
+      EXPECT_GT(why.size(), 40U) << why;
+    }
+  }
+  EXPECT_GE(certified, axes * 9 / 10);
+}
+
+}  // namespace
+}  // namespace breakaway::config
