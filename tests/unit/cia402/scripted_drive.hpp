@@ -35,8 +35,11 @@ class ScriptedDrive {
   bool silent = false;
   canopen::NmtState nmt = canopen::NmtState::boot_up;
   cia402::State state = cia402::State::switch_on_disabled;
-  bool follows_controlword = true;        // of the RPDO
-  unsigned sdo_requests_lost = 0;         // so many more are not heard
+  bool follows_controlword = true;  // of the RPDO
+  unsigned sdo_requests_lost = 0;   // so many more are not heard
+  bool boots_silently = false;      // says no boot-up
+  bool ignores_start = false;       // stays in Pre-operational
+  bool sends_tpdo = true;
   bool follows_sdo_controlword = true;    // written to 6040h
   bool stops_in_pre_operational = false;  // by itself
   bool shows_the_mode_at_once = false;    // 6061h follows 6060h; otherwise it is what stands in `objects`
@@ -54,7 +57,7 @@ class ScriptedDrive {
   void boot() {
     objects[key(0x1017, 0)] = 0;
     state = cia402::State::switch_on_disabled;
-    send(canopen::heartbeat_frame(canopen::NmtState::boot_up, node_));
+    if (!boots_silently) send(canopen::heartbeat_frame(canopen::NmtState::boot_up, node_));
     nmt = canopen::NmtState::pre_operational;
   }
   void heartbeat() { send(canopen::heartbeat_frame(nmt, node_)); }
@@ -67,7 +70,7 @@ class ScriptedDrive {
     if (frame.id == canopen::sdo_request_cob_id(node_)) on_sdo(frame);
     if (nmt != canopen::NmtState::operational) return;
     if (frame.id == canopen::rpdo_cob_id(1, node_) && is_valid(0x1400)) on_rpdo(frame);
-    if (frame.id == value_of(0x1005, 0).value_or(0x80) && is_valid(0x1800)) send_tpdo();
+    if (frame.id == value_of(0x1005, 0).value_or(0x80) && is_valid(0x1800) && sends_tpdo) send_tpdo();
   }
   std::optional<std::uint32_t> value_of(std::uint16_t index, std::uint8_t subindex) const {
     const auto found = objects.find(key(index, subindex));
@@ -88,7 +91,7 @@ class ScriptedDrive {
   }
   void on_nmt(canopen::NmtCommand command) {
     commands.push_back(command);
-    if (command == canopen::NmtCommand::start) nmt = canopen::NmtState::operational;
+    if (command == canopen::NmtCommand::start && !ignores_start) nmt = canopen::NmtState::operational;
     if (command == canopen::NmtCommand::enter_pre_operational) {
       nmt = canopen::NmtState::pre_operational;
       if (stops_in_pre_operational) state = cia402::State::switch_on_disabled;

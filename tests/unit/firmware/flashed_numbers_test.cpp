@@ -96,6 +96,7 @@ constexpr Edit<Axis> edits_of_an_axis[] = {
     {"braked.still_periods", [](Axis& a) { change(a.braked.still_periods); }},
     {"braked.either_way_periods", [](Axis& a) { change(a.braked.either_way_periods); }},
     {"braked.patient_periods", [](Axis& a) { change(a.braked.patient_periods); }},
+    {"braked.fine_floor_m", [](Axis& a) { change(a.braked.fine_floor_m); }},
     {"braked.settling_periods", [](Axis& a) { change(a.braked.settling_periods); }},
     {"braked.spring.reach_m", [](Axis& a) { change(a.braked.spring.reach_m); }},
     {"braked.spring.most_N", [](Axis& a) { change(a.braked.spring.most_N); }},
@@ -144,6 +145,14 @@ constexpr Edit<Node> edits_of_the_node[] = {
     {"loop.fault_scope", [](Node& n) { change(n.loop.fault_scope); }},
     {"loop.moves_end", [](Node& n) { change(n.loop.moves_end); }},
     {"loop.command_timeout", [](Node& n) { change(n.loop.command_timeout); }},
+    {"wiring.can_controller", [](Node& n) { change(n.wiring.can_controller); }},
+    {"wiring.can_receive", [](Node& n) { change(n.wiring.can_receive); }},
+    {"wiring.can_transmit", [](Node& n) { change(n.wiring.can_transmit); }},
+    {"wiring.can_standby", [](Node& n) { change(n.wiring.can_standby); }},
+    {"wiring.can_awake", [](Node& n) { change(n.wiring.can_awake); }},
+    {"wiring.serial_baud", [](Node& n) { change(n.wiring.serial_baud); }},
+    {"wiring.serial_receive", [](Node& n) { change(n.wiring.serial_receive); }},
+    {"wiring.serial_transmit", [](Node& n) { change(n.wiring.serial_transmit); }},
     {"count", [](Node& n) { change(n.count); }},
 };
 
