@@ -50,8 +50,9 @@ STOP_PATH = ["firmware/include/breakaway/firmware/supervisor.hpp",
              "hal/cia402/src/state_machine.cpp", "hal/cia402/include/breakaway/cia402/torque_scale.hpp"]
 # Test programs, from the quick ones of one room to the closed loop.
 TESTS = ["law_test", "k3_table_test", "hal_test", "canopen_test", "cia402_test", "firmware_test", "slcan_test",
-         "bxcan_test", "xilinx_can_test", "socketcan_test", "virtual_bus_test", "drive_emulator_test", "config_test",
-         "sil_test", "moves_end_test", "fault_test", "tampering_test", "plants_test", "settling_test"]
+         "bxcan_test", "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test",
+         "drive_emulator_test", "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test",
+         "plants_test", "settling_test"]
 # With assertions of the standard library an index or an optional gone wrong is noticed, whatever lies there.
 COMPILE = ["-include", str(HERE / "switches.hpp"), "-w", "-Wno-narrowing", "-D_GLIBCXX_ASSERTIONS"]
 NUMBERS_OF_A_FILE = 1024  # so that a change of one file leaves the numbers of the others, and what is built of them

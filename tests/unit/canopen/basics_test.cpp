@@ -70,6 +70,16 @@ TEST(Bytes, SignedValuesSurvive) {
   EXPECT_EQ(load_little_endian<std::int16_t>(bytes), -2);
 }
 
+TEST(Bytes, OnlyThoseOfTheValueAreWritten) {
+  std::array<std::uint8_t, 8> bytes{};
+  bytes.fill(0xEE);
+  store_little_endian(bytes, std::uint16_t{0x1234}, 1);
+  store_little_endian(bytes, std::int32_t{-2}, 4);
+  EXPECT_EQ(bytes, (std::array<std::uint8_t, 8>{0xEE, 0x34, 0x12, 0xEE, 0xFE, 0xFF, 0xFF, 0xFF}));
+  store_little_endian(bytes, std::uint8_t{0}, 6);
+  EXPECT_EQ(bytes[7], 0xFF);
+}
+
 TEST(Bytes, NothingOutsideIsTouchedAndItReadsAsZero) {
   std::array<std::uint8_t, 2> bytes{};
   store_little_endian(bytes, std::uint32_t{0xAABBCCDD}, 1);

@@ -21,6 +21,35 @@ TEST(Pdo, EntryIsIndexSubIndexAndLength) {
   EXPECT_EQ(MappedObject::from_entry(0x60C20108U), (MappedObject{0x60C2, 1, 8}));
 }
 
+TEST(Pdo, AnObjectThatIsNotNamedIsNone) {
+  const ObjectWrite write{};
+  EXPECT_EQ(write.index + write.subindex + write.size, 0);
+  EXPECT_EQ(write.value, 0U);
+  const ObjectAddress address{};
+  EXPECT_EQ(address.index + address.subindex, 0);
+}
+
+// A mapping of nine bytes, which fits no frame.
+TEST(Pdo, PacksNoMoreThanEightBytesAndNoMoreThanIsMapped) {
+  constexpr PdoMapping nine{.parameter_index = 0x1400,
+                            .mapping_index = 0x1600,
+                            .cob_id = 0x205,
+                            .transmission_type = 1,
+                            .count = 3,
+                            .objects = {{{0x2000, 1, 32}, {0x2000, 2, 32}, {0x2000, 3, 8}}}};
+  const std::array<std::uint64_t, 12> values{0x44332211, 0x88776655, 0x99, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const auto frame = pack_pdo(nine, values);
+  EXPECT_EQ(frame.size, 8);
+  EXPECT_EQ(frame.data, (std::array<std::uint8_t, 8>{0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
+  PdoMapping full = nine;
+  full.count = PdoMapping::max_objects;
+  for (auto& object : full.objects) object = {0x2000, 1, 4};
+  std::array<std::uint64_t, 12> unpacked{};
+  unpacked.fill(0xEE);
+  ASSERT_TRUE(unpack_pdo(full, frame, unpacked));
+  for (std::size_t i = 0; i < unpacked.size(); ++i) EXPECT_EQ(unpacked[i] != 0xEE, i < PdoMapping::max_objects) << i;
+}
+
 TEST(Pdo, RemapInvalidatesEmptiesMapsFillsAndValidates) {
   struct Row {
     unsigned index, subindex, size;

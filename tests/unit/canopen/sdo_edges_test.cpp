@@ -15,15 +15,15 @@ namespace {
 using namespace std::chrono_literals;
 using Bytes = std::array<std::uint8_t, 8>;
 
-constexpr std::uint8_t node_id = 5;
+constexpr std::uint8_t server_node = 5;
 
 class SdoEdges : public ::testing::Test {
  protected:
-  SdoClient client{node_id, 10ms};
+  SdoClient client{server_node, 10ms};
   hal::Time now{};
 
   void answer(const Bytes& bytes) {
-    client.on_frame({.id = sdo_response_cob_id(node_id), .size = 8, .remote = false, .data = bytes});
+    client.on_frame({.id = sdo_response_cob_id(server_node), .size = 8, .remote = false, .data = bytes});
   }
   std::optional<hal::CanFrame> sent() {
     hal::CanFrame frame;

@@ -6,7 +6,7 @@
 #include "breakaway/cia402/position_factor.hpp"
 #include "drive_fixture.hpp"
 
-namespace breakaway::test {
+namespace breakaway::test::drive_edges {
 namespace {
 
 using cia402::Home;
@@ -103,7 +103,7 @@ TEST_F(DriveEdgesTest, TheFirstCommandHasNoForce) {
 }
 
 TEST(DriveDefaults, AreThoseOfTheDocumentation) {
-  constexpr DriveConfig<float> drive{};
+  const DriveConfig<float> drive{};
   EXPECT_EQ(drive.heartbeat_period, 100ms);
   EXPECT_EQ(drive.heartbeat_timeout, 250ms);
   EXPECT_EQ(drive.sdo_timeout, 50ms);
@@ -184,4 +184,4 @@ TEST(HomingEdges, ADriveHasTheWholeTimeOfTheFile) {
 }
 
 }  // namespace
-}  // namespace breakaway::test
+}  // namespace breakaway::test::drive_edges

@@ -3,7 +3,7 @@
 
 #include "drive_fixture.hpp"
 
-namespace breakaway::test {
+namespace breakaway::test::drive_retry {
 namespace {
 
 using breakaway::cia402::DriveNode;
@@ -95,4 +95,4 @@ TEST_F(DriveRetryTest, APositionThatIsReversedOrWrapsIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace breakaway::test
+}  // namespace breakaway::test::drive_retry

@@ -8,7 +8,7 @@
 #include "breakaway/canopen/nmt.hpp"
 #include "drive_fixture.hpp"
 
-namespace breakaway::test {
+namespace breakaway::test::drive_timeline {
 namespace {
 
 bool is_nmt(const CanFrame& frame, NmtCommand command) {
@@ -205,4 +205,4 @@ INSTANTIATE_TEST_SUITE_P(By, DisturbedSetup,
                                          Disturbance::pre_operational));
 
 }  // namespace
-}  // namespace breakaway::test
+}  // namespace breakaway::test::drive_timeline

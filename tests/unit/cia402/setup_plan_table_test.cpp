@@ -7,7 +7,7 @@
 
 #include "breakaway/cia402/setup_plan.hpp"
 
-namespace breakaway::cia402 {
+namespace breakaway::cia402::setup_plan_table {
 namespace {
 
 using namespace std::chrono_literals;
@@ -84,4 +84,4 @@ TEST(SetupPlanTable, OfADriveThatFindsItsHome) {
 }
 
 }  // namespace
-}  // namespace breakaway::cia402
+}  // namespace breakaway::cia402::setup_plan_table

@@ -17,9 +17,11 @@ using namespace std::chrono_literals;
 
 struct TestPort {
   std::vector<hal::CanFrame> sent;
+  std::vector<hal::Time> deadlines;  // of the frames that were sent
   std::deque<hal::ReceivedFrame> inbox;
-  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
+  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
     sent.push_back(frame);
+    deadlines.push_back(deadline);
     return hal::SendResult::queued;
   }
   bool receive(hal::ReceivedFrame& received) noexcept {
@@ -244,6 +246,15 @@ TEST_F(ControlNodeTest, TellsTheStatusOfEveryAxisEveryFiftyPeriods) {
   run(running, 100);
   EXPECT_EQ(told(0).size(), 2U);
   EXPECT_EQ(told(1).size(), 2U);
+}
+
+TEST_F(ControlNodeTest, WhateverItSendsIsStaleWhenTheNextPeriodBegins) {
+  Node running{port, flashed};
+  for (int i = 0; i < 100; ++i) {
+    port.deadlines.clear();
+    run(running, 1);
+    for (const hal::Time deadline : port.deadlines) EXPECT_EQ(deadline, now + 1ms);
+  }
 }
 
 TEST_F(ControlNodeTest, StopsAnAxisWhoseCommanderFallsSilent) {

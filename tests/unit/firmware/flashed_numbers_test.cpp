@@ -278,6 +278,10 @@ constexpr Allowance allowances[] = {
 
 TEST(Verify, TakesLimitsThatTheLawJustKeeps) {
   EXPECT_TRUE(verify(testing::certified_node()).ok());
+  Node alone = testing::certified_node();
+  alone.count = 1;
+  alone.checksum = checksum_of(alone);
+  EXPECT_TRUE(verify(alone).ok()) << "room for two axes, and one there";
   for (const Allowance& allowance : allowances) {
     Node node = testing::certified_node();
     allowance.make(node.axes[1]);

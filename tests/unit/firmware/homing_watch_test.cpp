@@ -7,7 +7,7 @@
 #include "control_loop_fixture.hpp"
 #include "fake_axis.hpp"
 
-namespace breakaway::firmware {
+namespace breakaway::firmware::homing_watch {
 namespace {
 
 using namespace std::chrono_literals;
@@ -145,4 +145,4 @@ TEST(HomingWatch, AForceThatFallsShortIsNamedEitherWay) {
 }
 
 }  // namespace
-}  // namespace breakaway::firmware
+}  // namespace breakaway::firmware::homing_watch

@@ -9,7 +9,7 @@
 #include "breakaway/firmware/remote_control.hpp"
 #include "fake_axis.hpp"
 
-namespace breakaway::firmware {
+namespace breakaway::firmware::remote_port {
 namespace {
 
 using namespace std::chrono_literals;
@@ -95,4 +95,4 @@ TEST(FlashedDefaults, CertifyNothingAndGiveACommanderHalfASecond) {
 }
 
 }  // namespace
-}  // namespace breakaway::firmware
+}  // namespace breakaway::firmware::remote_port

@@ -30,8 +30,8 @@ TEST(TimingStatistics, RoundsAnIntervalToTheNearestPeriod) {
     hal::Duration interval;
     unsigned missed;
   };
-  for (const Row& row : {Row{1ms, 0}, Row{1500us - 1ns, 0}, Row{1500us, 1}, Row{2ms, 1}, Row{2499us, 1}, Row{2500us, 2},
-                         Row{10ms, 9}, Row{10'400us, 9}}) {
+  for (const Row& row : {Row{0ms, 0}, Row{400us, 0}, Row{1ms, 0}, Row{1500us - 1ns, 0}, Row{1500us, 1}, Row{2ms, 1},
+                         Row{2499us, 1}, Row{2500us, 2}, Row{10ms, 9}, Row{10'400us, 9}}) {
     TimingStatistics statistics{1ms};
     statistics.begin(hal::Time{5ms});
     statistics.begin(hal::Time{5ms + row.interval});

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace breakaway::firmware {
+namespace breakaway::firmware::wiring_pins {
 namespace {
 
 std::string name_of(Pin p) { return std::string{static_cast<char>('A' + port_of(p))} + std::to_string(number_of(p)); }
@@ -38,7 +38,7 @@ TEST(Wiring, NamesPinsByPortAndNumber) {
 }
 
 TEST(Wiring, IsThatOfTheCommonBoardsUnlessToldOtherwise) {
-  constexpr Wiring w{};
+  const Wiring w{};
   EXPECT_EQ(w.can_controller, 1);
   EXPECT_EQ(name_of(w.can_receive) + name_of(w.can_transmit), "B8B9");
   EXPECT_EQ(name_of(w.serial_receive) + name_of(w.serial_transmit), "A10A9");
@@ -80,4 +80,4 @@ TEST(Wiring, HasTwoControllersAndARangeOfBaudRates) {
 }
 
 }  // namespace
-}  // namespace breakaway::firmware
+}  // namespace breakaway::firmware::wiring_pins

@@ -153,6 +153,8 @@ TEST(MotorDrivePage, ExampleKeepsWhatThePageSays) {
   EXPECT_EQ(drive.feedback().state, DriveState::disabled);
   EXPECT_EQ(drive.max_force_N(), 50);
   EXPECT_EQ(to_string(drive.setup_status()), "the amplifier is ready");
+  const DriveFeedback<float> nothing{};
+  EXPECT_FALSE(nothing.fresh || nothing.ever_valid || nothing.stop_not_obeyed || nothing.homing_failed);
 }
 
 }  // namespace

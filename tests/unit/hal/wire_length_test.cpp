@@ -111,6 +111,18 @@ TEST(WireLength, WorstCaseOfTheClassicEightByteFrameIs135Bits) {
   EXPECT_EQ(worst_case_wire_bits(8), 135U);
 }
 
+TEST(WireLength, ASizeAboveEightCountsAsEight) {
+  for (const bool remote : {false, true}) {
+    const CanFrame eight{.id = 0x181, .size = 8, .remote = remote, .data = {1, 2, 3, 4, 5, 6, 7, 8}};
+    CanFrame longer = eight;
+    for (const int size : {9, 12, 15, 255}) {
+      longer.size = static_cast<std::uint8_t>(size);
+      EXPECT_EQ(wire_bits(longer), wire_bits(eight)) << size;
+      EXPECT_EQ(longer.payload().size(), 8U) << size;
+    }
+  }
+}
+
 TEST(WireLength, TimeIsRoundedUpToWholeNanoseconds) {
   using breakaway::hal::wire_time;
   EXPECT_EQ(wire_time(135, 1'000'000).count(), 135'000);

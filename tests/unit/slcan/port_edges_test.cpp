@@ -5,7 +5,7 @@
 
 #include "breakaway/slcan/port.hpp"
 
-namespace breakaway::slcan {
+namespace breakaway::slcan::port_edges {
 namespace {
 
 using namespace std::chrono_literals;
@@ -175,4 +175,4 @@ TEST(SlcanDecoder, KnowsTheFirstAndTheLastLineThatFits) {
 }
 
 }  // namespace
-}  // namespace breakaway::slcan
+}  // namespace breakaway::slcan::port_edges

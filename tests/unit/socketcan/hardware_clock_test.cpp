@@ -44,4 +44,15 @@ TEST(HardwareClock, ACounterThatJumpsAheadIsNotFollowedBack) {
   EXPECT_EQ(clock.align(Time{500s}, Time{1001s}), Time{1001s});
 }
 
+// The differences between the clocks, in milliseconds, that were seen so far; the first is taken as it is.
+TEST(HardwareClock, ADifferenceThatGrowsByATenthOfASecondIsAnotherCounter) {
+  HardwareClock near, far, first;
+  EXPECT_EQ(near.align(Time{50s}, Time{1000s}), Time{1000s});
+  EXPECT_EQ(near.align(Time{51s}, Time{1001s + 100ms - 1ns}), Time{1001s + 200us}) << "late, and not another";
+  EXPECT_EQ(far.align(Time{50s}, Time{1000s}), Time{1000s});
+  EXPECT_EQ(far.align(Time{51s}, Time{1001s + 100ms}), Time{1001s + 100ms});
+  EXPECT_EQ(first.align(Time{0s}, Time{50ms}), Time{50ms}) << "however near to each other the clocks are";
+  EXPECT_EQ(first.align(Time{0s}, Time{60ms}), Time{50ms}) << "two frames of one time";
+}
+
 }  // namespace

@@ -24,6 +24,7 @@ struct FakeSocket {
   bool drains = true;       // what was written is on the wire at once
   std::size_t pending = 0;  // frames in the kernel
   int reopenings = 0;
+  std::uint32_t lost = 0;
   std::deque<can_frame> incoming;
   std::vector<std::uint32_t> written;
 
@@ -47,7 +48,7 @@ struct FakeSocket {
     ++reopenings;
     return reopens;
   }
-  std::uint32_t lost_frames() const noexcept { return 0; }
+  std::uint32_t lost_frames() const noexcept { return lost; }
 };
 
 can_frame bus_off_frame() {
@@ -240,6 +241,73 @@ TEST_F(SocketcanPort, ControllerStatesAreShown) {
   EXPECT_FALSE(receive_any());
   EXPECT_EQ(port.bus_state(), BusState::error_passive);
   EXPECT_EQ(send(sync), SendResult::queued);
+}
+
+TEST_F(SocketcanPort, CountsWhatTheKernelRefusesAndGoesOn) {
+  EXPECT_EQ(port.counters().refused, 0U);
+  socket.answer = Io::refused;
+  EXPECT_EQ(send(command), SendResult::queued);
+  socket.answer = Io::done;
+  EXPECT_EQ(send(sync), SendResult::queued);
+  EXPECT_EQ(socket.written, (Ids{0x080})) << "the refused one is not tried again";
+  EXPECT_EQ(port.counters().refused, 1U);
+}
+
+TEST_F(SocketcanPort, CountsFramesThatTheControllerAndTheSocketLost) {
+  can_frame overflow{};
+  overflow.can_id = CAN_ERR_FLAG | CAN_ERR_CRTL;
+  overflow.data[1] = CAN_ERR_CRTL_RX_OVERFLOW;
+  socket.incoming = {overflow, overflow};
+  EXPECT_FALSE(receive_any());
+  EXPECT_EQ(port.counters().overflows, 2U);
+  can_frame passive = overflow;
+  passive.data[1] = CAN_ERR_CRTL_TX_PASSIVE;
+  socket.incoming = {passive};
+  EXPECT_FALSE(receive_any());
+  EXPECT_EQ(port.counters().overflows, 2U);
+  socket.lost = 5;
+  EXPECT_EQ(port.counters().overflows, 7U);
+}
+
+TEST_F(SocketcanPort, OneCallPassesOverSixtyFourErrorFrames) {
+  socket.incoming.assign(100, bus_off_frame());
+  EXPECT_FALSE(receive_any());
+  EXPECT_EQ(socket.incoming.size(), 36U);
+}
+
+TEST_F(SocketcanPort, WhatWaitedWhenTheLinkWasLostIsForgotten) {
+  for (const bool off_bus : {false, true}) {
+    socket.answer = Io::again;
+    EXPECT_EQ(port.send(command, now + 1s), SendResult::queued);
+    if (off_bus) {
+      socket.incoming.push_back(bus_off_frame());
+    } else {
+      socket.no_more = Io::down;
+    }
+    EXPECT_FALSE(receive_any());
+    EXPECT_EQ(port.bus_state(), BusState::bus_off);
+    port.poll(now);
+    EXPECT_EQ(port.bus_state(), BusState::bus_off) << "for the whole period";
+    socket.no_more = Io::again;
+    socket.answer = Io::done;
+    next_period();
+    next_period();
+    EXPECT_EQ(port.bus_state(), BusState::error_active);
+    EXPECT_TRUE(socket.written.empty());
+  }
+}
+
+TEST_F(SocketcanPort, AnInterfaceThatIsGoneIsOpenedAgainAfterATenthOfASecond) {
+  socket.no_more = Io::gone;
+  EXPECT_FALSE(receive_any());
+  port.poll(now + 100ms - 1ns);
+  EXPECT_EQ(socket.reopenings, 0);
+  port.poll(now + 100ms);
+  EXPECT_EQ(socket.reopenings, 1);
+  port.poll(now + 200ms - 1ns);
+  EXPECT_EQ(socket.reopenings, 1);
+  port.poll(now + 200ms);
+  EXPECT_EQ(socket.reopenings, 2);
 }
 
 }  // namespace

@@ -29,7 +29,6 @@ class StuffedBits {
   // Sends the lowest `count` bits of `value`, highest first.
   constexpr void send(std::uint32_t value, unsigned count) noexcept;
   constexpr void send_crc() noexcept { send(crc_, 15); }
-  constexpr std::uint16_t crc() const noexcept { return crc_; }
   constexpr unsigned bits() const noexcept { return bits_; }
 
  private:
