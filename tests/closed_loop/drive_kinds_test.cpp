@@ -49,6 +49,8 @@ INSTANTIATE_TEST_SUITE_P(
     Quirks, ADriveInTheField,
     ::testing::Values(
         Quirk{"ShowsItsModeLate", [](drive_emulator::Quirks& q) { q.mode_display_delay = 700ms; }},
+        Quirk{"AnswersLate", [](drive_emulator::Quirks& q) { q.sdo_response_delay = 120ms; }},
+        Quirk{"RefusesAtFirst", [](drive_emulator::Quirks& q) { q.sdo_busy = 2s; }},
         Quirk{"NeedsAMode", [](drive_emulator::Quirks& q) { q.needs_mode_to_enable = true; }},
         Quirk{"MissesFastControlwords", [](drive_emulator::Quirks& q) { q.min_controlword_interval = 3ms; }},
         Quirk{"AlarmsAtALateSync", [](drive_emulator::Quirks& q) { q.sync_alarm_periods = 2; }},
@@ -129,6 +131,41 @@ TEST(DriveKinds, ANodeThatRefusesToStartIsNamedByTheErrorThatItTells) {
   rig.run(2s);
   EXPECT_EQ(rig.status(0).fault, AxisFault::emergency) << to_string(rig.status(0).fault);
   EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), 0x6320);
+}
+
+TEST(DriveKinds, ADriveThatTakesASecondForAnAnswerIsSetUpWhileTheOthersRun) {
+  RigConfig config;
+  config.axes = 2;
+  Rig rig{config};
+  rig.drive(0).delay_sdo_responses(1s);
+  rig.loop().request_enable(rig.id(0));
+  rig.loop().request_enable(rig.id(1));
+  rig.run(3s);
+  EXPECT_TRUE(rig.status(1).running) << to_string(rig.status(1).fault);
+  while (!rig.status(0).running && rig.now() < hal::Time{140s}) rig.step();
+  EXPECT_TRUE(rig.status(0).running) << to_string(rig.status(0).fault) << " after "
+                                     << to_string(rig.loop().drive(rig.id(0)).setup_status());
+  EXPECT_LE(std::abs(rig.position_m(1)), 3e-6);
+}
+
+TEST(DriveKinds, ADriveThatAnswersTooLateIsNamedInTime) {
+  RigConfig config;
+  config.quirks.sdo_response_delay = 30s;
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  rig.run(21s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::enable_timed_out) << to_string(rig.status(0).fault);
+}
+
+TEST(DriveKinds, ADriveThatGoesOnRefusingIsNamedWithTheObject) {
+  RigConfig config;
+  config.quirks.sdo_busy = 60s;
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  rig.run(5s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_status(), cia402::SetupStatus::object_refused);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_abort_code(), canopen::SdoAbort::device_state);
 }
 
 }  // namespace

@@ -116,6 +116,8 @@ constexpr std::array rows{
     CertificateKey{"quirks", "position_range_counts", apart},
     CertificateKey{"quirks", "feed_constant", apart},
     CertificateKey{"quirks", "homing_fails", apart},
+    CertificateKey{"quirks", "sdo_response_delay_s", apart},
+    CertificateKey{"quirks", "sdo_busy_s", apart},
     CertificateKey{"quirks", "refuses_start_with", apart},
     CertificateKey{"quirks", "self_starting", apart},
     CertificateKey{"quirks", "maps_in_pre_operational_only", apart},

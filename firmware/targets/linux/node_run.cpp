@@ -178,7 +178,7 @@ bool NodeRun::any_configuring() const {
 // No axis is enabled before all drives are set up: whoever is refused here has moved nothing, nor has its neighbour.
 void NodeRun::set_up() {
   // The mode alone may take ten seconds, and every object takes periods.
-  const hal::Duration longest = 20s + 1000 * c_.node.loop.network.period;
+  const hal::Duration usual = 20s + 1000 * c_.node.loop.network.period;
   const hal::Time begin = ticker_.wait();
   while (!telemetry_.stop) {
     step();
@@ -186,7 +186,9 @@ void NodeRun::set_up() {
     refuse_unusable_drives();
     if (!any_configuring()) break;
     if (now_ - begin > nanoseconds(options_.patience_s)) refuse_silent_drives();
-    if (now_ - begin > longest) refuse_standing_drives();
+    hal::Duration extra{};
+    for (const Axis& axis : axes_) extra = std::max(extra, loop_.drive(axis.id).extra_setup_time());
+    if (now_ - begin > usual + extra) refuse_standing_drives();
   }
   if (telemetry_.stop) return;
   for (const Axis& axis : axes_) {

@@ -126,6 +126,7 @@ void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
 void DriveNode::switch_off() noexcept {
   constexpr std::array<std::uint8_t, 2> disable_voltage{};
   sdo_.cancel();
+  sdo_.set_timeout(sdo_timeout_);
   static_cast<void>(sdo_.start_write(object::controlword, 0, disable_voltage));
 }
 
@@ -150,15 +151,24 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
   step_ = 0;
   attempts_ = 0;
+  refusals_ = 0;
+  pause_end_ = now;
+  sdo_.set_timeout(patience_);
 }
 
 void DriveNode::configure(hal::Time now) noexcept {
   const SetupStep& step = plan_.steps()[step_];
+  if (now < pause_end_) return;
   if (!transfer_running_) return start_transfer(step);
   const SdoResult result = sdo_.poll(now);
   if (result == SdoResult::busy) return;
   transfer_running_ = false;
   const bool answered = result == SdoResult::done;
+  if (may_pass(result)) {
+    ++refusals_;
+    pause_end_ = now + refusal_pause;
+    return;
+  }
   if (answered || (step.optional && result == SdoResult::aborted))
     on_step_done(step, answered, now);
   else
@@ -179,6 +189,7 @@ void DriveNode::start_transfer(const SetupStep& step) noexcept {
 
 void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept {
   attempts_ = 0;
+  is_slow_ = is_slow_ || patience_ > sdo_timeout_;
   if (step.kind == SetupStep::Kind::write) write_taken_ = answered;
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
   if (step.index == object::feed_constant && step.subindex == 2) judge_position_factor();
@@ -222,10 +233,32 @@ bool DriveNode::torque_base_is_as_designed() const noexcept {
          rating_.max_torque_per_mille == torque_limit_per_mille(TorqueScale<float>::highest_per_mille);
 }
 
+// Whether a drive may take later what it refuses now: its server is not ready, or somebody else still uses it.
+bool DriveNode::may_pass(SdoResult result) const noexcept {
+  if (result != SdoResult::aborted || refusals_ == most_refusals) return false;
+  switch (sdo_.abort_code()) {
+    case canopen::SdoAbort::timeout:
+    case canopen::SdoAbort::out_of_memory:
+    case canopen::SdoAbort::cannot_store:
+    case canopen::SdoAbort::local_control:
+    case canopen::SdoAbort::device_state:
+      return true;
+    default:
+      return false;
+  }
+}
+
+void DriveNode::be_patient() noexcept {
+  patience_ = std::max(sdo_timeout_, std::min<hal::Duration>(patience_ * growth_of_patience, longest_patience));
+  sdo_.set_timeout(patience_);
+}
+
 void DriveNode::on_step_failed(SdoResult result, hal::Time now) noexcept {
   if (result == SdoResult::aborted) return refuse(SetupStatus::object_refused);
   if (result != SdoResult::timeout) return refuse(SetupStatus::protocol_error);
-  if (++attempts_ < sdo_attempts) return;
+  if (++attempts_ < sdo_attempts) return be_patient();
+  patience_ = sdo_timeout_;
+  is_slow_ = false;
   enter(SetupPhase::waiting, now);
   heartbeat_.stop();
   heartbeat_.forget_state();
@@ -394,6 +427,7 @@ void DriveNode::force_stop(hal::Time now) noexcept {
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   sdo_.cancel();
+  sdo_.set_timeout(sdo_timeout_);
   transfer_running_ = false;
   forced_stop_.begin(now);
 }

@@ -33,6 +33,8 @@ void validate(const EmulatorConfig& config) {
   require(config.stop_duration.count() >= 0, "stop_duration must not be negative");
   require(config.error_behaviour <= 2, "error_behaviour must be 0, 1 or 2");
   require(config.valid_pdos <= 4, "valid_pdos must be 0..4");
+  require(config.quirks.sdo_response_delay.count() >= 0, "quirks.sdo_response_delay must not be negative");
+  require(config.quirks.sdo_busy.count() >= 0, "quirks.sdo_busy must not be negative");
   require(config.quirks.mode_display_delay.count() >= 0, "quirks.mode_display_delay must not be negative");
 }
 

@@ -31,7 +31,8 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
       sdo_(dictionary_),
       drive_(config_, dictionary_, emergency_, mechanism),
       random_(config.seed),
-      sdo_response_delay_(config.sdo_response_delay) {
+      sdo_response_delay_(config.quirks.sdo_response_delay.count() > 0 ? config.quirks.sdo_response_delay
+                                                                       : config.sdo_response_delay) {
   add_communication_objects(dictionary_, config_);
   add_drive_objects(dictionary_, config_);
   // The PDOs carry what CiA 402 maps at power-on, with the torque command and the position in the third ones.

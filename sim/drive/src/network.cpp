@@ -123,6 +123,7 @@ void DriveEmulator::reset(NmtCommand command) {
 }
 
 void DriveEmulator::finish_boot() {
+  sdo_ready_ = now_ + config_.quirks.sdo_busy;
   drive_.self_test_passed();
   if (!config_.quirks.no_boot_up_message) post_heartbeat(NmtState::boot_up);
   enter(NmtState::pre_operational);
@@ -166,7 +167,8 @@ void DriveEmulator::lose_master() {
 void DriveEmulator::on_sdo(const hal::CanFrame& frame) {
   if (frame.size != 8) return;
   drive_.sample(now_, false);
-  if (const auto answer = sdo_.answer(frame.data))
+  const bool busy = now_ < sdo_ready_;
+  if (const auto answer = busy ? sdo_.refuse(frame.data, canopen::SdoAbort::device_state) : sdo_.answer(frame.data))
     post({.id = canopen::sdo_response_cob_id(config_.node_id), .size = 8, .data = *answer}, sdo_response_delay_);
   timers_.cancel(sdo_timeout);
   if (sdo_.transfer_under_way()) timers_.set(sdo_timeout, now_ + config_.sdo_timeout);

@@ -48,6 +48,12 @@ std::optional<SdoServer::Payload> SdoServer::answer(const Payload& request) {
   }
 }
 
+std::optional<SdoServer::Payload> SdoServer::refuse(const Payload& request, SdoAbort code) {
+  if (request[0] >> 5 == abort_request) return std::nullopt;
+  address_ = {canopen::load_little_endian<std::uint16_t>(request, 1), request[3]};
+  return abort(code);
+}
+
 SdoServer::Payload SdoServer::reply(unsigned command) const {
   Payload payload{static_cast<std::uint8_t>(command)};
   canopen::store_little_endian(payload, address_.index, 1);

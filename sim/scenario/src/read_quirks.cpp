@@ -23,6 +23,8 @@ void read_quirks(const Section& section, drive_emulator::Quirks& q) {
           integer([&q](std::int64_t n) { q.position_range_counts = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
       optional("feed_constant",
                integer([&q](std::int64_t n) { q.feed_constant = static_cast<std::uint32_t>(n); }, 0, 2147483647)),
+      optional("sdo_response_delay_s", duration_s(q.sdo_response_delay, {0, 60})),
+      optional("sdo_busy_s", duration_s(q.sdo_busy, {0, 60})),
       optional("homing_fails", boolean(q.homing_fails)),
       optional("refuses_start_with",
                integer([&q](std::int64_t n) { q.refuses_start_with = static_cast<std::uint16_t>(n); }, 0, 0xFFFF)),

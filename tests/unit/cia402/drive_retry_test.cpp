@@ -64,6 +64,48 @@ TEST_F(DriveRetryTest, EachRequestHasItsOwnAttempts) {
   EXPECT_FALSE(was_reset());
 }
 
+// As by a drive that still starts. An object that need not be there is not passed over meanwhile.
+TEST_F(DriveRetryTest, ARefusalThatMayPassIsAskedAgainUntilItDoes) {
+  for (const std::uint16_t index : {std::uint16_t{0x6076}, std::uint16_t{0x607E}}) {
+    for (const SdoAbort code : {SdoAbort::timeout, SdoAbort::out_of_memory, SdoAbort::cannot_store,
+                                SdoAbort::local_control, SdoAbort::device_state}) {
+      boot_again();
+      node.objects[ScriptedDrive::key(0x607E, 0)] = 0;
+      node.refused[ScriptedDrive::key(index, 0)] = code;
+      run_for(2s);
+      EXPECT_EQ(drive.setup_status(), SetupStatus::in_progress);
+      EXPECT_EQ(drive.setup_object().index, index) << to_string(code);
+      node.refused.clear();
+      run_for(500ms);
+      EXPECT_EQ(drive.setup_status(), SetupStatus::ready) << to_string(code);
+    }
+  }
+}
+
+TEST_F(DriveRetryTest, ARefusalThatStaysIsOneForGoodAfterThreeSeconds) {
+  boot_again();
+  node.refused[ScriptedDrive::key(0x6076, 0)] = SdoAbort::device_state;
+  run_for(2900ms);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::in_progress);
+  run_for(500ms);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+  EXPECT_EQ(drive.setup_abort_code(), SdoAbort::device_state);
+}
+
+TEST_F(DriveRetryTest, ANodeThatAnswersLateIsGivenTheTimeThatItNeedsAndIsNotWhenItIsGone) {
+  boot_again();
+  run_for(5ms);
+  EXPECT_EQ(drive.extra_setup_time(), 0ms);
+  node.sdo_requests_lost = 1;
+  run_for(80ms);
+  ASSERT_EQ(drive.setup_status(), SetupStatus::in_progress);
+  EXPECT_GT(drive.extra_setup_time(), 10s) << "for every object six times what an answer may take";
+  node.silent = true;
+  run_for(5s);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::no_answer);
+  EXPECT_EQ(drive.extra_setup_time(), 0ms);
+}
+
 struct Position {
   std::uint16_t index;
   std::uint8_t subindex;

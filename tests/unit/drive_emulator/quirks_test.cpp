@@ -36,6 +36,15 @@ TEST_F(DriveQuirksTest, HasNoTorqueMode) {
   EXPECT_EQ(force_N(), 0);
 }
 
+TEST_F(DriveQuirksTest, RefusesEveryTransferAtFirst) {
+  config.quirks.sdo_busy = milliseconds{50};
+  start(config);
+  EXPECT_EQ(abort_code({0x40, 0x00, 0x10, 0, 0, 0, 0, 0}), 0x08000022U);
+  EXPECT_EQ(abort_code({0x2B, 0x17, 0x10, 0, 100, 0, 0, 0}), 0x08000022U);
+  run(milliseconds{50});
+  EXPECT_EQ(sdo({0x40, 0x17, 0x10, 0, 0, 0, 0, 0}).at(4), 0U) << "nothing was written";
+}
+
 TEST_F(DriveQuirksTest, RefusesToEnableWithoutAMode) {
   config.quirks.needs_mode_to_enable = true;
   start(config);

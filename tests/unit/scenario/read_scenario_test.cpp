@@ -241,6 +241,8 @@ TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
         .drive->quirks;
   };
   EXPECT_EQ(quirks_of("mode_display_delay_s = 0.5").mode_display_delay, std::chrono::milliseconds{500});
+  EXPECT_EQ(quirks_of("sdo_response_delay_s = 1").sdo_response_delay, std::chrono::seconds{1});
+  EXPECT_EQ(quirks_of("sdo_busy_s = 2").sdo_busy, std::chrono::seconds{2});
   EXPECT_EQ(quirks_of("min_controlword_interval_s = 0.002").min_controlword_interval, std::chrono::milliseconds{2});
   EXPECT_EQ(quirks_of("sync_alarm_periods = 2").sync_alarm_periods, 2U);
   EXPECT_EQ(quirks_of("position_range_counts = 131072").position_range_counts, 131072U);

@@ -249,6 +249,11 @@ class ControlLoop {
   // To be set up, too: the mode of operation alone may take ten seconds.
   static constexpr hal::Duration set_up_time = std::chrono::seconds{20};
 
+  static hal::Duration time_to_set_up(const Drive& drive) noexcept {
+    if constexpr (requires { drive.extra_setup_time(); }) return set_up_time + drive.extra_setup_time();
+    return set_up_time;
+  }
+
   static bool may_have_force(const hal::DriveFeedback<Scalar>& f) noexcept {
     return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping ||
            f.state == hal::DriveState::homing;
@@ -418,7 +423,7 @@ class ControlLoop {
     a.supervisor.check_idle(health, now);
     if (!a.unfulfilled_since) a.unfulfilled_since = a.enabling_since = now;
     if (feedback.state != hal::DriveState::enabling) a.enabling_since = now;
-    if (now - a.enabling_since <= enable_time && now - *a.unfulfilled_since <= set_up_time) return;
+    if (now - a.enabling_since <= enable_time && now - *a.unfulfilled_since <= time_to_set_up(a.drive)) return;
     // An error that the drive told of says more than that it does not come.
     const std::uint16_t code = a.drive.last_emcy().code;
     a.supervisor.latch(code != 0 ? AxisFault::emergency : AxisFault::enable_timed_out, code, now);

@@ -76,6 +76,9 @@ class SdoClient {
   // node_id: the server's, 1..127. timeout: for every single response, above 0.
   SdoClient(std::uint8_t node_id, hal::Duration timeout) noexcept;
 
+  // For every single response from now on, above 0.
+  void set_timeout(hal::Duration timeout) noexcept { timeout_ = timeout; }
+
   // Starts to read an object. Nothing is sent before next_frame() is asked.
   [[nodiscard]] SdoStart start_read(std::uint16_t index, std::uint8_t subindex) noexcept;
 

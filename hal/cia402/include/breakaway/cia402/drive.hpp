@@ -201,6 +201,8 @@ class Drive {
   canopen::ObjectAddress setup_object() const noexcept { return node_.setup_object(); }
   // Why the drive refuses that object, when setup_status() is object_refused; SdoAbort::none otherwise.
   canopen::SdoAbort setup_abort_code() const noexcept { return node_.setup_abort_code(); }
+  // What its set-up takes beside what another drive's does, because it is slow to answer.
+  hal::Duration extra_setup_time() const noexcept { return node_.extra_time(); }
   std::optional<canopen::NmtState> nmt_state() const noexcept { return node_.nmt_state(); }
   bool heartbeat_lost() const noexcept { return node_.heartbeat_lost(); }
   const canopen::Emcy& last_emcy() const noexcept { return node_.emcy().last(); }

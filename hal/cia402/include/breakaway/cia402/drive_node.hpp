@@ -64,8 +64,16 @@ class DriveNode {
  public:
   // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
   static constexpr hal::Duration boot_time = std::chrono::seconds{2};
-  // A transfer is tried so often before the node counts as gone.
+  // A transfer is tried so often before the node counts as gone. Some servers take a second for an answer, so the next
+  // attempt waits so many times as long, but no longer than the longest patience unless DriveConfig::sdo_timeout is. A
+  // node that needed it is given it from then on.
   static constexpr unsigned sdo_attempts = 3;
+  static constexpr int growth_of_patience = 6;
+  static constexpr hal::Duration longest_patience = std::chrono::seconds{2};
+  // A refusal that may pass, such as by a drive that still starts, is asked again at this interval, so often in a
+  // set-up.
+  static constexpr hal::Duration refusal_pause = std::chrono::milliseconds{100};
+  static constexpr unsigned most_refusals = 30;
   // 6061h is asked for at this interval, and 6060h written again at the longer one, until the time is over. Drives were
   // seen to take seconds.
   static constexpr hal::Duration mode_poll_time = std::chrono::milliseconds{20};
@@ -83,6 +91,8 @@ class DriveNode {
         torque_base_{drive.torque_base},
         user_position_unit_{drive.user_position_unit},
         homes_{drive.homing.home == Home::by_drive},
+        sdo_timeout_{drive.sdo_timeout},
+        patience_{drive.sdo_timeout},
         config_valid_{internal::check_node(drive, network) == DriveConfigError::none},
         plan_{drive, network},
         sdo_{drive.node_id, drive.sdo_timeout},
@@ -107,6 +117,10 @@ class DriveNode {
   // Has the drive take another mode, which it then shows when the node is ready again. Cyclic synchronous torque is
   // that of every set-up. Only a node that is ready does.
   void select_mode(Mode mode, hal::Time now) noexcept;
+  // What its set-up takes beside what another's does, because it is slow to answer.
+  hal::Duration extra_time() const noexcept {
+    return is_slow_ ? static_cast<int>(plan_.steps().size()) * patience_ : hal::Duration::zero();
+  }
   // Has 603Fh read, once the node is ready.
   void request_error_code() noexcept { error_code_wanted_ = true; }
   void forget_errors() noexcept;
@@ -158,6 +172,8 @@ class DriveNode {
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
   bool holds(const SetupStep& step) const noexcept;
   bool is_needless(const SetupStep& step) const noexcept;
+  bool may_pass(canopen::SdoResult result) const noexcept;
+  void be_patient() noexcept;
   void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
   void judge_position_factor() noexcept;
@@ -183,6 +199,7 @@ class DriveNode {
   TorqueBase torque_base_;
   bool user_position_unit_;
   bool homes_;
+  hal::Duration sdo_timeout_, patience_;  // patience_: for an answer of the set-up
   bool config_valid_;
   SetupPlan plan_;
   canopen::SdoClient sdo_;
@@ -196,6 +213,8 @@ class DriveNode {
   hal::Time last_mode_request_{};
   std::size_t step_ = 0;
   unsigned attempts_ = 0;
+  unsigned refusals_ = 0;  // that may pass, in this set-up
+  hal::Time pause_end_{};  // after such a refusal
   std::uint32_t reboots_ = 0;
   DriveRating rating_;
   PositionFactor position_factor_;
@@ -209,6 +228,7 @@ class DriveNode {
   bool mode_write_ = false;          // the running transfer is a renewed request of the mode
   bool reset_told_ = false;          // the last command in `waiting`
   bool answers_ = false;             // by SDO, after that command
+  bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
   bool write_taken_ = false;               // the last one of the plan
   bool forced_while_operational_ = false;  // the forced stop began while PDOs passed

@@ -34,6 +34,10 @@ struct Quirks {
   std::uint32_t position_range_counts = 0;
   // 6092h:01 at power-on, units of 6064h a revolution of `encoder_counts_per_revolution`; 0: as many as those.
   std::uint32_t feed_constant = 0;
+  // SDO answers take so long; 0: as EmulatorConfig says.
+  hal::Duration sdo_response_delay{};
+  // For so long after its boot-up every SDO transfer is refused with 0800'0022h.
+  hal::Duration sdo_busy{};
   // A homing that is started ends with an error.
   bool homing_fails = false;
   // The node goes on to Operational by itself after its boot-up.

@@ -144,6 +144,7 @@ class DriveEmulator {
 
   hal::Time now_{};
   hal::Duration sdo_response_delay_;
+  hal::Time sdo_ready_{};
   bool powered_ = false;
   bool silent_ = false;
   bool heartbeat_suppressed_ = false;

@@ -20,6 +20,9 @@ class SdoServer {
   // Returns the server's answer to a request; nothing when the client aborted.
   std::optional<Payload> answer(const Payload& request);
 
+  // Returns the refusal of a request, whatever it asks; nothing when the client aborted.
+  std::optional<Payload> refuse(const Payload& request, canopen::SdoAbort code);
+
   // Returns true between two frames of a segmented transfer.
   bool transfer_under_way() const { return direction_ != Direction::none; }
   // Ends the transfer that is under way, if any, and returns the frame that tells the client.
