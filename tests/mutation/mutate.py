@@ -326,12 +326,12 @@ def row(name, chosen, results, equivalents):
     rest = [m for m in counted if m.key not in equivalents.reasons]
     noticed = sum(results[m.key][0] == "noticed" for m in rest)
     share = f"{100 * noticed / len(rest):.1f} %" if rest else "-"
-    return f"| {name} | {len(counted)} | {len(same)} | {noticed} | {len(rest) - noticed} | {share} |"
+    return f"| {name} | {len(chosen)} | {len(counted)} | {len(same)} | {noticed} | {len(rest) - noticed} | {share} |"
 
 
 def table(mutants, results, equivalents):
-    lines = ["| room | mutants | equivalent | noticed | survive | noticed of those that are not equivalent |",
-             "|---|---|---|---|---|---|"]
+    lines = ["| room | mutants | tried | equivalent | noticed | survive | noticed of those that are not equivalent |",
+             "|---|---|---|---|---|---|---|"]
     for room in ROOMS:
         lines.append(row(room, [m for m in mutants if room_of(m.path) == room], results, equivalents))
     lines.append(row("stop path, limits, faults", [m for m in mutants if m.path in STOP_PATH], results, equivalents))
