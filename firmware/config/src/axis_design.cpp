@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "surroundings.hpp"
@@ -99,6 +100,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
 }
 
 std::string why_not_certified(const Node& node, const Axis& axis) try {
+  if (node.coupling) return examine_machine(node).reason;
   const design::DesignReport report = design::design_axis(axis_design(node, axis));
   require_room_for_kicks(node, axis, report);
   require_room_for_moves(node, axis, report);

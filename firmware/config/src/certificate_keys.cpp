@@ -23,6 +23,7 @@ constexpr std::array rows{
     CertificateKey{"", "run", counted},
     CertificateKey{"", "machine", refused,
                    "a certificate is of an axis that moves alone, and here its axes move one another; simulate it"},
+    CertificateKey{"", "coupling", counted},
     CertificateKey{"", "start", apart},
     CertificateKey{"", "target", apart},
 

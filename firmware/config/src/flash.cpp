@@ -21,6 +21,11 @@ void require_flashable(const Node& node) {
   };
   if (!node.loop)
     throw InputError{"[loop] is missing: what runs on a controller needs its period_s"}.in_file(node.file);
+  if (node.coupling)
+    throw InputError{
+        "[coupling] is of axes that one coordinator moves, which `simulate` runs; what is flashed does not hold "
+        "its numbers yet: leave the table out, and each axis is a law of its own"}
+        .in_file(node.file);
   for (const Axis& axis : node.axes) {
     if (!axis.drive) refuse(axis, "[drive] is missing: what runs on a controller needs one");
     if (!axis.controller.impulsive) refuse(axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");

@@ -12,6 +12,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "read_coupling.hpp"
 #include "surroundings.hpp"
 #include "wiring.hpp"
 
@@ -134,10 +135,14 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
         .in_file(name);
   Node node;
   node.file = name;
-  std::optional<Section> loop, bus, run, target;
+  std::optional<Section> loop, bus, run, target, coupling;
   AxisTables alone;
-  const std::vector<Key> common{optional("title", text(node.title)), keep_table("loop", loop), keep_table("bus", bus),
-                                keep_table("run", run), keep_table("target", target)};
+  const std::vector<Key> common{optional("title", text(node.title)),
+                                keep_table("loop", loop),
+                                keep_table("bus", bus),
+                                keep_table("run", run),
+                                keep_table("target", target),
+                                keep_table("coupling", coupling)};
   const Key entries = optional("axis", tables([](const Section&) {}));
   for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty", "move"})
     if (root.has("axis") && root.has(part))
@@ -156,6 +161,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
+  if (coupling) node.coupling = read_coupling(*coupling, node);
   look_at_root(root, node);
   return node;
 }

@@ -7,6 +7,7 @@
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/flash.hpp"
+#include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/design/binding_limit.hpp"
 #include "breakaway/design/report.hpp"
@@ -14,7 +15,10 @@
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/report/design_html.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/stability/machine_certificate.hpp"
 #include "commands.hpp"
+#include "conditions_json.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -182,9 +186,107 @@ std::string flashed_header(const DesignCommand& options, const Node& node, const
   return options.header.empty() ? std::string{} : config::node_header(flashed, node, reports);
 }
 
+void write_pair(format::JsonWriter& json, const Node& node, const stability::PairCondition& pair) {
+  json.member("kicked", node.axes[static_cast<std::size_t>(pair.kicked)].name);
+  json.member("held", node.axes[static_cast<std::size_t>(pair.held)].name);
+  json.member("phase", std::string{stability::to_string(pair.phase)});
+  json.member("needed_N", pair.needed_N);
+  json.member("held_N", pair.held_N);
+  json.member("margin_N", pair.margin_N());
+}
+
+void write_promised_axis(format::JsonWriter& json, const Node& node, std::size_t i,
+                         const stability::MachineCertificate& certificate) {
+  const stability::AxisPromise& axis = certificate.axes[i];
+  json.member("name", node.axes[i].name);
+  json.member("box_m", axis.box_m);
+  json.member("kick_N", axis.kick_N);
+  json.member("accuracy_floor_m", axis.floor_m);
+  json.member("least_tolerance_m", axis.least_tolerance_m);
+  json.member("error_m", config::tolerance_m(node, node.axes[i]) + config::reading_error_m(node.axes[i]));
+  json.member("most_kicks", axis.most_kicks);
+  json.object("tightest", [&] { write_pair(json, node, axis.tightest); });
+}
+
+std::string to_json(const Node& node, const stability::MachineCertificate& certificate) {
+  format::JsonWriter json;
+  json.object([&] {
+    json.member("certified", certificate.certified);
+    json.member("reason", certificate.reason);
+    write_conditions(json, certificate.conditions);
+    json.member("start_J", certificate.sampled.start_J);
+    json.member("level_J", certificate.sampled.level_J);
+    json.numbers("friction_lost_to_sampling_N", certificate.sampled.lost_N);
+    json.member("release_s", certificate.release_s);
+    json.member("most_kicks", certificate.most_kicks);
+    json.array("axes", [&] {
+      for (std::size_t i = 0; i < certificate.axes.size(); ++i)
+        json.object([&] { write_promised_axis(json, node, i, certificate); });
+    });
+    json.array("simultaneous", [&] {
+      for (const stability::PairCondition& pair : certificate.simultaneous)
+        json.object([&] { write_pair(json, node, pair); });
+    });
+  });
+  return json.text();
+}
+
+void print_promised_axis(const Node& node, std::size_t i, const stability::AxisPromise& axis) {
+  const double error_m = config::tolerance_m(node, node.axes[i]) + config::reading_error_m(node.axes[i]);
+  fmt::print(
+      "axis {:<16} box {:.4g} m, kicks of {:.4g} N at most, {} of them at most, error {:.4g} m (least {:.4g} m)\n",
+      node.axes[i].name, axis.box_m, axis.kick_N, axis.most_kicks, error_m,
+      axis.least_tolerance_m + config::reading_error_m(node.axes[i]));
+  const stability::PairCondition& pair = axis.tightest;
+  if (pair.kicked != pair.held)
+    fmt::print("                      its kicks ask most of {} in the {}: {:.4g} N of {:.4g} N, margin {:.4g} N\n",
+               node.axes[static_cast<std::size_t>(pair.held)].name, stability::to_string(pair.phase), pair.needed_N,
+               pair.held_N, pair.margin_N());
+}
+
+void print_machine(const Node& node, const stability::MachineCertificate& certificate) {
+  for (const stability::Condition& c : certificate.conditions)
+    fmt::print("{:<6} {:<30} margin {:>11.4g}  {}\n", c.holds ? "holds" : "FAILS", c.name, c.margin, c.reason);
+  fmt::print("\n");
+  for (std::size_t i = 0; i < certificate.axes.size(); ++i) print_promised_axis(node, i, certificate.axes[i]);
+  for (const stability::PairCondition& pair : certificate.simultaneous)
+    fmt::print("both at once          {} under a kick of {}: {}, margin {:.4g} N\n",
+               node.axes[static_cast<std::size_t>(pair.held)].name,
+               node.axes[static_cast<std::size_t>(pair.kicked)].name,
+               pair.holds() ? "would stop" : "is not sure to stop", pair.margin_N());
+  if (!certificate.certified) return fmt::print("NOT certified\n  {}\n", certificate.reason);
+  fmt::print("release               {:.4g} s to certain rest\n", certificate.release_s);
+  fmt::print(
+      "certified: from rest within {:.4g} m of its targets the machine approaches, is let go, and reaches them after "
+      "{} "
+      "kicks at most, of one axis after another; no kick moves another axis, and none goes beyond\n",
+      node.coupling->start_m, certificate.most_kicks);
+}
+
+// With the [machine] of the file, which must be what the node is told of.
+Node told_node(const std::string& file) { return scenario::read_scenario(file).node; }
+
+// Axes that push each other have one certificate.
+int design_machine(const DesignCommand& options, const Node& node) {
+  if (!options.report.empty())
+    throw InputError{
+        "--report is of axes that move alone; a [coupling] is reported by --json, and its motion by "
+        "`simulate --report`"}
+        .in_file(node.file);
+  const stability::MachineCertificate certificate = config::examine_machine(node);
+  if (!options.header.empty() && certificate.certified) config::require_flashable(node);
+  if (!options.json.empty()) format::write_output(options.json, to_json(node, certificate));
+  if (options.json != "-") print_machine(node, certificate);
+  if (!certificate.certified)
+    fmt::print(stderr, "breakaway: {}: not certified: {}{}\n", node.file, certificate.reason,
+               options.header.empty() ? "" : "; no header is written");
+  return certificate.certified ? done : failed_check;
+}
+
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const DesignCommand& options) {
   const Node node = config::read_node(options.file);
+  if (node.coupling) return design_machine(options, told_node(options.file));
   const Reports reports = config::examine(node);
   const bool certified = std::ranges::all_of(reports, &DesignReport::certified);
   // Everything is ready before the first file is written: an error here leaves no file behind.

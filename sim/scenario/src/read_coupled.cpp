@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -44,7 +45,70 @@ Eigen::VectorXd vector_of(const PushedOrRead& place, Eigen::Index coordinates, c
   return row;
 }
 
+constexpr double rounding = 1e-9;  // relative: a bound that is set to the very number holds it
+
+void require_within(const char* key, const Eigen::MatrixXd& truth, const Eigen::MatrixXd& told,
+                    const Eigen::MatrixXd& error) {
+  const double scale = told.cwiseAbs().maxCoeff() * rounding;
+  for (Eigen::Index i = 0; i < truth.rows(); ++i) {
+    for (Eigen::Index j = 0; j < truth.cols(); ++j) {
+      if (std::abs(truth(i, j) - told(i, j)) <= error(i, j) + scale) continue;
+      throw InputError{
+          fmt::format("[machine] {} has {:.6g} in row {}, column {}, where [coupling] tells the node {:.6g}, "
+                      "give or take {:.4g}; make one hold the other",
+                      key, truth(i, j), i + 1, j + 1, told(i, j), error(i, j))};
+    }
+  }
+}
+
+void require_own_place(const Scenario& s, std::size_t i) {
+  const auto n = static_cast<Eigen::Index>(s.axes());
+  const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, static_cast<Eigen::Index>(i));
+  const MachinePlace& place = *s.worlds[i].place;
+  if (place.push == unit && place.read == unit) return;
+  throw InputError{
+      fmt::format("axis {}: [plant.machine] must push and read coordinate {} alone, as [coupling] has its "
+                  "axes in the order of the file",
+                  s.node.axes[i].name, i + 1)};
+}
+
+void require_told_friction(const Scenario& s, std::size_t i) {
+  const stability::LinearMachine<>& m = s.machine->machine;
+  const auto row = static_cast<Eigen::Index>(i);
+  const auto& bounds = s.node.axes[i].friction.bounds;
+  const double friction_N = m.friction_N[row];
+  if (m.directions(row, row) != 1 || m.directions.row(row).cwiseAbs().sum() != 1)
+    throw InputError{"[machine] directions must be one for each axis under a [coupling]: give the unit matrix"};
+  if (friction_N < bounds.lower_N * (1 - rounding) || friction_N > bounds.upper_N * (1 + rounding))
+    throw InputError{
+        fmt::format("[machine] friction_N has {:g} for axis {}, outside its [friction], {:g} to {:g} N; "
+                    "make one hold the other",
+                    friction_N, s.node.axes[i].name, bounds.lower_N, bounds.upper_N)};
+}
+
 }  // namespace
+
+void require_told(const Scenario& s) try {
+  if (!s.node.coupling) return;
+  if (!s.machine)
+    throw InputError{
+        "[coupling] tells the node of a machine, and there is no [machine]: describe the one that its axes push"};
+  const config::Coupling& told = *s.node.coupling;
+  const stability::LinearMachine<>& m = s.machine->machine;
+  if (m.coordinates() != told.mass.rows() || m.frictions() != told.mass.rows())
+    throw InputError{
+        fmt::format("[machine] has {} coordinates and {} frictions, and [coupling] is of {} axes; give one "
+                    "of each for every axis",
+                    m.coordinates(), m.frictions(), told.mass.rows())};
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(m.coordinates(), m.coordinates());
+  require_within("mass", m.mass, told.mass, told.mass_error * told.mass.cwiseAbs());
+  require_within("damping", m.damping, told.damping, none);
+  require_within("stiffness", m.stiffness, told.stiffness, none);
+  require_within("force_N", stability::constant_force(m), Eigen::VectorXd::Zero(m.coordinates()), told.load_N);
+  for (std::size_t i = 0; i < s.axes(); ++i) require_own_place(s, i), require_told_friction(s, i);
+} catch (const InputError& error) {
+  throw error.in_file(s.node.file);
+}
 
 void read_place(const Section& section, PlaceInFile& place) {
   section.read({

@@ -33,4 +33,8 @@ void read_place(const config::Section& section, PlaceInFile& place);
 // The same with its sizes, once the machine is known. `axis` names the axis in errors.
 MachinePlace place_in(const CoupledMachine& machine, const PlaceInFile& place, const std::string& axis);
 
+// Throws InputError unless the scenario's machine is one of those that its node is told of in [coupling], and each axis
+// pushes and reads the coordinate of its own number. Nothing where there is no [coupling].
+void require_told(const Scenario& scenario);
+
 }  // namespace breakaway::scenario

@@ -114,6 +114,7 @@ class WorldReader {
     }
     if (has_run_) s.run = run_;
     s.node = std::move(node);
+    require_told(s);
     return s;
   }
 

@@ -8,11 +8,13 @@
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/flash.hpp"
+#include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
+#include "breakaway/law/kick_coordinator.hpp"
 #include "breakaway/law/pid_controller.hpp"
 #include "plant_budget.hpp"
 
@@ -154,9 +156,25 @@ Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
   return run.run();
 }
 
+template <class Real>
+Result run_coordinated(const scenario::Scenario& s, const RecordingOptions& recording) {
+  const auto parameters = config::coordinator_parameters<Real>(s.node);
+  law::KickCoordinator<Real, config::most_axes> coordinator{parameters};
+  using Law = law::CoordinatedAxis<Real, config::most_axes>;
+  LoopRun<Real, Law> run{s, recording, config::loop_config(s.node)};
+  for (std::size_t i = 0; i < s.node.axes.size(); ++i) {
+    const config::Axis& axis = s.node.axes[i];
+    static_cast<void>(
+        run.loop().add_axis(config::drive_config<Real>(axis), Law{coordinator, i}, config::axis_limits<Real>(axis)));
+  }
+  return run.run();
+}
+
 bool in_double(const scenario::Scenario& s) { return s.scalar == scenario::ScalarType::float64; }
 
 Result run_with(const scenario::Scenario& s, const RecordingOptions& recording, const SharedNode& node) {
+  if (s.node.coupling)
+    return in_double(s) ? run_coordinated<double>(s, recording) : run_coordinated<float>(s, recording);
   if (const auto* in_float = std::get_if<std::shared_ptr<const config::AnyNode<float>>>(&node))
     return run_impulsive(s, recording, **in_float);
   if (const auto* wide = std::get_if<std::shared_ptr<const config::AnyNode<double>>>(&node))
@@ -178,7 +196,7 @@ void require_one_kind(const scenario::Scenario& s) {
 SharedNode flashed_node(const scenario::Scenario& s) {
   config::require_fitting_bus(s.node);
   require_one_kind(s);
-  if (s.node.axes.front().controller.pid) return {};
+  if (s.node.axes.front().controller.pid || s.node.coupling) return {};
   if (in_double(s)) return std::make_shared<const config::AnyNode<double>>(config::flashed<double>(s.node));
   return std::make_shared<const config::AnyNode<float>>(config::flashed<float>(s.node));
 }

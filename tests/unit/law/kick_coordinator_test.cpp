@@ -213,6 +213,20 @@ TEST(KickCoordinator, AnAxisThatDropsOutTakesAllBackToTheApproach) {
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
 }
 
+TEST(KickCoordinator, AnAxisThatRunsBeforeTheFirstOneDoesIsHeldInStepWithTheKick) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.coordinator.update(1, {5e-6, 0, true});
+  double held_before_N = 0;
+  for (int n = 0; n < 100 && !bench.outputs[0].kicked; ++n) {
+    held_before_N = bench.force_N(1);
+    bench.step(3e-4, 5e-6);
+  }
+  ASSERT_TRUE(bench.outputs[0].kicked);
+  EXPECT_EQ(held_before_N, 0) << "a hold-off force before its kick";
+  EXPECT_DOUBLE_EQ(bench.force_N(1), 0.25 * (bench.force_N(0) + 3.5));
+}
+
 TEST(KickCoordinator, ANewTargetIsApproachedFromTheHold) {
   const Parameters p = two_axes();
   Bench bench{p};

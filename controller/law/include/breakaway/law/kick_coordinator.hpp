@@ -10,8 +10,9 @@
 //   hold      every axis is within its tolerance: u = 0
 //
 // What breakaway::stability::certify_machine() certifies is this, with these numbers. No kick looks at a measurement
-// after its start. What is chosen in a period acts in the next one for all axes alike, so that it does not matter in
-// which order they are asked. The work of a period is bounded; nothing is allocated.
+// after its start. What is chosen once the last axis was asked acts from the next period on, for all axes alike: a
+// hold-off force that came a period before its kick would itself move the axis. The work of a period is bounded;
+// nothing is allocated.
 #pragma once
 
 #include <algorithm>
@@ -78,13 +79,11 @@ class KickCoordinator {
     for (std::size_t i = 0; i < count_; ++i) prepare(i);
   }
 
-  // Takes the reading of one axis, and gives its force of the next period. To be called once a period for every axis.
+  // Takes the reading of one axis, and gives its force of the next period. To be called once a period for every axis,
+  // in their order.
   ControlOutput<Scalar> update(std::size_t axis, const Measurement<Scalar>& z) noexcept {
     if (axis >= count_) return {};
-    const std::uint32_t bit = std::uint32_t{1} << axis;
-    // An axis that is asked again before all the others were has one beside it that does not run.
-    if ((seen_ & bit) != 0) start_again();
-    seen_ |= bit;
+    take_turn(axis);
     see(axis, z);
     const ControlOutput<Scalar> output = output_of(axis);
     if (seen_ == all_) {
@@ -142,6 +141,14 @@ class KickCoordinator {
     const Scalar way_m = (a.kick_N - a.lower_N) * (a.kick_N + a.brake_N) * p_->period_s * p_->period_s /
                          (2 * a.mass_kg * (a.lower_N + a.brake_N));
     s.per_one_period_m = way_m > 0 ? 1 / way_m : Scalar{0};
+  }
+
+  // A period begins with the first axis. Where one is left out, or asked before those in front of it, it does not run
+  // with the others, and all go back to the approach.
+  void take_turn(std::size_t axis) noexcept {
+    const std::uint32_t bit = std::uint32_t{1} << axis;
+    if (seen_ != bit - 1) start_again();
+    if (seen_ == bit - 1) seen_ |= bit;
   }
 
   void see(std::size_t axis, const Measurement<Scalar>& z) noexcept {
@@ -357,7 +364,7 @@ class KickCoordinator {
   const Parameters* p_;
   std::size_t count_;
   std::uint32_t all_;
-  std::uint32_t seen_ = 0;  // bit i: axis i was asked in this period
+  std::uint32_t seen_ = 0;  // bit i: axis i was asked in this period, and all in front of it
   std::array<State, Axes> state_{};
   CoordinatorPhase phase_ = CoordinatorPhase::approach;
   CoordinatorEnd end_ = CoordinatorEnd::none;

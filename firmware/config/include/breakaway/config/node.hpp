@@ -5,6 +5,7 @@
 // rotary axis reads kg m^2, N m and rad for kg, N and m.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -187,15 +188,29 @@ struct Loop {
   hal::Duration command_timeout{std::chrono::milliseconds{500}};  // of a node that another one commands
 };
 
+// What a node is told of how its axes push each other: their coordinates are those of the machine, in the order of the
+// file. Where there is one, the axes are approached together and kicked one after another (law/kick_coordinator.hpp).
+struct Coupling {
+  Eigen::MatrixXd mass;            // kg; its diagonal is mass_kg of the axes
+  double mass_error = 0;           // relative, of every entry, either way
+  double mass_slope_kg_per_m = 0;  // by which an entry may change with any coordinate, at most
+  double range_m = unlimited;      // from the target, in which the masses are so
+  Eigen::MatrixXd damping;         // N s/m
+  Eigen::MatrixXd stiffness;       // N/m
+  Eigen::VectorXd load_N;          // other forces on each axis, either way
+  double start_m = 0;              // from rest to a target, at most, of each axis
+};
+
 struct Node {
   std::string file;  // where it was read from, for errors
   std::string title;
   std::optional<Loop> loop;               // absent: the ideal law, which nothing samples
   std::optional<std::uint32_t> bit_rate;  // of the bus; present where there is a drive
   BusSurroundings bus_surroundings;
-  firmware::Wiring wiring;        // of the board, where the node runs on a microcontroller
-  double settle_tolerance_m = 0;  // [run]: within which true error an axis counts as settled; 0: see below
-  std::vector<Axis> axes;         // at least one
+  firmware::Wiring wiring;           // of the board, where the node runs on a microcontroller
+  double settle_tolerance_m = 0;     // [run]: within which true error an axis counts as settled; 0: see below
+  std::vector<Axis> axes;            // at least one
+  std::optional<Coupling> coupling;  // of the axes, where they push each other
 
   double period_s() const { return loop ? std::chrono::duration<double>(loop->period).count() : 0; }
 };

@@ -1,0 +1,185 @@
+#include "breakaway/config/machine_design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/design/coordinator.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/stability/dense.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+template <class Value>
+VectorXd of_axes(const Node& node, Value value) {
+  VectorXd values(static_cast<Index>(node.axes.size()));
+  for (Index i = 0; i < values.size(); ++i) values[i] = value(node.axes[static_cast<std::size_t>(i)]);
+  return values;
+}
+
+double lag_s(const Axis& axis) { return axis.drive->current_loop_time_constant_s; }
+
+// The farthest of each axis' targets from 0, where the springs are at rest.
+double farthest_target_m(const Axis& axis) {
+  double farthest_m = std::abs(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets)
+    farthest_m = std::max(farthest_m, std::abs(change.position_m));
+  return farthest_m;
+}
+
+// Of the keys that no certificate of an axis takes in, the machine is what this one is about.
+std::string uncertified(const Axis& axis) {
+  if (axis.surroundings.encoder_error_m > 0)
+    return fmt::format("axis {}: [plant] encoder_error is not known to kicks of several axes; leave it out", axis.name);
+  for (const std::string& sentence : axis.surroundings.uncertified) {
+    if (!sentence.starts_with("[machine]")) return fmt::format("axis {}: {}", axis.name, sentence);
+  }
+  return {};
+}
+
+// The keys that the law of an axis alone has, and the coordinator has not.
+std::string unknown_to_kicks(const Axis& axis) {
+  if (feedforward_N(axis) != 0) return "[controller] feedforward_N";
+  if (axis.controller.max_approach_speed_m_s < unlimited) return "[controller] max_approach_speed_m_s";
+  if (axis.friction.presliding_stiffness_N_per_m > 0) return "[friction] presliding_stiffness_N_per_m";
+  if (axis.friction.smooth_slope_Ns_per_m != 0) return "[friction] smooth_slope_Ns_per_m";
+  if (axis.move) return "[move]";
+  return {};
+}
+
+// V is at most start_J on the way, and no mass less than these.
+VectorXd approach_speeds_m_s(const stability::CoupledAxes& axes, double start_J) {
+  const Eigen::MatrixXd least = axes.mass - Eigen::MatrixXd{axes.mass_error.rowwise().sum().asDiagonal()};
+  return (2 * start_J * stability::dense::inverse(least).diagonal()).cwiseAbs().cwiseSqrt();
+}
+
+// The supervisor must not stop an axis on its certified way.
+std::string too_slow_a_limit(const Node& node, const stability::MachineCertificate& certificate) {
+  const VectorXd approach_m_s = approach_speeds_m_s(coupled_axes(node), certificate.sampled.start_J);
+  for (std::size_t i = 0; i < certificate.axes.size(); ++i) {
+    const double speed_m_s = std::max(approach_m_s[static_cast<Index>(i)], certificate.axes[i].kicked.peak_m_s);
+    if (node.axes[i].limits.speed_m_s >= speed_m_s) continue;
+    return fmt::format(
+        "axis {}: [limits] speed_m_s is {:g}, and approach or kicks may make it {:.4g} m/s fast; raise it",
+        node.axes[i].name, node.axes[i].limits.speed_m_s, speed_m_s);
+  }
+  return {};
+}
+
+// What the theorem takes for granted, and the file says otherwise; nothing where it does not.
+std::string outside_theorem(const Node& node) {
+  if (node.bus_surroundings.loss_probability > 0)
+    return "[bus] loss_probability has samples and commands lost, and a certificate needs 0";
+  if (node.loop->fault_scope != firmware::FaultScope::all_axes)
+    return "[loop] fault_stops must be \"all\": an axis that stops alone leaves the others without it";
+  if (node.bus_surroundings.most_delay_s > node.bus_surroundings.least_delay_s)
+    return "[bus] delay_max_s is above delay_min_s, so that a kick may be longer than its periods; make them equal";
+  for (const Axis& axis : node.axes) {
+    if (const std::string also = uncertified(axis); !also.empty()) return also;
+    const Uncertainty& u = axis.uncertainty;
+    if (lag_s(axis) != lag_s(node.axes.front()))
+      return fmt::format(
+          "axis {}: [drive] current_loop_time_constant_s is {:g}, and {:g} of axis {}; a hold-off force "
+          "comes with the kick only where all are equal",
+          axis.name, lag_s(axis), lag_s(node.axes.front()), node.axes.front().name);
+    if (u.mass > 0 || u.force_gain > 0 || u.force_N > 0 || u.current_loop_time_constant > 0 || u.jitter_s > 0 ||
+        u.encoder_noise_m > 0)
+      return fmt::format(
+          "axis {}: [uncertainty] is of an axis that moves alone; state mass_error and load_N in "
+          "[coupling], and leave it out",
+          axis.name);
+    if (axis.truth) return fmt::format("axis {}: [told] is of an axis that moves alone; leave it out", axis.name);
+    if (const std::string key = unknown_to_kicks(axis); !key.empty())
+      return fmt::format("axis {}: {} is not known to kicks of several axes; leave it out", axis.name, key);
+  }
+  return {};
+}
+
+std::string with_names(std::string text, const Node& node) {
+  for (std::size_t i = node.axes.size(); i-- > 0;) {
+    const std::string number = fmt::format("axis {}", i + 1), name = fmt::format("axis {}", node.axes[i].name);
+    for (std::size_t at = text.find(number); at != std::string::npos; at = text.find(number, at + name.size()))
+      text.replace(at, number.size(), name);
+  }
+  return text;
+}
+
+}  // namespace
+
+stability::CoupledAxes coupled_axes(const Node& node) {
+  const Coupling& c = *node.coupling;
+  stability::CoupledAxes a;
+  a.mass = c.mass;
+  a.mass_error = c.mass_error * c.mass.cwiseAbs();
+  if (c.range_m < unlimited) a.range_m = VectorXd::Constant(c.mass.rows(), c.range_m);
+  a.mass_slope_kg_per_m = c.mass_slope_kg_per_m;
+  a.damping = c.damping;
+  a.stiffness = c.stiffness;
+  a.load_N = c.load_N + c.stiffness.cwiseAbs() * of_axes(node, farthest_target_m);
+  a.friction_lower_N = of_axes(node, [](const Axis& axis) { return axis.friction.bounds.lower_N; });
+  a.friction_upper_N = of_axes(node, [](const Axis& axis) { return axis.friction.bounds.upper_N; });
+  a.brake_N = VectorXd::Zero(c.mass.rows());
+  a.force_step_N = of_axes(node, [](const Axis& axis) { return force_step_N(axis); });
+  a.max_force_N = of_axes(node, [](const Axis& axis) { return max_force_N(axis); });
+  a.period_s = node.period_s();
+  a.lag_s = lag_s(node.axes.front());
+  return a;
+}
+
+stability::SampledApproach sampled_approach(const Node& node) {
+  return {.position_gain_N_per_m =
+              of_axes(node, [](const Axis& axis) { return axis.controller.impulsive->stiffness_N_per_m; }),
+          .velocity_gain_Ns_per_m =
+              of_axes(node, [](const Axis& axis) { return axis.controller.impulsive->approach_damping_Ns_per_m; }),
+          .start_m = VectorXd::Constant(node.coupling->mass.rows(), node.coupling->start_m),
+          .resolution_m = of_axes(node, [](const Axis& axis) { return axis.drive->encoder_resolution_m; }),
+          .latency_periods = node.axes.front().latency_periods};
+}
+
+VectorXd tolerances_m(const Node& node) {
+  return of_axes(node, [&](const Axis& axis) { return tolerance_m(node, axis); });
+}
+
+stability::MachineCertificate examine_machine(const Node& node) try {
+  require_fitting_bus(node);
+  stability::MachineCertificate certificate =
+      stability::certify_machine(coupled_axes(node), sampled_approach(node), tolerances_m(node));
+  std::string outside = outside_theorem(node);
+  if (outside.empty() && certificate.certified) outside = too_slow_a_limit(node, certificate);
+  if (!outside.empty()) {
+    certificate.certified = false;
+    certificate.reason = outside;
+  }
+  certificate.reason = with_names(certificate.reason, node);
+  for (stability::Condition& condition : certificate.conditions) {
+    condition.name = with_names(condition.name, node);
+    condition.reason = with_names(condition.reason, node);
+  }
+  return certificate;
+} catch (const InputError& error) {
+  throw error.in_file(node.file);
+}
+
+template <class Real>
+law::CoordinatorParameters<Real, most_axes> coordinator_parameters(const Node& node) {
+  const stability::MachineCertificate certificate = examine_machine(node);
+  if (!certificate.certified)
+    throw InputError{"the machine of its axes is not certified, and its kicks are made from the certificate: " +
+                     certificate.reason}
+        .in_file(node.file);
+  return design::coordinator_parameters<Real, most_axes>(coupled_axes(node), sampled_approach(node), tolerances_m(node),
+                                                         certificate);
+}
+
+template law::CoordinatorParameters<float, most_axes> coordinator_parameters(const Node&);
+template law::CoordinatorParameters<double, most_axes> coordinator_parameters(const Node&);
+
+}  // namespace breakaway::config

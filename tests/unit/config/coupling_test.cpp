@@ -1,0 +1,91 @@
+// [coupling]: what a node is told of a machine, and what its certificate refuses.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/file_contents.hpp"
+#include "breakaway/config/flash.hpp"
+#include "breakaway/config/machine_design.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+
+namespace breakaway::config {
+namespace {
+
+using testing::refusal;
+
+std::string scene(const char* name) {
+  return file_contents(std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/" + name);
+}
+
+std::string gantry() { return scene("coupled_gantry.toml"); }
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) return "no \"" + from + "\" in it";
+  return text.replace(at, from.size(), to);
+}
+
+stability::MachineCertificate certificate(const std::string& text) {
+  return examine_machine(parse_node(text, "gantry.toml"));
+}
+
+TEST(Coupling, BothScenesAreCertified) {
+  for (const char* name : {"coupled_gantry.toml", "two_link_arm.toml"}) {
+    const stability::MachineCertificate c = certificate(scene(name));
+    EXPECT_TRUE(c.certified) << name << ": " << c.reason;
+    EXPECT_EQ(refusal([&] { scenario::parse_scenario(scene(name), name); }), "");
+  }
+}
+
+TEST(Coupling, TheReasonNamesThePairByTheNamesOfTheFile) {
+  const auto c = certificate(with(gantry(), "mass_error = 0.02", "mass_error = 0.02\nload_N = [0, 5]"));
+  EXPECT_FALSE(c.certified);
+  EXPECT_NE(c.reason.find("axis right"), std::string::npos) << c.reason;
+  EXPECT_EQ(why_not_certified(parse_node(gantry(), ""), parse_node(gantry(), "").axes[0]), "");
+}
+
+TEST(Coupling, ItsDiagonalIsTheMassOfTheAxes) {
+  const std::string said = refusal([] { certificate(with(gantry(), "mass_kg = 3.6666666666666667", "mass_kg = 4")); });
+  EXPECT_NE(said.find("axis left has [plant] mass_kg = 4"), std::string::npos) << said;
+}
+
+TEST(Coupling, IsOfAsManyAxesAsThereAre) {
+  const std::string said = refusal([] {
+    certificate(with(gantry(), "[1.3333333333333333, 3.6666666666666667]]",
+                     "[1.3333333333333333, 3.6666666666666667], [0, 0]]"));
+  });
+  EXPECT_NE(said.find("the node has 2 axes"), std::string::npos) << said;
+}
+
+TEST(Coupling, WhatTheTheoremDoesNotTakeInIsRefusedInASentence) {
+  const auto reason = [](const std::string& from, const std::string& to) {
+    return certificate(with(gantry(), from, to)).reason;
+  };
+  EXPECT_NE(reason("fault_stops = \"all\"", "").find("fault_stops"), std::string::npos);
+  EXPECT_NE(reason("current_loop_time_constant_s = 1e-4", "current_loop_time_constant_s = 2e-4").find("all are equal"),
+            std::string::npos);
+  EXPECT_NE(reason("max_force_N = 100", "feedforward_N = 5, max_force_N = 100").find("feedforward_N"),
+            std::string::npos);
+  EXPECT_NE(reason("speed_m_s = 5", "speed_m_s = 0.01").find("speed_m_s is 0.01"), std::string::npos);
+  EXPECT_NE(reason("[loop]", "[bus]\nloss_probability = 0.1\n[loop]").find("loss_probability"), std::string::npos);
+}
+
+TEST(Coupling, IsNotFlashedYetAndSaysSo) {
+  const std::string said = refusal([] { require_flashable(parse_node(gantry(), "gantry.toml")); });
+  EXPECT_NE(said.find("[coupling]"), std::string::npos) << said;
+}
+
+TEST(Coupling, TheMachineMustBeOneThatTheNodeIsToldOf) {
+  const auto said = [](const std::string& from, const std::string& to) {
+    return refusal([&] { scenario::parse_scenario(with(gantry(), from, to), "gantry.toml"); });
+  };
+  EXPECT_NE(said("[[3.7, 1.32]", "[[3.9, 1.32]").find("[machine] mass has 3.9"), std::string::npos);
+  EXPECT_NE(said("friction_N = [9, 11]", "friction_N = [9, 13]").find("axis right"), std::string::npos);
+  EXPECT_NE(said("machine = { push = 2 }", "machine = { push = 1 }").find("coordinate 2 alone"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace breakaway::config
