@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -179,6 +180,28 @@ TEST(KickCycle, TakesLongerToProveRestOnceTheBrakeIsOff) {
 }
 
 // A brake of so many steps is not the same number in double, in float, and as steps times a float.
+// A weak force moves a heavy axis by less than a count in a long pulse.
+TEST(KickCycle, TakesALongPulseWithinOneCountForNoRest) {
+  const BrakedKicks<float> kicks = design::design_braked_kicks<float>(axes_of_the_scenes(0)).kicks;
+  KickCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  const auto periods = static_cast<std::uint8_t>(kicks.patient_periods + 5);
+  ASSERT_GT(periods, kicks.patient_periods);
+  cycle.see(0);
+  cycle.kick(1, {5, periods, 0});
+  for (int k = 0; k < periods; ++k) {
+    cycle.next_steps(0);
+    cycle.see(0);
+    EXPECT_FALSE(cycle.at_rest()) << k;
+  }
+  int braked = 0;
+  for (; !cycle.at_rest() && braked < 1000; ++braked) {
+    cycle.next_steps(0);
+    cycle.see(0);
+  }
+  EXPECT_GE(braked, kicks.still_periods + 1);
+  EXPECT_LT(braked, kicks.patient_periods);
+}
+
 TEST(KickCycle, SeesRestUnderTheBrakeWhateverTheStepOfForce) {
   for (const double step_N : {0.025, 0.03, 0.12, 0.3, 0.0478, 0.0613}) {
     design::BrakedClass c = axes_of_the_scenes(0);

@@ -208,10 +208,10 @@ class KickCycle {
     phase_ = phase;
     left_ = periods;
     still_m_ = ringing_m_;
-    if (phase == Phase::pulse) {
-      furthest_m_ = anchor_m_ * direction_;
-      still_ = calm_ = 0;
-    }
+    if (phase == Phase::pulse) furthest_m_ = anchor_m_ * direction_;
+    // A long pulse may move the axis by less than a count, and so may an approach: that it was not seen to move before
+    // the brake began says nothing about rest.
+    if (phase == Phase::pulse || phase == Phase::brake) still_ = calm_ = 0;
   }
 
   // The brake must not drive the axis back.
