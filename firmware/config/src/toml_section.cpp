@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <sstream>
 
+#include "breakaway/input/edit_distance.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::config {
@@ -24,20 +25,6 @@ std::string describe(Range range, std::string_view unit) {
     return with_unit(fmt::format("a finite number {} {:g}", range.excludes_least ? ">" : ">=", range.least), unit);
   return with_unit(fmt::format("a number in {}{:g}, {:g}]", range.excludes_least ? '(' : '[', range.least, range.most),
                    unit);
-}
-
-// Levenshtein's distance: insertions, deletions and replacements from one word to the other.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-    }
-  }
-  return row[b.size()];
 }
 
 std::string shown(const toml::node& node);

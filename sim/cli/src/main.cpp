@@ -3,9 +3,12 @@
 
 #include <cstdio>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "breakaway/input/input_error.hpp"
 #include "commands.hpp"
+#include "self_description.hpp"
 
 namespace {
 
@@ -21,9 +24,12 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const auto unknown = app.remaining();
   if (chosen.empty() && !unknown.empty())
-    return fmt::format("{} is neither a subcommand nor an option (breakaway --help lists them)", unknown.front());
+    return fmt::format("{} is neither a subcommand nor an option{} (breakaway --help lists them)", unknown.front(),
+                       breakaway::cli::did_you_mean(app, unknown.front()));
   const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
-  return fmt::format("{} (breakaway {}--help tells more)", error.what(), command);
+  const auto misspelt = chosen.empty() ? std::vector<std::string>{} : chosen.front()->remaining();
+  const std::string meant = misspelt.empty() ? "" : breakaway::cli::did_you_mean(*chosen.front(), misspelt.front());
+  return fmt::format("{}{} (breakaway {}--help tells more)", error.what(), meant, command);
 }
 
 }  // namespace
@@ -48,6 +54,7 @@ int main(int argc, char** argv) {
 #ifdef __linux__
   cli::add_drive(app, exit_code);
 #endif
+  cli::add_help(app, exit_code);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) return refuse("standard output: cannot be written");

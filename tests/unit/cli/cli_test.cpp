@@ -17,14 +17,15 @@ const std::string plant = "k3 --mass 1 --k1 1 --k22 3 --friction-lower 2.5 --pos
 
 TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("", {"subcommand"});
-  expect_refused("simulat", {"simulat ", "--help"});
+  expect_refused("simulat", {"simulat ", "did you mean simulate?", "--help"});
+  expect_refused("xyzzy", {"xyzzy is neither", "option (breakaway"});
   expect_refused("k3 --mass 1", {"--k1", "k3 --help"});
   expect_refused("simulate", {"scenario"});
   expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
   expect_refused("simulate " + folder_.string(), {folder_.string(), "folder"});
   expect_refused("simulate /dev/zero", {"/dev/zero", "1 MiB"});
   expect_refused("simulate " + scenario(""), {"axis.toml:1", "plant", "missing"});
-  expect_refused("simulate " + scenarios + "impulsive_example.toml --jason x", {"--jason"});
+  expect_refused("simulate " + scenarios + "impulsive_example.toml --jason x", {"--jason", "did you mean --json?"});
   expect_refused(plant + "--position nan", {"--position", "nan"});
   expect_refused(plant + "--position inf", {"--position", "inf"});
   expect_refused(plant + "--position 1e308", {"--position", "1e+308", "beyond"});
@@ -34,6 +35,30 @@ TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("k3 --mass 1 --k1 1 --k22 3 --position 1", {"--friction-lower"});
   expect_refused("k3 --mass one --k1 1 --k22 3 --friction-lower 2.5 --position 1", {"--mass", "one"});
   expect_refused("simulate " + scenario("[plant]\nmas_kg = 1\n"), {"axis.toml:2", "mas_kg", "mass_kg"});
+}
+
+TEST_F(Command, TellsOfItselfToPeopleShellsAndManuals) {
+  EXPECT_EQ(run("help design").out, run("design --help").out);
+  EXPECT_EQ(run("help").out, run("--help").out);
+  expect_refused("help desing", {"desing is no subcommand", "did you mean design?"});
+  expect_refused("help --man --completion", {"--man", "--completion"});
+  const std::string page = run("help --man").out;
+  for (const char* part : {".TH BREAKAWAY 1", ".SS simulate", "\\-\\-report", "Exit codes"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
+// Runs the completion as bash does.
+TEST_F(Command, CompletesSubcommandsAndTheirOptions) {
+  std::ofstream{path("completion")} << run("help --completion").out;
+  const auto completed = [&](const std::string& words, int place) {
+    const std::string script = "source " + path("completion") + "; COMP_WORDS=(breakaway " + words +
+                               "); COMP_CWORD=" + std::to_string(place) + "; _breakaway; echo ${COMPREPLY[*]}";
+    EXPECT_EQ(std::system(("bash -c '" + script + "' > " + path("completed")).c_str()), 0);
+    return content(path("completed"));
+  };
+  EXPECT_EQ(completed("sim", 1), "simulate\n");
+  EXPECT_EQ(completed("design --re", 2), "--report\n");
+  EXPECT_EQ(completed("help stu", 2), "study\n");
 }
 
 TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
