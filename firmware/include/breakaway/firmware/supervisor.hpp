@@ -51,6 +51,8 @@ enum class AxisFault : std::uint8_t {
   watchdog_reset,             // the controller's watchdog ended its last run
   less_force_than_commanded,  // the drive reports less force than it was told to give
   homing_failed,              // the drive looked for its zero by itself, and did not find it
+  axis_at_spring_limit,       // it rests nearer to its target than what its spring may add to a kick
+  axis_below_floor,           // it rests nearer to its target than a kick is sure to move its load by
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -117,6 +119,10 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "less force than commanded";
     case AxisFault::homing_failed:
       return "homing failed";
+    case AxisFault::axis_at_spring_limit:
+      return "axis at spring limit";
+    case AxisFault::axis_below_floor:
+      return "axis below floor";
   }
   return "unknown axis fault";
 }
@@ -296,6 +302,10 @@ class Supervisor {
         return AxisFault::axis_drifting;
       case law::ControlFault::contradicted:
         return AxisFault::axis_not_as_told;
+      case law::ControlFault::spring_limit:
+        return AxisFault::axis_at_spring_limit;
+      case law::ControlFault::below_floor:
+        return AxisFault::axis_below_floor;
     }
     return AxisFault::not_a_number;
   }

@@ -6,7 +6,8 @@
 // exact rest.
 //
 // With Coast::brake the kicks come from another table and end under a brake, as KickCycle says, and ApproachPlan brings
-// the axis near its target; modes, holding and faults are the same.
+// the axis near its target; modes, holding and faults are the same. With Coast::work, for a load on a spring, WorkCycle
+// and ShapedMove stand in their places; which of the two an axis has is the compiler's choice.
 //
 // Two departures from (5), for axes whose friction or force gain is not what was stated: an axis certified at rest is
 // kicked wherever it stands, not only inside the maximal stick set; and a coast that outlasts its longest lawful time
@@ -18,13 +19,11 @@
 #include <cstdint>
 #include <limits>
 
-#include "breakaway/law/approach_plan.hpp"
 #include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/axis_parts.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
-#include "breakaway/law/fine_stage.hpp"
 #include "breakaway/law/k3_table.hpp"
-#include "breakaway/law/kick_cycle.hpp"
 #include "breakaway/law/kick_judge.hpp"
 #include "breakaway/law/kick_shaper.hpp"
 #include "breakaway/law/rest_detector.hpp"
@@ -33,7 +32,8 @@
 
 namespace breakaway::law {
 
-template <class Scalar>
+// Kicks: BrakedKicks, or WorkKicks for the coast "work".
+template <class Scalar, class Kicks = BrakedKicks<Scalar>>
 class AxisController {
  public:
   using Parameters = AxisParameters<Scalar>;
@@ -49,14 +49,15 @@ class AxisController {
     }
   }
 
-  // Coast::brake: kicks must be those of these parameters and must outlive the controller as well. For Coast::pd they
-  // are not looked at.
-  AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const BrakedKicks<Scalar>& kicks) noexcept
+  // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
+  // the controller as well.
+  AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
       : AxisController{parameters, table} {
-    if (p_.coast != Coast::brake) return;
+    if (p_.coast != Parts::coast) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
-    spring_ = {kicks.spring, p_.encoder_resolution_m};
+    if constexpr (!Parts::by_work) spring_ = {kicks.spring, p_.encoder_resolution_m};
+    if constexpr (Parts::by_work) cycle_.set_period(p_.period_s);
     fine_ = {kicks, p_};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
     kicks_begin_m_ = kicks.begin_m();
@@ -80,7 +81,7 @@ class AxisController {
     velocity_.shift_origin(shift_m);
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
-    const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && braked_->approach.move.are_asked_for();
+    const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && goes_on_when_moved();
     if (!goes_on) return restart();
     judge_.forget();
     fine_.restart();
@@ -143,6 +144,8 @@ class AxisController {
   Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }
 
  private:
+  using Parts = AxisParts<Kicks>;
+
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
   // Under the coast "pd"; under the brake it is longer, because a proof of rest may take longer there.
   static constexpr std::int32_t long_hold_periods = 400;
@@ -194,7 +197,7 @@ class AxisController {
       if (!beyond_tolerance(x)) return keep_holding(x);
       if (held_ >= long_braked_hold()) fine_.restart();  // it has been pushed
       if (judge_.left_hold()) return fail(ControlFault::hunting);
-      if (std::abs(x) > 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m)) {
+      if (std::abs(x) > far_m()) {
         start_approach();
         return approach_to_brake(x);
       }
@@ -204,7 +207,22 @@ class AxisController {
     if (spring_.active()) return finish_on_spring(x);
     if (cycle_.at_rest()) return conclude(x);
     if (!cycle_.overdue()) return give(0);
-    return spring_.reaches(x) ? conclude(x) : fail(ControlFault::drifting);
+    return finishes_on_spring(x) ? conclude(x) : fail(ControlFault::drifting);
+  }
+
+  // A move with limits, which goes on from where it is when its target moves.
+  bool goes_on_when_moved() const noexcept {
+    if constexpr (Parts::by_work)
+      return false;
+    else
+      return braked_->approach.move.are_asked_for();
+  }
+  // An axis that left its hold by more is approached again.
+  Scalar far_m() const noexcept {
+    if constexpr (Parts::by_work)
+      return braked_->begin_m();
+    else
+      return 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m);
   }
 
   ControlOutput<Scalar> keep_holding(Scalar x) noexcept {
@@ -212,6 +230,13 @@ class AxisController {
     if (!spring_.active()) return give(0);
     spring_.see(x);
     return give_on_spring();
+  }
+
+  bool finishes_on_spring(Scalar x) const noexcept {
+    if constexpr (Parts::by_work)
+      return false;
+    else
+      return spring_.reaches(x);
   }
 
   // Ends in a hold, or in a kick from where the spring has led the axis.
@@ -234,6 +259,13 @@ class AxisController {
     if (++held_ == long_hold) judge_.forget();
   }
 
+  bool gets_stuck(Scalar x) noexcept {
+    if constexpr (Parts::by_work)
+      return false;
+    else
+      return hardly_gets_on(x);
+  }
+
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
     const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_);
     if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
@@ -243,7 +275,7 @@ class AxisController {
       return give(0);
     }
     // It seems to stick, or the plan does not lead there.
-    if (cycle_.patient() || plan_.turned_often() || hardly_gets_on(x)) {
+    if (cycle_.patient() || plan_.turned_often() || gets_stuck(x)) {
       // Only without a force can rest be proved.
       mode_ = Mode::coast;
       cycle_.forget_patience();
@@ -255,8 +287,8 @@ class AxisController {
 
   // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. A heavy one
   // is as slow at first, but gets on further each time. Moves, which may begin as slowly, are not looked at.
-  bool hardly_gets_on(Scalar x) noexcept {
-    if (braked_->approach.move.are_asked_for()) return false;
+  bool hardly_gets_on(Scalar x) noexcept requires(!Parts::by_work) {
+    if (goes_on_when_moved()) return false;
     if (since_mark_ == 0) mark_m_ = x;
     if (++since_mark_ < braked_->patient_periods) return false;
     since_mark_ = 0;
@@ -267,12 +299,18 @@ class AxisController {
     return !gains && way_m < speed_m_s * p_.period_s * static_cast<Scalar>(braked_->patient_periods);
   }
 
+  ControlFault judge_kick(Scalar x) noexcept {
+    if constexpr (Parts::by_work)
+      return judge_.judge_work(p_, x);
+    else
+      return judge_.judge(p_, x, cycle_, fine_);
+  }
+
   // The axis rests: holds it there, or kicks it.
   ControlOutput<Scalar> conclude(Scalar x) noexcept {
-    if (const ControlFault proved = judge_.judge(p_, x, cycle_, fine_); proved != ControlFault::none)
-      return fail(proved);
+    if (const ControlFault proved = judge_kick(x); proved != ControlFault::none) return fail(proved);
     fine_.learn(x, cycle_.pulse_N());
-    if (spring_.reaches(x)) {
+    if (finishes_on_spring(x)) {
       spring_.start(x);
       cycle_.set_free();
       return finish_on_spring(x);
@@ -291,10 +329,17 @@ class AxisController {
   }
 
   ControlOutput<Scalar> start_braked_kick(Scalar x) noexcept {
+    if constexpr (Parts::by_work) {
+      if (const ControlFault why_not = fine_.refusal(x); why_not != ControlFault::none) return fail(why_not);
+    }
     spring_.stop();
     judge_.kicked(x);
     mode_ = Mode::coast;
-    cycle_.kick(x > 0 ? Scalar{-1} : Scalar{1}, fine_.pulse(x));
+    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
+    if constexpr (Parts::by_work)
+      cycle_.kick(towards, std::abs(x), fine_.pulse(x));
+    else
+      cycle_.kick(towards, fine_.pulse(x));
     return give(0);
   }
 
@@ -432,11 +477,11 @@ class AxisController {
   VelocityEstimator<Scalar> velocity_{};
   RestDetector<Scalar> rest_{};
   KickShaper<Scalar> shaper_{};
-  const BrakedKicks<Scalar>* braked_ = nullptr;  // of Coast::brake only
-  KickCycle<Scalar> cycle_{};
+  const Kicks* braked_ = nullptr;  // not of Coast::pd
+  typename Parts::Cycle cycle_{};
   SpringStage<Scalar> spring_{};
-  FineStage<Scalar> fine_{p_.position_tolerance_m};
-  ApproachPlan<Scalar> plan_{};
+  typename Parts::Aim fine_{p_.position_tolerance_m};
+  typename Parts::Plan plan_{};
   KickJudge<Scalar> judge_{};
   Scalar last_force_N_{};
   Scalar force_before_N_{};

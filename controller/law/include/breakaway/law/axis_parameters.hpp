@@ -21,6 +21,7 @@ enum class KickShape : std::uint8_t {
 enum class Coast : std::uint8_t {
   pd,     // the feedback (16) of [I] with the damping k22
   brake,  // a constant force against the motion, weaker than the least friction
+  work,   // no force; the pulse before it ends by the work that it has done, for a load on a spring
 };
 
 template <class Scalar>
@@ -38,7 +39,7 @@ struct AxisParameters {
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
-  Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; for Coast::brake
+  Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; under any coast but pd
   Scalar feedforward_N{};    // given beside max_force_N while there is no fault, against a known constant force
 
   // Of all that the drive is asked for.
@@ -111,7 +112,7 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
     case ParameterError::period_negative:
       return "control period must not be negative";
     case ParameterError::brake_without_period:
-      return "coast \"brake\" needs a control period and an encoder resolution above 0";
+      return "coasts \"brake\" and \"work\" need a control period and an encoder resolution above 0";
   }
   return "unknown parameter error";
 }
@@ -142,7 +143,7 @@ constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;
   if (!not_negative(p.encoder_noise_m)) return ParameterError::encoder_noise_negative;
   if (!not_negative(p.period_s)) return ParameterError::period_negative;
-  if (p.coast == Coast::brake && !(p.period_s > 0 && p.encoder_resolution_m > 0))
+  if (p.coast != Coast::pd && !(p.period_s > 0 && p.encoder_resolution_m > 0))
     return ParameterError::brake_without_period;
   return ParameterError::none;
 }

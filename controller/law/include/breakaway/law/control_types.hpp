@@ -31,6 +31,8 @@ enum class ControlFault : std::uint8_t {
   hunting,       // many kicks moved the axis and did not bring it to its target: the same causes
   drifting,      // the axis does not stop without force: a force beside the drive's exceeds its friction
   contradicted,  // kicks showed friction outside the stated bounds; seen_friction_N() of the law says how much
+  spring_limit,  // coast "work": at rest nearer to the target than what the spring may add to a kick
+  below_floor,   // coast "work": at rest where no pulse is sure to move the load and not to go beyond the target
 };
 
 template <class Scalar>
@@ -71,6 +73,10 @@ constexpr std::string_view to_string(ControlFault fault) noexcept {
       return "kicks do not bring the axis to its target";
     case ControlFault::drifting:
       return "axis does not stop without force";
+    case ControlFault::spring_limit:
+      return "axis rests nearer than its spring lets a kick aim";
+    case ControlFault::below_floor:
+      return "axis rests nearer than a kick is sure to move its load by";
     case ControlFault::contradicted:
       return "kicks show friction outside its stated bounds";
   }

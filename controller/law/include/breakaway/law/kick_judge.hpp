@@ -62,6 +62,12 @@ class KickJudge {
     return judge(p, x, &cycle, &fine);
   }
 
+  // The same under the coast "work": kicks that should have moved the axis and did not are few.
+  ControlFault judge_work(const Parameters& p, Scalar x) noexcept {
+    const ControlFault proved = judge(p, x, nullptr, nullptr);
+    return proved == ControlFault::none && futile_ >= most_futile_works ? ControlFault::jammed : proved;
+  }
+
   std::uint32_t kicks() const noexcept { return kicks_; }
   // In a row, and without a count of motion.
   std::uint8_t futile() const noexcept { return futile_; }
@@ -72,6 +78,7 @@ class KickJudge {
  private:
   static constexpr Scalar largest = std::numeric_limits<Scalar>::max();
   static constexpr std::uint8_t futile_limit = 64;  // kicks without a count of motion before the axis counts as jammed
+  static constexpr std::uint8_t most_futile_works = 8;
   static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
 
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>* cycle,

@@ -53,6 +53,13 @@ struct KickTable {
     return list ? of_list(distance_m) : of_curve(distance_m);
   }
 
+  // The least distance that a curve answers; of a list 0.
+  Scalar least_m() const noexcept {
+    if (list || count == 0) return 0;
+    const auto root = std::bit_cast<float>(static_cast<std::uint32_t>(first) << shift);
+    return static_cast<Scalar>(root) * static_cast<Scalar>(root);
+  }
+
   // The distance up to which a pulse aims at the target; beyond, it goes as far as there.
   Scalar reach_m() const noexcept {
     if (count == 0 || count > most_entries) return 0;

@@ -1,0 +1,158 @@
+// ShapedMove: brings an axis whose load hangs on a spring near its target without making the load swing.
+//
+// The plan accelerates by +a for N periods, goes on for C, and by -a for N, which takes it a T^2 N (N + C) far. What is
+// commanded is the mean of that over the last n periods, a whole period of the resonance: the mean of a swing over its
+// period is nothing, so that what such a force starts it also ends. Friction is fed forward by the same mean. What
+// friction does otherwise is mended by a feedback far slower than the resonance; for an encoder on the load, place and
+// speed are read over spans in which the swing cancels.
+//
+// The plan is for speed, not for safety: kicks mend whatever it leaves.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "breakaway/law/work_kicks.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class ShapedMove {
+ public:
+  static constexpr std::size_t most_periods = 63;  // over which readings are compared
+
+  ShapedMove() noexcept = default;
+  ShapedMove(const ShapedApproach<Scalar>& a, Scalar period_s, Scalar max_speed_m_s, std::uint8_t latency) noexcept
+      : a_{&a}, period_s_{period_s}, max_speed_m_s_{max_speed_m_s} {
+    set_share(1);
+    place_late_s_ = (static_cast<Scalar>(latency) + static_cast<Scalar>(a.mean_periods) / 2) * period_s;
+    speed_late_s_ = (static_cast<Scalar>(latency) + static_cast<Scalar>(a.speed_periods) / 2) * period_s;
+    per_span_ = 1 / (static_cast<Scalar>(a.speed_periods) * period_s);
+  }
+
+  // The drive gives this share of the force that the plan was made for.
+  void limit_force(Scalar share) noexcept { set_share(std::max(share, Scalar(1e-3))); }
+
+  void restart() noexcept { primed_ = false; }
+  void go_slowly() noexcept {}
+  Scalar move_time_s(Scalar /*distance_m*/) const noexcept { return 0; }
+  void take(Scalar /*time_s*/, Scalar /*distance_m*/) noexcept {}
+  void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }
+  // A period without a reading counts as one in which nothing changed.
+  void skip(Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
+    if (!primed_) return;
+    if (seen_ < most_periods) ++seen_;
+    remember(newest_m_);
+  }
+
+  // Takes the newest position error and returns true when the plan is over.
+  bool see(Scalar x, Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
+    if (!primed_) {
+      begin(x);
+    } else {
+      planning_ = false;
+      if (seen_ < most_periods) ++seen_;
+    }
+    remember(x);
+    return period_ >= end_;
+  }
+
+  // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
+  // The first period has work enough with the plan.
+  Scalar force_N() noexcept {
+    if (planning_) return 0;
+    step_plan();
+    const Scalar x = a_->mean_periods > 0 ? (read(0) + read(a_->mean_periods)) / 2 : newest_m_;
+    const Scalar v = (newest_m_ - read(a_->speed_periods)) * per_span_;
+    const Scalar place_m = place_m_ - speed_m_s_ * place_late_s_, speed_m_s = speed_m_s_ - gain_ * speed_late_s_;
+    velocity_m_s_ = v;
+    return a_->mass_kg * gain_ + friction_N_ + a_->stiffness_N_per_m * (place_m - x) +
+           a_->damping_Ns_per_m * (speed_m_s - v);
+  }
+
+  bool turned_often() const noexcept { return false; }
+  Scalar heading() const noexcept { return direction_; }
+  Scalar velocity_m_s() const noexcept { return velocity_m_s_; }
+  Scalar braking_periods() const noexcept { return static_cast<Scalar>(end_); }
+
+ private:
+  void set_share(Scalar share) noexcept {
+    most_gain_m_ = a_->acceleration_m_s2 * share * period_s_ * period_s_;
+    const Scalar most = max_speed_m_s_ / (a_->acceleration_m_s2 * share * period_s_);
+    most_rising_ = most < Scalar(30000) ? std::max(static_cast<std::int32_t>(most), std::int32_t{1}) : 30000;
+  }
+
+  void begin(Scalar x) noexcept {
+    primed_ = true;
+    direction_ = x > 0 ? Scalar{-1} : Scalar{1};
+    const Scalar distance_m = std::max(std::abs(x) - a_->short_of_target_m, Scalar{0});
+    const Scalar ratio = distance_m / most_gain_m_;
+    rising_ = std::min(static_cast<std::int32_t>(std::sqrt(std::min(ratio, Scalar(1e9)))) + 1, most_rising_);
+    const auto rising = static_cast<Scalar>(rising_);
+    const Scalar both = std::min(ratio / rising, Scalar(1e6));  // N + C
+    kept_ = std::max(static_cast<std::int32_t>(both) + 1 - rising_, std::int32_t{0});
+    // Of the acceleration, in a period: one n-th enters or leaves the mean.
+    step_ = direction_ * distance_m /
+            (rising * static_cast<Scalar>(rising_ + kept_) * period_s_ * period_s_ *
+             static_cast<Scalar>(a_->swing_periods));
+    friction_step_N_ = direction_ * a_->friction_N / static_cast<Scalar>(a_->swing_periods);
+    period_ = 0;
+    end_ = 2 * rising_ + kept_ + a_->swing_periods;
+    place_m_ = x;
+    speed_m_s_ = gain_ = friction_N_ = velocity_m_s_ = 0;
+    newest_ = seen_ = 0;
+    planning_ = true;
+  }
+
+  // Which way the plan accelerates in its period k, and whether it moves.
+  std::int32_t sense(std::int32_t k) const noexcept {
+    if (k < 0) return 0;
+    if (k < rising_) return 1;
+    if (k < rising_ + kept_) return 0;
+    return k < 2 * rising_ + kept_ ? -1 : 0;
+  }
+  std::int32_t moves(std::int32_t k) const noexcept { return k >= 0 && k < 2 * rising_ + kept_ ? 1 : 0; }
+
+  void step_plan() noexcept {
+    const std::int32_t gone = period_ - a_->swing_periods;
+    gain_ += static_cast<Scalar>(sense(period_) - sense(gone)) * step_;
+    friction_N_ += static_cast<Scalar>(moves(period_) - moves(gone)) * friction_step_N_;
+    // The reference at the middle of the period that begins.
+    place_m_ += (speed_m_s_ + gain_ * period_s_ / 2) * period_s_;
+    speed_m_s_ += gain_ * period_s_;
+    ++period_;
+  }
+
+  void remember(Scalar x) noexcept {
+    newest_m_ = x;
+    newest_ = newest_ > 0 ? newest_ - 1 : most_periods;
+    readings_[newest_] = x;
+  }
+  // An axis rests when its approach begins.
+  Scalar read(std::size_t periods_ago) const noexcept {
+    const std::size_t index = newest_ + std::min(periods_ago, seen_);
+    return readings_[index < readings_.size() ? index : index - readings_.size()];
+  }
+
+  const ShapedApproach<Scalar>* a_ = nullptr;
+  Scalar period_s_{};
+  Scalar max_speed_m_s_{};
+  Scalar most_gain_m_{};  // a T^2
+  Scalar place_late_s_{}, speed_late_s_{}, per_span_{};
+  Scalar direction_ = 1;
+  Scalar step_{}, friction_step_N_{};
+  Scalar place_m_{}, speed_m_s_{}, gain_{}, friction_N_{};  // of the plan
+  Scalar newest_m_{}, velocity_m_s_{};
+  std::array<Scalar, most_periods + 1> readings_{};
+  std::size_t newest_ = 0;
+  std::size_t seen_ = 0;  // readings before the newest since the approach began
+  std::int32_t most_rising_ = 1;
+  std::int32_t rising_ = 1, kept_ = 0, period_ = 0, end_ = 0;
+  bool primed_ = false;
+  bool planning_ = false;
+};
+
+}  // namespace breakaway::law
