@@ -53,8 +53,17 @@ class TwoMassAxis {
 
   std::size_t seen() const { return load_.encoder_on_load ? 1 : 0; }
 
+  // The spring is loose within the gap, and its damper does not pull them together.
+  double joint_N() const {
+    const double apart_m = x_[0] - x_[1], half_m = load_.gap_m / 2;
+    const double bent_m = apart_m > half_m ? apart_m - half_m : apart_m < -half_m ? apart_m + half_m : 0;
+    if (bent_m == 0 && load_.gap_m > 0) return 0;
+    const double force_N = load_.stiffness_N_per_m * bent_m + damping_Ns_per_m_ * (v_[0] - v_[1]);
+    return load_.gap_m > 0 && force_N * bent_m < 0 ? 0 : force_N;
+  }
+
   void step(double push_N, double h) {
-    const double spring_N = load_.stiffness_N_per_m * (x_[0] - x_[1]) + damping_Ns_per_m_ * (v_[0] - v_[1]);
+    const double spring_N = joint_N();
     const std::array<double, 2> force_N{push_N - spring_N, spring_N};
     for (std::size_t side = 0; side < 2; ++side) {
       const double most_m_s =

@@ -111,7 +111,7 @@ std::vector<Check> checks_of_spring_load(const AxisDesign& axis, const BrakedDes
   const double safe_Hz = demand.safe_from_Hz(c, axis.position_tolerance_m), shortest_s = c.period_s - c.jitter_s;
   const std::string remedy = "the load resonates at " + brief(resonance_Hz) +
                              " Hz, and the law for one rigid mass is safe from " + brief(safe_Hz) +
-                             " Hz on; take a longer period_s, a wider tolerance, or a stiffer joint";
+                             " Hz on; take coast = \"work\", a longer period_s, a wider tolerance, or a stiffer joint";
   const std::string tested = "tested, not proved: what sufficed for all of many axes with a load on a spring";
   return {
       below("load_rings_fast", tested, demand.least_per_period, resonance_Hz * shortest_s,

@@ -14,6 +14,7 @@
 #include "brief.hpp"
 #include "check.hpp"
 #include "reachable.hpp"
+#include "work_checks.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -215,11 +216,18 @@ std::vector<Check> class_checks(const AxisDesign& axis) {
   return checks;
 }
 
+std::vector<Check> checks_of_coast(const AxisDesign& axis, const std::optional<BrakedDesign<float>>& braked,
+                                   const std::optional<WorkDesign<float>>& work) {
+  if (braked) return detail::brake_checks(axis, *braked);
+  return work ? detail::work_checks(axis, *work) : std::vector<Check>{};
+}
+
 // What [I] assumes is for information where another coast ends the kicks.
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report,
-                              const std::optional<BrakedDesign<float>>& braked) {
-  if (!braked) return checks_of_pd(axis, report);
-  std::vector<Check> checks = detail::brake_checks(axis, *braked);
+                              const std::optional<BrakedDesign<float>>& braked,
+                              const std::optional<WorkDesign<float>>& work) {
+  if (!axis.braked && !axis.work) return checks_of_pd(axis, report);
+  std::vector<Check> checks = checks_of_coast(axis, braked, work);
   for (Check& check : checks_of_pd(axis, report)) {
     if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away") continue;  // of the k3 pulses
     check.required = check.name == "assumption_1";
@@ -281,6 +289,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
 
 std::vector<std::string> conditions(const AxisDesign& axis) {
   if (axis.braked) return conditions_of_brake(axis);
+  if (axis.work && axis.work->spring_load) return detail::conditions_of_work(axis);
   const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
   std::vector<std::string> conditions{
       "friction stays between " + brief(axis.friction.lower_N) + " N and " + brief(axis.friction.upper_N) +
@@ -327,15 +336,19 @@ DesignReport design_axis(const AxisDesign& axis) {
       .table_measured_error = measured_error(built.table, plant),
       .checks = {},
       .braked = {},
+      .work = {},
       .certified = false,
       .reasons = {},
       .conditions = conditions(axis),
   };
   std::optional<BrakedDesign<float>> braked;
   if (axis.braked) braked = design_braked_kicks<float>(*axis.braked);
-  report.checks = all_checks(axis, report, braked);
+  std::optional<WorkDesign<float>> work;
+  if (axis.work && axis.work->spring_load) work = design_work_kicks<float>(*axis.work);
+  report.checks = all_checks(axis, report, braked, work);
   for (Check& check : class_checks(axis)) report.checks.push_back(std::move(check));
   if (braked && braked->possible()) report.braked = promise(axis, *braked);
+  if (work && work->possible()) report.work = detail::work_promise(axis, *work);
   for (const Check& check : report.checks) {
     if (check.required && !check.holds) report.reasons.push_back(check.name + ": " + check.reason);
   }

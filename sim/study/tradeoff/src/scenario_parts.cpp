@@ -34,7 +34,7 @@ void give_friction(Scenario& s, model::ShapePtr shape) {
   world(s).friction = {axis(s).friction.bounds, std::move(shape)};
 }
 
-// That of belt_axis.toml, which moves freely, beside a mass of 1 kg.
+// A carriage on a stiff belt, which moves freely, beside a mass of 1 kg.
 void give_load(Scenario& s, double gap_m) {
   model::FlexibleLoad& load = world(s).plant.load.emplace();
   load.mass_kg = 0.6;

@@ -29,7 +29,8 @@ struct AxisDesign {
   double position_tolerance_m{};            // the accuracy asked for, > 0
   double max_approach_speed_m_s = std::numeric_limits<double>::infinity();
   double settle_tolerance_m{};          // true error that will do where that is below the floor; 0: none will
-  std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake"
+  std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake",
+  std::optional<BrakedClass> work{};    // and where it is "work"
   std::vector<std::string> outside{};   // what is known of the machine and no check covers, a sentence each
 };
 
@@ -52,6 +53,24 @@ struct BrakedPromise {
   double move_beyond_m;  // that a move may go past its target; 0: none is stated
   double least_move_s;   // that the longest move takes under any law; 0: none is stated
   std::string promise;   // the above in a sentence
+};
+
+// What a certificate of the coast "work" says in figures.
+struct WorkPromise {
+  double floor_m;            // nearer than this an axis is not kicked
+  double least_tolerance_m;  // that can be certified
+  double error_m;            // true error of the motor at rest, at most
+  double beyond_m;           // true distance of the motor beyond the target that a kick may reach, at most
+  double spring_m;           // what the spring may add to a kick, by which each aims short
+  double unseen_m;           // that the load may rest off where the motor says, whatever the law
+  double resonance_Hz;       // at the least stiffness
+  double reach_m;            // the distance up to which a kick aims at the target
+  double hand_over_m;        // an axis that rests further away is approached, not kicked
+  int most_kicks;            // after which the run ends by name
+  double rest_s;             // without a count of motion, that proves rest
+  double peak_speed_m_s;     // of the motor, which no kick exceeds
+  std::size_t table_bytes;
+  std::string promise;  // the above in a sentence
 };
 
 struct Check {
@@ -81,6 +100,7 @@ struct DesignReport {
   double table_measured_error;    // relative
   std::vector<Check> checks;
   std::optional<BrakedPromise> braked;  // of the coast "brake"
+  std::optional<WorkPromise> work;      // of the coast "work"
   bool certified;                       // every required check holds
   std::vector<std::string> reasons;     // why not, one line each; empty when certified
   std::vector<std::string> conditions;  // what must be true of the machine for the certificate to mean anything

@@ -1,0 +1,47 @@
+// What the coast "work" needs on the controller, and what it promises: for a motor and a load that are joined by a
+// spring with backlash.
+//
+// Let 1 be the motor and 2 the load, A and B bounds of friction, the force beside the drive's counted in on the motor,
+// g = A1 + A2, K the least stiffness, G the greatest gap, Bs = min(B1, B2). A pulse in which the motor travels D1 under
+// the force F leads neither of them beyond y if
+//   F D1 <= g (y - eps),   eps = ((Bs + A')^2 / (2 K) + A' G) / g,   A' of the side without the encoder,
+// which is Theorem E of THEORY.md. It is sure to move the load if, for the whole time t of the pulse,
+//   F >= 1.002 max(B1 + B2, B1 - Bs + (B2 + Bs) / (1 - cos min(w1 t, pi/2))),   w1^2 = K/m1.
+#pragma once
+
+#include <cstddef>
+
+#include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/law/work_kicks.hpp"
+
+namespace breakaway::design {
+
+template <class Real>
+struct WorkDesign {
+  law::WorkKicks<Real> kicks{};
+  bool holds = false;             // the force beside the drive's leaves some of the motor's friction
+  bool moves_load = false;        // some pulse within max_force_N is sure to
+  bool swing_is_counted = false;  // a period of the resonance has no more periods than a pulse may have
+  double pulse_needed_N = 0;  // the least command that is sure to move the load, in the longest pulse that is counted
+  double spring_m = 0;        // eps
+  double unseen_m = 0;        // that the side without the encoder may rest off where it seems to
+  double floor_m = 0;         // nearer than this an axis is not kicked
+  double reach_m = 0;
+  double least_tolerance_m = 0;
+  double rest_s = 0;          // without a count, that proves rest
+  double resonance_Hz = 0;    // with the least stiffness
+  double peak_speed_m_s = 0;  // of the motor, which no kick exceeds: it has no more than all the work
+  std::size_t table_bytes = 0;
+
+  // Kicks go on where the approach ends.
+  bool possible() const {
+    return holds && moves_load && swing_is_counted && floor_m < reach_m &&
+           reach_m >= static_cast<double>(kicks.begin_m());
+  }
+};
+
+// For a class with a spring_load.
+template <class Real>
+WorkDesign<Real> design_work_kicks(const BrakedClass& axes);
+
+}  // namespace breakaway::design

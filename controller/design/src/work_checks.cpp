@@ -1,0 +1,124 @@
+#include "work_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "breakaway/law/work_aim.hpp"
+#include "check.hpp"
+
+namespace breakaway::design::detail {
+namespace {
+
+// What random axes were drawn from, all of which settled: tests/campaign.
+constexpr double most_ratio = 10, most_unsure = 0.1, most_lag = 0.2, least_friction_ratio = 0.4;
+constexpr int least_swing_periods = 3;
+
+constexpr const char* tested_of_work = "tested, not proved: what sufficed for all of many axes with a load on a spring";
+
+std::vector<Check> checks_of_class(const BrakedClass& c) {
+  const SpringLoad& load = *c.spring_load;
+  const double ratio = load.load_kg / load.motor_kg, swings = load.resonance_Hz() * c.period_s;
+  const auto unsure = [](const Interval& i) { return (i.most - i.least) / (i.most + i.least); };
+  const double friction_ratio = std::min(load.motor_friction.lower_N / load.motor_friction.upper_N,
+                                         load.load_friction.lower_N / load.load_friction.upper_N);
+  return {
+      {"encoder_is_on_the_motor", true, !load.encoder_on_load, load.encoder_on_load ? -1.0 : 1.0,
+       "the work of a pulse is known where the motor is read",
+       load.encoder_on_load ? "the encoder is on the load; read the motor's, or simulate it"
+                            : "the encoder is on the motor"},
+      below("motor_holds_the_load_force", "rest without a force", c.load_N, load.motor_friction.lower_N,
+            "the force beside the drive's against the least friction of the motor",
+            "feed a known force forward, or narrow its bounds"),
+      below("swing_is_sampled", tested_of_work, swings, 1.0 / least_swing_periods,
+            "the swings of the load in a period against a third",
+            "shorten period_s, or take coast = \"brake\", which may hold a spring as stiff", Equality::holds),
+      below("swing_is_counted", "a pulse lasts whole swings", 1 / swings, longest_pulse_periods,
+            "the periods of a swing against those of the longest pulse", "take a longer period_s, or a stiffer joint",
+            Equality::holds),
+      below("masses_are_comparable", tested_of_work, std::max(ratio, 1 / ratio), most_ratio,
+            "the greater of motor and load over the other against 10", "simulate it", Equality::holds),
+      below("masses_and_gain_are_known", tested_of_work, std::max(unsure(c.mass_kg), unsure(c.force_gain)), most_unsure,
+            "[uncertainty] of mass and force_gain against a tenth", "know them better", Equality::holds),
+      below("friction_is_known", tested_of_work, least_friction_ratio, friction_ratio,
+            "0.4 against the least over the greatest friction of either side", "know it better", Equality::holds),
+      below("work_loop_is_fast", tested_of_work, c.lag_s.most, most_lag * c.period_s,
+            "the time constant of the current loop against a fifth of period_s", "take a longer period_s",
+            Equality::holds),
+      below("work_keeps_time", tested_of_work, c.jitter_s + c.encoder_noise_m, 0,
+            "jitter_s and encoder_noise_m against 0", "state neither, or simulate it", Equality::holds),
+      below("work_stands_alone", tested_of_work, (c.presliding_stiffness_N_per_m > 0) + c.move.has_value(), 0,
+            "friction that bends and limits of a move against none", "leave them out, or simulate it",
+            Equality::holds)};
+}
+
+}  // namespace
+
+std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& design) {
+  const BrakedClass& c = *axis.work;
+  std::vector<Check> checks = checks_of_class(c);
+  if (!design.holds || !design.swing_is_counted) return checks;
+  checks.push_back(below("pulse_moves_the_load", "a pulse must be sure to break motor and load away by 0.2 %",
+                         design.pulse_needed_N, c.max_force_N, "the least sure pulse of a swing against max_force_N",
+                         "use a stronger drive, or a stiffer joint", Equality::holds));
+  if (!design.moves_load) return checks;
+  checks.push_back(below("rest_is_seen_in_time", "the mass that is not read may swing on while the other sticks",
+                         design.rest_s / c.period_s, 15000, "the periods that prove rest",
+                         "use a finer encoder, or a stiffer joint"));
+  checks.push_back(below("kicks_get_on", "from the floor on each tried kick takes 5 % away", design.floor_m,
+                         design.reach_m, "accuracy floor against the reach of a kick",
+                         "use a stiffer joint, or know friction and backlash better"));
+  checks.push_back(below("kicks_go_on_from_the_approach", "an axis that rests further away is approached again",
+                         static_cast<double>(design.kicks.begin_m()), design.reach_m,
+                         "where the approach may end against the reach of a kick",
+                         "use a stronger drive, a stiffer joint, or know friction better", Equality::holds));
+  checks.push_back(below("tolerance_above_floor", "nearer than the floor an axis is not kicked",
+                         design.least_tolerance_m, axis.position_tolerance_m,
+                         "the least tolerance against position_tolerance_m",
+                         "take a tolerance of " + brief(design.least_tolerance_m * 1.001) +
+                             ", a stiffer joint, less backlash, or narrower bounds of friction",
+                         Equality::holds));
+  return checks;
+}
+
+WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design) {
+  const BrakedClass& c = *axis.work;
+  WorkPromise p{.floor_m = design.floor_m,
+                .least_tolerance_m = design.least_tolerance_m,
+                .error_m = axis.position_tolerance_m + c.reading_error_m(),
+                .beyond_m = c.reading_error_m(),
+                .spring_m = design.spring_m,
+                .unseen_m = design.unseen_m,
+                .resonance_Hz = design.resonance_Hz,
+                .reach_m = design.reach_m,
+                .hand_over_m = static_cast<double>(design.kicks.begin_m()),
+                .most_kicks = law::WorkAim<float>::most_kicks,
+                .rest_s = design.kicks.still_periods * c.period_s,
+                .peak_speed_m_s = design.peak_speed_m_s,
+                .table_bytes = design.table_bytes,
+                .promise = {}};
+  p.promise = "at rest the true error of the motor is at most " + brief(p.error_m) + " m, no kick leads it more than " +
+              brief(p.beyond_m) + " m beyond the target, and the load may rest " + brief(p.unseen_m) +
+              " m from where the motor says";
+  return p;
+}
+
+std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
+  const BrakedClass& c = *axis.work;
+  const SpringLoad& load = *c.spring_load;
+  const auto bounds = [](const law::FrictionBounds<double>& f) {
+    return brief(f.lower_N) + " N and " + brief(f.upper_N) + " N";
+  };
+  return {"friction of the motor stays between " + bounds(load.motor_friction) + ", that of the load between " +
+              bounds(load.load_friction) + ", at any position, speed and time, as it likes",
+          "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) +
+              " N/m or stiffer and a gap of at most " + brief(load.gap_m) + " m, and by nothing that drives them",
+          "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
+          "no command is lost; a sample that is lost costs a period",
+          "the axis rests when it is enabled",
+          "tested, not proved: that the axis settles within the kicks that it may have, that the spring never pushes "
+          "the motor on harder in a pulse than it can at rest, which the meter counts with, and that the approach ends "
+          "near the target"};
+}
+
+}  // namespace breakaway::design::detail

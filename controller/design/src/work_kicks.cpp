@@ -1,0 +1,311 @@
+#include "breakaway/design/work_kicks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "breakaway/law/shaped_move.hpp"
+#include "work_trial.hpp"
+
+namespace breakaway::design {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double sure_share = 1.002;  // by which a pulse exceeds what it has to
+constexpr double more_periods = 8;    // in which a swing may show the same count by chance
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+// The class with its worst masses and forces.
+struct Jointed {
+  explicit Jointed(const BrakedClass& c)
+      : axes{c},
+        load{*c.spring_load},
+        K{load.stiffness_N_per_m},
+        G{load.gap_m},
+        M{load.motor_kg + load.load_kg},
+        heavier{2 * c.mass_kg.most / (c.mass_kg.least + c.mass_kg.most)},
+        lighter{2 * c.mass_kg.least / (c.mass_kg.least + c.mass_kg.most)},
+        A1{load.motor_friction.lower_N - c.load_N},
+        A2{load.load_friction.lower_N},
+        B1{load.motor_friction.upper_N + c.load_N},
+        B2{load.load_friction.upper_N},
+        Bs{std::min(B1, B2)},
+        g{A1 + A2} {}
+
+  double spring_m() const {
+    const double other_N = load.encoder_on_load ? A1 : A2;
+    return ((Bs + other_N) * (Bs + other_N) / (2 * K) + other_N * G) / g;
+  }
+
+  double rest_s() const {
+    const bool on_load = load.encoder_on_load;
+    const double hidden_kg = heavier * (on_load ? load.motor_kg : load.load_kg), hidden_N = on_load ? A1 : A2;
+    const double swings = 1 + std::ceil(std::max(((on_load ? B2 : B1) / hidden_N - 1) / 2, 0.0));
+    const double unseen_m = axes.encoder_resolution_m + 4 * axes.encoder_noise_m;
+    return std::sqrt(2 * unseen_m * heavier * M / g) + pi * std::sqrt(hidden_kg / K) * swings +
+           std::sqrt(2 * G * hidden_kg / hidden_N) + more_periods * axes.period_s;
+  }
+
+  double swing_s() const { return 1 / load.resonance_Hz(); }
+
+  // The least command that is sure to move the load in so many periods.
+  double least_N(int periods) const {
+    const double angle = std::min(std::sqrt(K / (heavier * load.motor_kg)) * periods * axes.period_s, pi / 2);
+    const double force_N = sure_share * std::max(B1 + B2, B1 - Bs + (B2 + Bs) / (1 - std::cos(angle)));
+    return force_N / axes.force_gain.least + axes.force_step_N;
+  }
+
+  // The command with which a rigid axis goes as far as y - eps, and no further than that before its motion is seen.
+  // A meter may let a pulse be stronger: then it is at least the sure one.
+  double force_N(double y_m, int periods) const {
+    const double way_m = y_m - spring_m(), t = periods * axes.period_s;
+    if (!(way_m > 0)) return 0;
+    double force = (g + std::sqrt(g * g + 8 * lighter * M * g * way_m / (t * t))) / 2;
+    if (load.encoder_on_load) return force / axes.force_gain.most;
+    force = std::max(force, least_N(periods) * axes.force_gain.most);
+    return std::min(force, unseen_force_N(way_m, std::min(periods, blind_periods()))) / axes.force_gain.most;
+  }
+
+  double late_periods() const {
+    return axes.latency_periods + 1 + 2 * (axes.lag_s.most + axes.jitter_s) / axes.period_s;
+  }
+
+  // The least travel of the encoder's side in a kick, of some that follow each other, whichever way the spring is bent
+  // when they start; under friction that is constant and of either side its least, its greatest or between.
+  double least_travel_m(double y_m, double command_N, int periods, double enough_m) const {
+    const double gained_m = std::max(axes.force_gain.most * command_N - held_back_N(), 0.0) * axes.period_s *
+                            axes.period_s / (lighter * load.motor_kg);
+    const double unseen_m = axes.encoder_resolution_m + 4 * axes.encoder_noise_m, late = late_periods();
+    detail::WorkTrial trial{.motor_kg = heavier * load.motor_kg,
+                            .load_kg = heavier * load.load_kg,
+                            .stiffness_N_per_m = K,
+                            .gap_m = G,
+                            .motor_friction_N = B1,
+                            .load_friction_N = B2,
+                            .period_s = axes.period_s,
+                            .latency_periods = axes.latency_periods,
+                            .metered = !load.encoder_on_load,
+                            .encoder_on_load = load.encoder_on_load,
+                            .most_travel_m = g * (y_m - spring_m()) / (axes.force_gain.most * command_N) -
+                                             unseen_m * (1 + late) - gained_m * (late + late * late) / 2,
+                            .late_periods = late,
+                            .bent_m = 0};
+    double least_m = infinite;
+    for (const auto [of_motor, of_load] : shares) {
+      trial.motor_friction_N = A1 + of_motor * (B1 - A1);
+      trial.load_friction_N = A2 + of_load * (B2 - A2);
+      const double held_N = std::min(trial.motor_friction_N, trial.load_friction_N);
+      for (const double bent : {1.0, -1.0}) {
+        trial.bent_m = bent * (held_N / K + G / 2);
+        for (int kick = 0; kick < 2; ++kick) {
+          const auto end = trial.run(axes.force_gain.least * command_N, periods);
+          least_m = std::min(least_m, load.encoder_on_load ? end.load_m : end.motor_m);
+          if (least_m < enough_m) return least_m;
+          trial.bent_m = end.bent_m;
+        }
+      }
+    }
+    return least_m;
+  }
+
+  int blind_periods() const { return axes.latency_periods + 1; }
+  // What the spring cannot have added to a pulse, of the force that acts.
+  double held_back_N() const { return A1 - Bs; }
+
+  const BrakedClass& axes;
+  const SpringLoad& load;
+  double K, G, M, heavier, lighter, A1, A2, B1, B2, Bs, g;
+
+ private:
+  struct Shares {
+    double of_motor, of_load;
+  };
+  static constexpr std::array<Shares, 4> shares{{{1, 1}, {0.5, 0.5}, {0, 1}, {1, 0}}};
+
+  // F (F - h) t^2 / (2 m1) = g way
+  double unseen_force_N(double way_m, int periods) const {
+    const double t = periods * axes.period_s + 2 * axes.lag_s.most, h = held_back_N();
+    const double product = 2 * lighter * load.motor_kg * g * way_m / (t * t);
+    return std::max((h + std::sqrt(h * h + 4 * product)) / 2, 0.0);
+  }
+};
+
+template <class Real>
+class WorkTable {
+ public:
+  using Table = law::KickTable<Real>;
+
+  // reach_m: the distance up to which kicks are needed.
+  WorkTable(const Jointed& axis, double reach_m) : axis_{axis}, swing_{swing_periods(axis)} {
+    const double from_m = axis.spring_m() + axis.axes.encoder_resolution_m / 4;
+    const std::uint32_t least = interval_of(from_m), last = least + 16 * 12;
+    // From where no pulse is sure, an interval at a time, until one is in each that follows.
+    for (std::uint32_t first = least; first < last && !reaches(reach_m); first += table_.count + 1u) {
+      table_.count = 0;
+      table_.first = static_cast<std::uint16_t>(first);
+      while (table_.count < Table::most_entries && add(first + table_.count)) {
+      }
+    }
+  }
+
+  static int swing_periods(const Jointed& axis) {
+    return static_cast<int>(std::clamp(std::round(axis.swing_s() / axis.axes.period_s), 1.0, 1e6));
+  }
+  const Table& table() const { return table_; }
+
+ private:
+  static constexpr int samples = 32;
+  static constexpr double good_share = 0.2, enough_share = 0.05;
+  bool reaches(double reach_m) const { return table_.count > 0 && static_cast<double>(table_.reach_m()) >= reach_m; }
+  static std::uint32_t interval_of(double distance_m) {
+    return std::bit_cast<std::uint32_t>(static_cast<float>(std::sqrt(distance_m))) >> Table::shift;
+  }
+  static double root_at(std::uint32_t high) { return std::bit_cast<float>(high << Table::shift); }
+  double at(std::uint32_t high, double t, int n) const {
+    const double s = root_at(high) + t * (root_at(high + 1) - root_at(high));
+    return axis_.force_N(s * s, n);
+  }
+
+  bool fits(std::uint32_t high, int n) const {
+    return at(high, 0, n) >= axis_.least_N(n) * (1 - 1e-9) && at(high, 1, n) <= axis_.axes.max_force_N;
+  }
+  // Of the distance, that the kick takes away at least.
+  double least_share(std::uint32_t high, int n) const {
+    double least = infinite;
+    for (const double t : {0.0, 0.999}) {
+      const double s = root_at(high) + t * (root_at(high + 1) - root_at(high));
+      const double command_N = at(high, t, n) - axis_.axes.force_step_N;
+      least = std::min(least, axis_.least_travel_m(s * s, command_N, n, enough_share * s * s) / (s * s));
+      if (least < enough_share) return least;
+    }
+    return least;
+  }
+
+  // Whole swings as few as the force allows, or else, near the floor, what gets on best.
+  std::optional<int> periods(std::uint32_t high) const {
+    for (int n = swing_; n <= longest_pulse_periods; n += swing_)
+      if (fits(high, n) && least_share(high, n) >= good_share) return n;
+    std::optional<int> best;
+    double most = enough_share;
+    const auto consider = [&](int n) {
+      if (!fits(high, n)) return;
+      const double share = least_share(high, n);
+      if (share > most) most = share, best = n;
+    };
+    const int stride = std::max(1, swing_ / 6);
+    for (int n = std::min(swing_, longest_pulse_periods); n >= 1; n -= stride) consider(n);
+    for (int n = 2 * swing_; n <= std::min(4 * swing_, longest_pulse_periods); n += swing_) consider(n);
+    return best;
+  }
+
+  bool add(std::uint32_t high) {
+    const std::optional<int> n = periods(high);
+    if (!n) return false;
+    const std::array<double, 4> f{at(high, 0, *n), at(high, 1.0 / 3, *n), at(high, 2.0 / 3, *n), at(high, 1, *n)};
+    const double a0 = f[0], a1 = (-11 * f[0] + 18 * f[1] - 9 * f[2] + 2 * f[3]) / 2,
+                 a2 = (18 * f[0] - 45 * f[1] + 36 * f[2] - 9 * f[3]) / 2,
+                 a3 = (-9 * f[0] + 27 * f[1] - 27 * f[2] + 9 * f[3]) / 2;
+    double over = 0;
+    for (int j = 0; j <= samples; ++j) {
+      const double t = static_cast<double>(j) / samples;
+      over = std::max(over, a0 + t * (a1 + t * (a2 + t * a3)) - at(high, t, *n));
+    }
+    const double lowered = 1.05 * over + 1e-6 * f[3];
+    table_.entries[table_.count] = {static_cast<Real>(a0 - lowered), static_cast<Real>(a1), static_cast<Real>(a2),
+                                    static_cast<Real>(a3)};
+    table_.periods[table_.count] = static_cast<std::uint8_t>(*n);
+    ++table_.count;
+    return true;
+  }
+
+  const Jointed& axis_;
+  int swing_;
+  Table table_{};
+};
+
+template <class Real>
+law::ShapedApproach<Real> approach_of(const Jointed& axis, int swing_periods) {
+  const BrakedClass& c = axis.axes;
+  const double A = axis.g, B = axis.B1 + axis.B2, T = c.period_s, w = 2 * pi * axis.load.resonance_Hz();
+  const int n = std::min(swing_periods, static_cast<int>(law::ShapedMove<Real>::most_periods));
+  const bool on_load = axis.load.encoder_on_load;
+  const int speed_periods = on_load ? n : std::clamp(n / 8, 1, 8);
+  const double late_s = (c.latency_periods + 1 + speed_periods / 2.0) * T + c.lag_s.most;
+  // Above the resonance the motor moves alone.
+  const double alone = on_load ? 1 : axis.load.motor_kg / axis.M;
+  const double response = std::min((on_load ? 0.06 : 0.12) * w, 0.4 * alone / late_s);
+  law::ShapedApproach<Real> a;
+  const double sure_N = c.force_gain.least * c.max_force_N - B;
+  a.mass_kg = static_cast<Real>(axis.M);
+  a.friction_N = static_cast<Real>((A + B) / 2);
+  a.acceleration_m_s2 = static_cast<Real>(0.6 * sure_N / (axis.heavier * axis.M));
+  a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
+  a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
+  const double off_m = (B - A) / 2 / (axis.M * response * response);
+  a.short_of_target_m = static_cast<Real>(off_m);
+  a.begin_m = static_cast<Real>(6 * off_m);
+  a.swing_periods = static_cast<std::uint8_t>(std::min(swing_periods, longest_pulse_periods));
+  a.speed_periods = static_cast<std::uint8_t>(speed_periods);
+  a.mean_periods = static_cast<std::uint8_t>(on_load ? n / 2 : 0);
+  return a;
+}
+
+}  // namespace
+
+template <class Real>
+WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
+  const Jointed axis{axes};
+  WorkDesign<Real> d;
+  const int swing = WorkTable<Real>::swing_periods(axis);
+  d.resonance_Hz = axis.load.resonance_Hz();
+  d.unseen_m = axis.load.unseen_m(axes.load_N) + axis.G / 2;
+  d.rest_s = axis.rest_s();
+  d.holds = axis.A1 > 0;
+  d.swing_is_counted = swing <= longest_pulse_periods;
+  if (!d.holds || !d.swing_is_counted) return d;
+  d.spring_m = axis.spring_m();
+  d.pulse_needed_N = axis.least_N(swing);
+  d.moves_load = d.pulse_needed_N <= axes.max_force_N;
+  if (!d.moves_load) return d;
+
+  law::WorkKicks<Real>& k = d.kicks;
+  k.force_step_N = static_cast<Real>(axes.force_step_N);
+  k.slow_lag = static_cast<Real>(axes.lag_s.most > 0 ? std::exp(-axes.period_s / axes.lag_s.most) : 0);
+  k.load_N = static_cast<Real>(axes.load_N);
+  k.spring_m = static_cast<Real>(d.spring_m);
+  k.friction_per_gain_N = static_cast<Real>(axis.g / axes.force_gain.most);
+  k.speeding_s_per_kg = static_cast<Real>(axes.force_gain.most * axes.period_s / (axis.lighter * axis.load.motor_kg));
+  k.held_back_N = static_cast<Real>(axis.held_back_N() / axes.force_gain.most);
+  k.late_periods = static_cast<Real>(axis.late_periods());
+  k.still_periods = static_cast<std::uint16_t>(std::min(std::ceil(d.rest_s / axes.period_s), 65535.0));
+  k.metered = !axis.load.encoder_on_load;
+  k.approach = approach_of<Real>(axis, swing);
+  k.table = WorkTable<Real>{axis, static_cast<double>(k.begin_m())}.table();
+  if (k.table.count == 0) return d;
+  d.floor_m = static_cast<double>(k.table.least_m());
+  d.reach_m = static_cast<double>(k.table.reach_m());
+  d.least_tolerance_m = std::max(d.floor_m + axes.reading_error_m(), 0.51 * axes.encoder_resolution_m);
+  double most_Ns = 0;
+  for (std::size_t i = 0; i < k.table.count; ++i) {
+    const auto& e = k.table.entries[i];
+    const double force_N = std::max(double{e.a0}, double{e.a0} + e.a1 + e.a2 + e.a3);
+    most_Ns = std::max(most_Ns, force_N * k.table.periods[i] * axes.period_s * axes.force_gain.most);
+  }
+  d.peak_speed_m_s =
+      std::sqrt((2 * axis.g * d.reach_m + axis.Bs * axis.Bs / axis.K) / (axis.lighter * axis.load.motor_kg));
+  k.longest_coast_periods =
+      static_cast<std::uint16_t>(std::min(most_Ns / axis.g / axes.period_s + k.still_periods, 15000.0));
+  k.patient_periods = static_cast<std::uint16_t>(std::min(k.still_periods + 4.0 * swing + 50, 65535.0));
+  d.table_bytes = k.table.count * (sizeof k.table.entries[0] + 2);
+  return d;
+}
+
+template WorkDesign<float> design_work_kicks(const BrakedClass&);
+template WorkDesign<double> design_work_kicks(const BrakedClass&);
+
+}  // namespace breakaway::design

@@ -1,0 +1,206 @@
+// Random axes whose load hangs on a spring with backlash, under the coast "work": motor and load on friction of every
+// kind, each on its own, told the stiffness or 0.6 of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "../two_mass_axis.hpp"
+#include "breakaway/design/report.hpp"
+#include "breakaway/design/work_kicks.hpp"
+#include "random_braked_axis.hpp"
+
+namespace breakaway::campaign {
+namespace {
+
+using design::SpringLoad;
+using testing::RunEnd;
+
+BrakedClass random_jointed_axes(Random& r) {
+  BrakedClass c;
+  c.period_s = 1e-3 * r.one_of<3>({0.5, 1, 2});
+  const double mass_kg = r.decades(0.2, 20), B = r.decades(1, 50), A = B * r.between(0.45, 0.95);
+  const double rho = r.decades(0.11, 9), share = r.between(0.1, 0.9);
+  const auto about = [&](double value, double most_share) {
+    const double off = r.share() < 0.5 ? 0 : most_share * r.share();
+    return Interval{value * (1 - off), value * (1 + off)};
+  };
+  c.mass_kg = about(mass_kg, 0.1);
+  c.force_gain = about(1, 0.1);
+  c.friction = {A, B};
+  c.lag_s = about(r.share() < 0.5 ? 0 : 0.2 * c.period_s * r.share(), 0);
+  c.max_force_N = B * r.decades(4, 20);
+  c.force_step_N = c.max_force_N / 2000;
+  c.encoder_resolution_m = 1e-6 * r.decades(0.1, 10);
+  c.latency_periods = static_cast<int>(r.between(0, 2.99));
+  SpringLoad load;
+  load.motor_kg = mass_kg / (1 + rho);
+  load.load_kg = mass_kg - load.motor_kg;
+  load.motor_friction = {share * A, share * B};
+  load.load_friction = {(1 - share) * A, (1 - share) * B};
+  c.load_N = r.share() < 0.6 ? 0 : r.between(0, 0.2 * share * A);
+  load.gap_m = r.share() < 0.4 ? 0 : r.between(0, 1e-4);
+  load.stiffness_N_per_m = 1;
+  load.stiffness_N_per_m = std::pow(1 / (r.decades(3.1, 60) * c.period_s * load.resonance_Hz()), 2);
+  c.spring_load = load;
+  return c;
+}
+
+// The axis of the table in THEORY.md: 1 kg, 2.5 to 4.5 N, 50 N, 1 ms, 1 um.
+BrakedClass axes_of_the_grid(Random& r, double resonance_Hz) {
+  BrakedClass c = testing::axes_of_the_scenes(0);
+  SpringLoad load;
+  const double rho = r.decades(0.1, 10), share = r.between(0.1, 0.9);
+  load.motor_kg = 1 / (1 + rho);
+  load.load_kg = 1 - load.motor_kg;
+  load.motor_friction = {share * 2.5, share * 4.5};
+  load.load_friction = {(1 - share) * 2.5, (1 - share) * 4.5};
+  load.gap_m = r.share() < 0.4 ? 0 : r.between(0, 1e-4);
+  load.stiffness_N_per_m = 1;
+  load.stiffness_N_per_m = std::pow(resonance_Hz / load.resonance_Hz(), 2);
+  c.spring_load = load;
+  return c;
+}
+
+design::DesignReport report_by_work(const BrakedClass& c, double tolerance_m) {
+  const auto p = parameters(c, tolerance_m);
+  return design::design_axis({.mass_kg = static_cast<double>(p.mass_kg),
+                              .stiffness_N_per_m = static_cast<double>(p.stiffness_N_per_m),
+                              .approach_damping_Ns_per_m = static_cast<double>(p.approach_damping_Ns_per_m),
+                              .kick_damping_Ns_per_m = static_cast<double>(p.kick_damping_Ns_per_m),
+                              .friction = c.friction,
+                              .max_force_N = c.max_force_N,
+                              .period_s = c.period_s,
+                              .encoder_resolution_m = c.encoder_resolution_m,
+                              .latency_ticks = c.latency_periods,
+                              .position_tolerance_m = tolerance_m,
+                              .work = c});
+}
+
+struct Tally {
+  long runs = 0, settled = 0, named = 0;
+  double beyond_counts = 0;
+  std::vector<double> times_s{}, kicks{};
+
+  double median_s() {
+    if (times_s.empty()) return INFINITY;
+    std::ranges::sort(times_s);
+    return times_s[times_s.size() / 2];
+  }
+  double longest_s() const { return times_s.empty() ? INFINITY : *std::ranges::max_element(times_s); }
+  double most_kicks() const { return kicks.empty() ? 0 : *std::ranges::max_element(kicks); }
+  void print(const char* name) {
+    std::printf(
+        "%s: %ld runs, %ld settled, %ld ended by name, median %.3f s, longest %.3f s, at most %.0f kicks, beyond "
+        "%.2f counts at most\n",
+        name, runs, settled, named, median_s(), longest_s(), most_kicks(), beyond_counts);
+  }
+};
+
+// told: the class is made for this share of the stiffness.
+RunEnd run(long number, BrakedClass c, double told, double tolerance_share, double start_m, Random& r, Tally& tally) {
+  SpringLoad truth_of_load = *c.spring_load;
+  c.spring_load->stiffness_N_per_m *= told;
+  const auto design = design::design_work_kicks<float>(c);
+  const double tolerance_m = design.least_tolerance_m * tolerance_share;
+  auto p = parameters(c, tolerance_m);
+  p.coast = law::Coast::work;
+  const testing::TrueAxis truth{r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s),
+                                r.inside({-c.load_N, c.load_N}), c.latency_periods};
+  const double heavier = truth.mass_kg / (truth_of_load.motor_kg + truth_of_load.load_kg);
+  truth_of_load.motor_kg *= heavier;
+  truth_of_load.load_kg *= heavier;
+  const int kind = static_cast<int>(kinds * r.share());
+  const int other_kind = r.share() < 0.5 ? kind : static_cast<int>(kinds * r.share());
+  BrakedClass motor = c, load = c;
+  motor.friction = truth_of_load.motor_friction;
+  load.friction = truth_of_load.load_friction;
+  const double length_m = std::max(3 * design.floor_m, c.encoder_resolution_m);
+  const auto seed = static_cast<std::uint64_t>(number);
+  const std::array<Friction, 2> friction{friction_of_kind(kind, motor, seed, length_m, tolerance_m),
+                                         friction_of_kind(other_kind, load, seed + 1, length_m, tolerance_m)};
+  double load_m = 0;
+  const double longest_s = 65 * (design.rest_s + 0.2) * 4 + 10;
+  const RunEnd end = testing::run_axis<float>(
+      p, law::K3Table<float>{}, design.kicks,
+      testing::TwoMassAxis{truth_of_load, r.between(0, 0.05), truth, friction, start_m, &load_m}, c.latency_periods,
+      longest_s, 1, 200, r.between(-0.5, 0.5));
+  const double q = c.encoder_resolution_m;
+  const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind) + " and " +
+                            std::to_string(other_kind) + ", start " + std::to_string(start_m);
+  ++tally.runs;
+  tally.settled += end.held;
+  tally.named += !end.held && end.fault != law::ControlFault::none;
+  tally.beyond_counts = std::max(tally.beyond_counts, end.beyond_m / q);
+  tally.kicks.push_back(end.kicks);
+  if (end.held) tally.times_s.push_back(end.time_s);
+  EXPECT_TRUE(end.held || end.fault != law::ControlFault::none) << where << " never ends, error " << end.error_m;
+  EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
+  if (end.held) {
+    EXPECT_LE(std::fabs(end.error_m), tolerance_m * (1 + 1e-6) + q / 2) << where;
+    EXPECT_LE(std::fabs(load_m - end.error_m), design.unseen_m * (1 + 1e-6)) << where;
+  }
+  return end;
+}
+
+TEST(WorkCampaign, EveryCertifiedAxisSettlesAndNoKickGoesBeyond) {
+  const long first = asked_for("BREAKAWAY_FIRST", 0), axes = asked_for("BREAKAWAY_WORK_AXES", 40);
+  Tally tally;
+  long certified = 0;
+  for (long number = first; number < first + axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number)};
+    const BrakedClass c = random_jointed_axes(r);
+    const double told = r.share() < 0.5 ? 1 : r.between(0.6, 1);
+    BrakedClass as_told = c;
+    as_told.spring_load->stiffness_N_per_m *= told;
+    const auto design = design::design_work_kicks<float>(as_told);
+    if (!design.possible()) continue;
+    const double share = r.share() < 0.5 ? 1.001 : r.decades(1.001, 10);
+    if (!report_by_work(as_told, design.least_tolerance_m * share).certified) continue;
+    ++certified;
+    const double start_m = (r.share() < 0.5 ? 1 : -1) * design.floor_m * std::pow(10, 3 * r.share());
+    const RunEnd end = run(number, c, told, share, start_m, r, tally);
+    EXPECT_TRUE(end.held) << "axis " << number << ": " << to_string(end.fault) << ", error " << end.error_m << ", "
+                          << end.kicks << " kicks";
+  }
+  std::printf("%ld of %ld axes certified\n", certified, axes);
+  tally.print("random axes");
+  EXPECT_GE(certified, axes / 4);
+}
+
+struct Figure {
+  const char* name;
+  double start_m, resonance_Hz;  // 0: 50 to 300 Hz
+  double most_median_s;
+};
+
+class WorkFigures : public ::testing::TestWithParam<Figure> {};
+
+TEST_P(WorkFigures, EndsSoon) {
+  const Figure& figure = GetParam();
+  const long axes = asked_for("BREAKAWAY_WORK_GRID", 12);
+  Tally tally;
+  for (long number = 0; number < axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number)};
+    const double drawn_Hz = r.decades(50, 300);
+    const BrakedClass c = axes_of_the_grid(r, figure.resonance_Hz > 0 ? figure.resonance_Hz : drawn_Hz);
+    run(number, c, r.share() < 0.5 ? 1 : r.between(0.6, 1), 1.001, figure.start_m, r, tally);
+  }
+  tally.print(figure.name);
+  EXPECT_EQ(tally.settled, tally.runs);
+  EXPECT_LE(tally.median_s(), figure.most_median_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, WorkFigures,
+                         ::testing::Values(Figure{"TenMillimetresFrom50Hz", -0.01, 0, 0.6},
+                                           Figure{"TenMillimetresAt20Hz", -0.01, 20, 1.2},
+                                           Figure{"HundredMillimetresAt50Hz", -0.1, 50, 0.8},
+                                           Figure{"HundredMillimetresAt20Hz", -0.1, 20, 1.5}),
+                         [](const auto& info) { return std::string{info.param.name}; });
+
+}  // namespace
+}  // namespace breakaway::campaign
