@@ -2,6 +2,7 @@
 // where the coast is "pd"; and writes what they did to axis.results, hostile.results and pid.results. Between the two
 // marks an emulator counts instructions; the first pair of marks has nothing in between.
 #include <array>
+#include <type_traits>
 
 #include "flashed_node.hpp"
 #include "replay.hpp"
@@ -51,7 +52,8 @@ void run_image() {
   count_begin();
   count_end();
   const auto& flashed_axis = flashed::node.axes[0];
-  const law::AxisController<float> axis{flashed_axis.law, flashed_axis.k3_table, flashed_axis.braked};
+  using Kicks = std::remove_cvref_t<decltype(flashed_axis.kicks)>;
+  const law::AxisController<float, Kicks> axis{flashed_axis.law, flashed_axis.k3_table, flashed_axis.kicks};
   ExitCode code = replay_file(axis, "axis.tape", "axis.results");
   if (code == done) code = replay_file(axis, "hostile.tape", "hostile.results");
   if (code == done && flashed_axis.law.coast == law::Coast::pd) {

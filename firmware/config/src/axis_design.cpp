@@ -37,7 +37,9 @@ double granted_N(const Axis& axis, double force_N) {
 
 // A kick must not run into a limit that the axis stops for.
 void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  const double kick_m_s = report.braked ? report.braked->peak_speed_m_s : report.largest_impulse_Ns / axis.mass_kg;
+  const double kick_m_s = report.braked ? report.braked->peak_speed_m_s
+                          : report.work ? report.work->peak_speed_m_s
+                                        : report.largest_impulse_Ns / axis.mass_kg;
   if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
   throw InputError{place(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:.4g} m/s that the largest "
                                                    "kick gives the axis; raise it",
@@ -83,6 +85,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .max_approach_speed_m_s = p.max_approach_speed_m_s,
           .settle_tolerance_m = node.settle_tolerance_m,
           .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
+          .work = p.coast == law::Coast::work ? std::optional{braked_class(node, axis)} : std::nullopt,
           .outside = outside_class(node, axis)};
 }
 

@@ -22,15 +22,16 @@ std::optional<design::SpringLoad> spring_load(const Axis& axis) {
   if (!load || !(load->load_friction.lower_N > 0)) return {};  // the second is refused
   load->motor_kg = truth_of(axis).mass_kg;
   load->motor_friction = truth_of(axis).bounds;
+  load->gap_m = axis.surroundings.gap_m;
   return load;
 }
 
-// The supervisor stops an axis beyond its speed limit. Moves have a margin of their own; any other approach under the
-// brake goes as fast as its force lets it.
+// The supervisor stops an axis beyond its speed limit. Moves have a margin of their own; any other approach, but
+// under the coast "pd", goes as fast as its force lets it.
 double approach_speed_m_s(const Axis& axis) {
   constexpr double share_of_limit = 0.9;
   const double asked_m_s = axis.controller.max_approach_speed_m_s;
-  const bool goes_all_out = axis.controller.impulsive->coast == law::Coast::brake && !axis.move;
+  const bool goes_all_out = axis.controller.impulsive->coast != law::Coast::pd && !axis.move;
   return goes_all_out ? std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s) : asked_m_s;
 }
 

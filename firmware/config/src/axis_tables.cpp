@@ -68,7 +68,8 @@ std::vector<Key> gain_keys(ImpulsiveGains& gains) {
       required("k22_Ns_per_m", number(gains.kick_damping_Ns_per_m, "N s/m", positive)),
       kick_key(gains),
       optional("fine_stage", boolean(gains.fine_stage)),
-      optional("coast", choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}})),
+      optional("coast",
+               choice(gains.coast, {{"pd", law::Coast::pd}, {"brake", law::Coast::brake}, {"work", law::Coast::work}})),
       optional("feedforward_N", number(gains.feedforward_N, "N", anywhere)),
   };
 }
@@ -126,8 +127,9 @@ void check_gains(const Section& section, const ImpulsiveGains& gains, double mas
   if (sampled && gains.kick == Kick::ideal) {
     section.fail("kick", "must be \"two_phase\" or \"naive\" with a [loop]: a sampled kick takes time");
   }
-  if (!sampled && gains.coast == law::Coast::brake)
-    section.fail("coast", "is \"brake\", which takes whole periods of a [loop]; give one, or \"pd\"");
+  if (!sampled && gains.coast != law::Coast::pd)
+    section.fail("coast", fmt::format("is \"{}\", which takes whole periods of a [loop]; give one, or \"pd\"",
+                                      gains.coast == law::Coast::brake ? "brake" : "work"));
 }
 
 Uncertainty read_uncertainty(const Section& section, const Friction& friction, double period_s) {
@@ -416,8 +418,10 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   check_fine_stage(*controller_, axis);
   check_force(*controller_, axis);
   check_feedforward(*controller_, axis);
-  if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake && !drive_)
-    controller_->fail("coast", "is \"brake\", which counts in the steps of a drive's force; give the axis a [drive]");
+  if (axis.controller.impulsive && axis.controller.impulsive->coast != law::Coast::pd && !drive_)
+    controller_->fail("coast", fmt::format("is \"{}\", which counts in the steps of a drive's force; give the axis a "
+                                           "[drive]",
+                                           axis.controller.impulsive->coast == law::Coast::brake ? "brake" : "work"));
   if (axis.controller.impulsive)
     check_gains(*controller_, *axis.controller.impulsive, axis.mass_kg, truth_of(axis).mass_kg != axis.mass_kg,
                 sampled);

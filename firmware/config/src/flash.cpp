@@ -10,6 +10,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/work_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::config {
@@ -96,24 +97,31 @@ template firmware::AxisLimits<double> axis_limits(const Axis&);
 
 namespace {
 
-template <class Real>
-firmware::FlashedAxis<Real> flashed_axis(const Node& node, const Axis& axis) {
+template <class Real, class Kicks>
+Kicks kicks_of(const design::BrakedClass& axes) {
+  if constexpr (std::is_same_v<Kicks, law::BrakedKicks<Real>>)
+    return design::design_braked_kicks<Real>(axes).kicks;
+  else
+    return axes.spring_load ? design::design_work_kicks<Real>(axes).kicks : Kicks{};
+}
+
+template <class Real, class Kicks>
+firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& axis) {
   const law::AxisParameters<Real> p = axis_parameters<Real>(node, axis);
   if (const auto error = law::validate(p); error != law::ParameterError::none)
     throw InputError{fmt::format("axis {}: in {}: {}", axis.name, std::is_same_v<Real, float> ? "float" : "double",
                                  to_string(error))};
   const auto built = design::build_k3_table<Real>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
-  firmware::FlashedAxis<Real> flashed{
+  firmware::FlashedAxis<Real, Kicks> flashed{
       .drive = drive_config<Real>(axis), .limits = axis_limits<Real>(axis), .law = p, .k3_table = built.table};
-  if (p.coast == law::Coast::brake) {
-    const auto design = design::design_braked_kicks<Real>(braked_class(node, axis));
-    if (!law::are_usable(design.kicks))
+  if (p.coast != law::Coast::pd) {
+    flashed.kicks = kicks_of<Real, Kicks>(braked_class(node, axis));
+    if (!law::are_usable(flashed.kicks))
       throw InputError{
-          fmt::format("axis {}: no kick under the coast \"brake\" is sure to move it; `breakaway design` "
+          fmt::format("axis {}: no kick under the coast \"{}\" is sure to move it; `breakaway design` "
                       "says why",
-                      axis.name)};
-    flashed.braked = design.kicks;
+                      axis.name, p.coast == law::Coast::brake ? "brake" : "work")};
   }
   std::ranges::copy(axis.name, flashed.name.characters.begin());
   return flashed;
@@ -121,33 +129,71 @@ firmware::FlashedAxis<Real> flashed_axis(const Node& node, const Axis& axis) {
 
 }  // namespace
 
-template <class Real>
-AnyNode<Real> flashed(const Node& node) try {
-  AnyNode<Real> flashed;
+namespace {
+
+template <class Real, class Kicks>
+AnyNode<Real, Kicks> flashed_with(const Node& node) try {
+  AnyNode<Real, Kicks> flashed;
   flashed.loop = loop_config(node);
   flashed.wiring = node.wiring;
   flashed.count = static_cast<std::uint8_t>(node.axes.size());
   std::ranges::transform(node.axes, flashed.axes.begin(),
-                         [&](const Axis& axis) { return flashed_axis<Real>(node, axis); });
+                         [&](const Axis& axis) { return flashed_axis<Real, Kicks>(node, axis); });
   flashed.checksum = checksum_of(flashed);
   return flashed;
 } catch (const InputError& error) {
   throw error.in_file(node.file);
 }
 
-template AnyNode<float> flashed(const Node&);
-template AnyNode<double> flashed(const Node&);
-
-AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports) {
+template <class Kicks>
+AnyNode<float, Kicks> certified_with(const Node& node, const std::vector<design::DesignReport>& reports) {
   require_flashable(node);
   require_certified(node, reports);
-  AnyNode<float> result = flashed<float>(node);
+  auto result = flashed_with<float, Kicks>(node);
   for (std::size_t i = 0; i < result.count; ++i) result.axes[i].certified = true;
   result.checksum = checksum_of(result);
   if (const firmware::NodeVerdict verdict = firmware::verify(result); !verdict.ok())
     throw InputError{fmt::format("axis {}, in float: {}", node.axes[verdict.axis].name, to_string(verdict.error))}
         .in_file(node.file);
   return result;
+}
+
+}  // namespace
+
+bool is_by_work(const Node& node) {
+  const auto by_work = [](const Axis& axis) {
+    return axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::work;
+  };
+  const bool first = by_work(node.axes.front());
+  for (const Axis& axis : node.axes) {
+    if (by_work(axis) == first) continue;
+    throw InputError{"axis " + axis.name +
+                     ": [controller] coast is \"work\" for some axes of the node and not for others; give those with a "
+                     "load on a spring a node of their own"}
+        .in_file(node.file);
+  }
+  return first;
+}
+
+template <class Real>
+AnyNode<Real> flashed(const Node& node) {
+  return flashed_with<Real, law::BrakedKicks<Real>>(node);
+}
+template <class Real>
+WorkNode<Real> flashed_by_work(const Node& node) {
+  return flashed_with<Real, law::WorkKicks<Real>>(node);
+}
+
+template AnyNode<float> flashed(const Node&);
+template AnyNode<double> flashed(const Node&);
+template WorkNode<float> flashed_by_work(const Node&);
+template WorkNode<double> flashed_by_work(const Node&);
+
+AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports) {
+  return certified_with<law::BrakedKicks<float>>(node, reports);
+}
+WorkNode<float> certified_by_work(const Node& node, const std::vector<design::DesignReport>& reports) {
+  return certified_with<law::WorkKicks<float>>(node, reports);
 }
 
 }  // namespace breakaway::config

@@ -63,7 +63,15 @@ class HeaderWriter {
   static std::string exact(std::uint8_t value) { return fmt::format("{}", value); }
   static std::string exact(std::uint16_t value) { return fmt::format("{}", value); }
   static std::string exact(law::Coast coast) {
-    return coast == law::Coast::brake ? "law::Coast::brake" : "law::Coast::pd";
+    switch (coast) {
+      case law::Coast::brake:
+        return "law::Coast::brake";
+      case law::Coast::work:
+        return "law::Coast::work";
+      case law::Coast::pd:
+        break;
+    }
+    return "law::Coast::pd";
   }
   static std::string exact(std::uint32_t value) { return fmt::format("{}", value); }
   static std::string exact(const firmware::AxisName& name) { return fmt::format("{{\"{}\"}}", name.view()); }
@@ -124,6 +132,7 @@ std::string statement(const Node& node, const std::vector<design::DesignReport>&
     text += "//\n// Axis " + node.axes[i].name +
             " is certified: it reaches its target within position_tolerance_m, provided that\n";
     if (reports[i].braked) text += "// (coast \"brake\": " + reports[i].braked->promise + ")\n";
+    if (reports[i].work) text += "// (coast \"work\": " + reports[i].work->promise + ")\n";
     for (const std::string& condition : reports[i].conditions) text += "// - " + in_one_line(condition) + "\n";
     text += "// Checked, with margins:\n";
     for (const design::Check& check : reports[i].checks) {
@@ -154,10 +163,9 @@ std::string assertions() {
   return text;
 }
 
-}  // namespace
-
-std::string node_header(const AnyNode<float>& flashed, const Node& node,
-                        const std::vector<design::DesignReport>& reports) {
+template <class Flashed>
+std::string header_of(const Flashed& flashed, const char* kicks, const Node& node,
+                      const std::vector<design::DesignReport>& reports) {
   HeaderWriter writer;
   firmware::visit_numbers(flashed, writer);
   return statement(node, reports) +
@@ -166,11 +174,22 @@ std::string node_header(const AnyNode<float>& flashed, const Node& node,
              "namespace breakaway::flashed {{\n\nusing firmware::FaultScope;\nusing firmware::MovesEnd;\n"
              "using firmware::Pin;\nusing firmware::pin;\n"
              "inline constexpr float infinity = std::numeric_limits<float>::infinity();\n\n"
-             "inline constexpr firmware::FlashedNode<float, {}> node{{\n{}    .checksum = 0x{:08X}U,\n}};\n\n"
+             "inline constexpr firmware::FlashedNode<float, {}{}> node{{\n{}    .checksum = 0x{:08X}U,\n}};\n\n"
              "static_assert(checksum_of(node) == node.checksum, \"this file was edited: generate it again\");\n"
              "inline constexpr firmware::NodeVerdict verdict = verify(node);\n{}\n"
              "}}  // namespace breakaway::flashed\n",
-             flashed.count, writer.text(), flashed.checksum, assertions());
+             flashed.count, kicks, writer.text(), flashed.checksum, assertions());
+}
+
+}  // namespace
+
+std::string node_header(const AnyNode<float>& flashed, const Node& node,
+                        const std::vector<design::DesignReport>& reports) {
+  return header_of(flashed, "", node, reports);
+}
+std::string node_header(const WorkNode<float>& flashed, const Node& node,
+                        const std::vector<design::DesignReport>& reports) {
+  return header_of(flashed, ", law::WorkKicks<float>", node, reports);
 }
 
 }  // namespace breakaway::config

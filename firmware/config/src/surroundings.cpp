@@ -108,19 +108,13 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
     to.load->load_friction = {magnitude(*load, "friction_lower_N"), magnitude(*load, "friction_upper_N")};
     to.load->encoder_on_load = load->word("encoder").value_or("motor") == "load";
   }
+  if (key == "backlash") to.gap_m = nested_magnitude(section, key, "gap_m");
   if (key == "drift") to.drift = nested_magnitude(section, key, "share");
   if (key == "encoder_error")
     to.encoder_error_m =
         far_noise * nested_magnitude(section, key, "noise_m") + nested_magnitude(section, key, "interpolation_m");
   if (key == "tpdo_delay_max_s") to.feedback_delay_s = magnitude(section, key);
   if (const auto law = section.table_at(key); table == "friction" && law) to.rise_per_m_s = slope_of(*law).rise_per_m_s;
-}
-
-// A gap of nothing is one that the file says nothing of.
-bool is_nothing(const Section& section, std::string_view key) {
-  const auto inner = section.table_at(key);
-  if (!inner) return false;
-  return key == "backlash" && magnitude(*inner, "gap_m") == 0;
 }
 
 // The sentences of the keys that are refused, and of those that nobody has thought of.
@@ -132,7 +126,7 @@ void look_at_keys(const Section& section, std::string_view table, const std::fun
         rows, [&](const CertificateKey& known) { return known.table == table && known.key == key; });
     if (row == rows.end())
       refused.push_back(fmt::format("{}: no certificate takes it in; leave it out", place(table, key)));
-    else if (row->standing == Standing::refused && !is_nothing(section, key))
+    else if (row->standing == Standing::refused)
       refused.push_back(fmt::format("{}: {}", place(table, key), row->remedy));
     else if (row->standing == Standing::bounded)
       bounded(key);
@@ -164,7 +158,14 @@ class Outside {
       : node_{node}, axis_{axis}, all_{axis.surroundings.uncertified}, gains_{*axis.controller.impulsive} {}
 
   std::vector<std::string> sentences() && {
-    if (axis_.surroundings.load) spring();
+    if (axis_.surroundings.gap_m > 0 && !by_work())
+      add("[plant] backlash: a certificate of a rigid mechanism is of one without play; take coast = \"work\", "
+          "simulate "
+          "it, or leave the table out");
+    if (axis_.surroundings.load)
+      spring();
+    else if (by_work())
+      add("[controller] coast = \"work\" is for a load on a spring; give its [plant.load], or take \"brake\"");
     forces();
     readings();
     presliding();
@@ -175,7 +176,9 @@ class Outside {
   }
 
  private:
-  bool braked() const { return gains_.coast == Coast::brake; }
+  // The certificate is for a class of axes: under any coast but pd.
+  bool braked() const { return gains_.coast != Coast::pd; }
+  bool by_work() const { return gains_.coast == Coast::work; }
 
   template <class... Values>
   void add(fmt::format_string<Values...> text, Values&&... values) {
@@ -281,7 +284,7 @@ class Outside {
   void spring() {
     if (!braked())
       add("[plant] load: the coast \"pd\" is for one rigid mass, and here a load hangs on a spring; take coast = "
-          "\"brake\", or simulate it");
+          "\"work\", or \"brake\" where the spring is stiff enough");
     if (!(axis_.surroundings.load->load_friction.lower_N > 0))
       add("[plant] load: without friction of its own it swings on for ever; state friction_lower_N, or simulate it");
   }

@@ -84,13 +84,18 @@ void plan_times(AxisPlan& plan, const Axis& axis) {
 Configuration read_configuration(const Options& options) {
   Node node = config::read_node(options.configuration);
   config::require_flashable(node);
+  if (config::is_by_work(node))
+    throw InputError{
+        "[controller] coast = \"work\" is for images that are compiled with the node's header; this program "
+        "runs \"pd\" and \"brake\""}
+        .in_file(node.file);
   if (options.node_id != 0) apply_node_id(node, options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
   Configuration c{.node = config::certified(node, config::examine(node)), .axes = {}, .timed = options.targets.empty()};
   for (std::size_t i = 0; i < node.axes.size(); ++i) {
     const Axis& axis = node.axes[i];
-    const double promised_m = std::max(tolerance_m(node, axis), double{c.node.axes[i].braked.fine_floor_m});
+    const double promised_m = std::max(tolerance_m(node, axis), double{c.node.axes[i].kicks.fine_floor_m});
     // Half a count for the decimal tolerance in float.
     c.axes.push_back({.name = axis.name,
                       .visits = {},

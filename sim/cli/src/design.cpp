@@ -61,6 +61,22 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   }
 }
 
+void write_promise(format::JsonWriter& json, const design::WorkPromise& promise) {
+  json.member("accuracy_floor_m", promise.floor_m);
+  json.member("least_tolerance_m", promise.least_tolerance_m);
+  json.member("error_m", promise.error_m);
+  json.member("beyond_m", promise.beyond_m);
+  json.member("spring_m", promise.spring_m);
+  json.member("unseen_m", promise.unseen_m);
+  json.member("resonance_Hz", promise.resonance_Hz);
+  json.member("reach_m", promise.reach_m);
+  json.member("hand_over_m", promise.hand_over_m);
+  json.member("most_kicks", promise.most_kicks);
+  json.member("rest_s", promise.rest_s);
+  json.member("peak_speed_m_s", promise.peak_speed_m_s);
+  json.member("table_bytes", promise.table_bytes);
+}
+
 void write_report(format::JsonWriter& json, const DesignReport& report) {
   json.member("certified", report.certified);
   json.array("reasons", [&] {
@@ -87,6 +103,7 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
     json.member("measured_error", report.table_measured_error);
   });
   if (report.braked) json.object("braked", [&] { write_promise(json, *report.braked); });
+  if (report.work) json.object("work", [&] { write_promise(json, *report.work); });
   json.array("checks", [&] {
     for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
   });
@@ -132,6 +149,16 @@ void print_promise(const design::BrakedPromise& p, bool certified) {
         p.least_move_s, p.hand_over_m);
 }
 
+void print_promise(const design::WorkPromise& p, bool certified) {
+  fmt::print("coast \"work\"          floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n", p.floor_m,
+             p.least_tolerance_m, p.table_bytes);
+  fmt::print(
+      "load on a spring      resonates at {:.4g} Hz, adds {:.4g} m to a kick (eps), may rest {:.4g} m from where the "
+      "motor says\n",
+      p.resonance_Hz, p.spring_m, p.unseen_m);
+  if (certified) fmt::print("                      {}\n", p.promise);
+}
+
 void print_report(const design::DesignReport& r) {
   for (const design::Check& check : r.checks) {
     const char* verdict = check.holds ? "holds" : check.required ? "FAILS" : "no";
@@ -146,6 +173,7 @@ void print_report(const design::DesignReport& r) {
   fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
              r.table_proved_error, r.table_measured_error);
   if (r.braked) print_promise(*r.braked, r.certified);
+  if (r.work) print_promise(*r.work, r.certified);
   fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }
@@ -182,8 +210,11 @@ std::string why_not(const Node& node, const Reports& reports) try {
 std::string flashed_header(const DesignCommand& options, const Node& node, const Reports& reports, bool certified) {
   if (options.header.empty() && !node.loop) return {};  // a study of the ideal law, for which no drive is chosen yet
   if (!certified) return {};
-  const auto flashed = config::certified(node, reports);
-  return options.header.empty() ? std::string{} : config::node_header(flashed, node, reports);
+  const auto header = [&](const auto& flashed) {
+    return options.header.empty() ? std::string{} : config::node_header(flashed, node, reports);
+  };
+  return config::is_by_work(node) ? header(config::certified_by_work(node, reports))
+                                  : header(config::certified(node, reports));
 }
 
 void write_pair(format::JsonWriter& json, const Node& node, const stability::PairCondition& pair) {

@@ -88,6 +88,29 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   return table.text();
 }
 
+std::string work_results_table(const design::WorkPromise& promise) {
+  format::HtmlTable table;
+  table.quantity("True error of the motor at rest, at most", 1e6 * promise.error_m, "µm");
+  table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
+  table.quantity("Load off the motor at rest, at most", 1e6 * promise.unseen_m, "µm");
+  table.quantity("Resonance, at least", promise.resonance_Hz, "Hz");
+  table.quantity("Added to a kick by the spring, at most", 1e6 * promise.spring_m, "µm");
+  table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");
+  table.quantity("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
+  table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
+  table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
+  table.quantity("Kicked from within", 1e3 * promise.hand_over_m, "mm");
+  table.quantity("Largest speed of the motor by a kick", promise.peak_speed_m_s, "m/s");
+  table.quantity("Rest is seen after", 1e3 * promise.rest_s, "ms");
+  table.row("Kick table", fmt::format("{} bytes", promise.table_bytes));
+  return table.text();
+}
+
+std::string results_of_coast(const design::DesignReport& report) {
+  if (report.braked) return braked_results_table(*report.braked);
+  return report.work ? work_results_table(*report.work) : results_table(report);
+}
+
 const std::string legend =
     "<section><h2>How to read this</h2><p>The axis slides towards its target under a PD law and sticks short of it, "
     "because of dry friction. While it rests within the maximal stick set, it is kicked: an impulse is chosen so that "
@@ -105,8 +128,7 @@ std::string axis_sections(const DesignedAxis& axis, const std::string& source, c
       fmt::format(
           "<section><div class=\"columns\"><div><h2>{}Axis</h2>\n{}</div><div><h2>What follows</h2>\n{}</div></div>"
           "</section>\n",
-          prefix, axis_table(axis.design, source),
-          axis.report.braked ? braked_results_table(*axis.report.braked) : results_table(axis.report)) +
+          prefix, axis_table(axis.design, source), results_of_coast(axis.report)) +
       checks(axis.report, true, prefix + "Checks that the certificate needs",
              "The margin is positive when a check holds, in the unit of what is compared.") +
       checks(axis.report, false, prefix + "For information",

@@ -276,6 +276,28 @@ Picture friction_along(const Axis& axis, const AxisResult& result) {
           format::draw_svg("friction", format::width_px, 380, commands)};
 }
 
+// Of an axis with a load apart.
+Picture motor_and_load(const AxisResult& result) {
+  const auto off_mm = [](double position_m, double target_m) {
+    const double off_m = std::fabs(position_m - target_m);
+    return off_m > 0 ? 1e3 * off_m : std::nan("");  // a logarithmic axis has no zero
+  };
+  const std::string commands =
+      format::plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
+      series("motor", result, [&](const sil::Sample& x) { return off_mm(x.position_m, x.target_m); }) +
+      series("load", result, [&](const sil::Sample& x) { return off_mm(*x.load_position_m, x.target_m); }) +
+      series("bend", result, [](const sil::Sample& x) { return 1e6 * (*x.load_position_m - x.position_m); }) +
+      "set multiplot layout 2,1\nset logscale y\nset format y '10^{%T}'\nset ylabel '|error| [mm]'\n"
+      "plot $motor using 1:2 with lines linestyle 1 title 'motor', $load using 1:2 with lines linestyle 2 title "
+      "'load'\n"
+      "unset logscale y\nset format y '%h'\nset xlabel 'time [s]'\nset ylabel 'load less motor [um]'\n"
+      "plot $bend using 1:2 with lines linestyle 5 notitle\n";
+  return {"Motor and load",
+          "The distance of either from the target, and what the spring and its gap leave between them: it swings after "
+          "each pulse and rests where friction holds it.",
+          format::draw_svg("load", format::width_px, 560, commands)};
+}
+
 Picture kicks(const AxisResult& result) {
   int index = 0;
   const bool ideal = result.ideal.has_value();
@@ -322,7 +344,9 @@ std::vector<Picture> draw_pictures(const config::Node& node, const Axis& axis, c
   if (const auto near = window_near_target(axis, result)) {
     pictures.push_back(phase_plane_near_target(axis, result, (*near)[0], (*near)[1]));
   }
-  if (axis.controller.impulsive) pictures.push_back(kick_law(axis, result));
+  if (result.load_position_m) pictures.push_back(motor_and_load(result));
+  const auto& gains = axis.controller.impulsive;
+  if (gains && gains->coast != law::Coast::work) pictures.push_back(kick_law(axis, result));
   pictures.push_back(friction_along(axis, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));
   return pictures;

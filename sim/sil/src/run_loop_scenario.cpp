@@ -3,6 +3,8 @@
 #include <chrono>
 #include <deque>
 #include <memory>
+#include <type_traits>
+#include <variant>
 
 #include "axis_run.hpp"
 #include "breakaway/cia402/drive.hpp"
@@ -137,10 +139,10 @@ class LoopRun {
   hal::Duration busy_at_release_{};
 };
 
-template <class Real>
+template <class Real, class Kicks>
 Result run_impulsive(const scenario::Scenario& s, const RecordingOptions& recording,
-                     const config::AnyNode<Real>& node) {
-  LoopRun<Real, law::AxisController<Real>> run{s, recording, node.loop};
+                     const config::AnyNode<Real, Kicks>& node) {
+  LoopRun<Real, law::AxisController<Real, Kicks>> run{s, recording, node.loop};
   firmware::add_axes(run.loop(), node);
   return run.run();
 }
@@ -175,11 +177,14 @@ bool in_double(const scenario::Scenario& s) { return s.scalar == scenario::Scala
 Result run_with(const scenario::Scenario& s, const RecordingOptions& recording, const SharedNode& node) {
   if (s.node.coupling)
     return in_double(s) ? run_coordinated<double>(s, recording) : run_coordinated<float>(s, recording);
-  if (const auto* in_float = std::get_if<std::shared_ptr<const config::AnyNode<float>>>(&node))
-    return run_impulsive(s, recording, **in_float);
-  if (const auto* wide = std::get_if<std::shared_ptr<const config::AnyNode<double>>>(&node))
-    return run_impulsive(s, recording, **wide);
-  return in_double(s) ? run_pid<double>(s, recording) : run_pid<float>(s, recording);
+  return std::visit(
+      [&]<class Flashed>(const Flashed& flashed) {
+        if constexpr (std::is_same_v<Flashed, std::monostate>)
+          return in_double(s) ? run_pid<double>(s, recording) : run_pid<float>(s, recording);
+        else
+          return run_impulsive(s, recording, *flashed);
+      },
+      node);
 }
 
 // One loop has one kind of controller.
@@ -197,6 +202,10 @@ SharedNode flashed_node(const scenario::Scenario& s) {
   config::require_fitting_bus(s.node);
   require_one_kind(s);
   if (s.node.axes.front().controller.pid || s.node.coupling) return {};
+  if (config::is_by_work(s.node)) {
+    if (in_double(s)) return std::make_shared<const config::WorkNode<double>>(config::flashed_by_work<double>(s.node));
+    return std::make_shared<const config::WorkNode<float>>(config::flashed_by_work<float>(s.node));
+  }
   if (in_double(s)) return std::make_shared<const config::AnyNode<double>>(config::flashed<double>(s.node));
   return std::make_shared<const config::AnyNode<float>>(config::flashed<float>(s.node));
 }

@@ -98,7 +98,7 @@ void run(const std::string& into, const std::string& name) {
   const scenario::Scenario s = bench::scenario_from_rest(name);
   const config::AnyNode<float> node = config::flashed<float>(s.node);
   const auto& axis = node.axes[0];
-  const law::AxisController<float> controller{axis.law, axis.k3_table, axis.braked};
+  const law::AxisController<float> controller{axis.law, axis.k3_table, axis.kicks};
   const std::string folder = into + "/" + name;
   std::filesystem::create_directories(folder);
   const std::vector<TapeStep> tape = record_tape(s, controller);

@@ -13,8 +13,11 @@
 
 #include "../refusal.hpp"
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/certificate_keys.hpp"
+#include "breakaway/config/flash.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/design/work_kicks.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "two_axes.hpp"
 
@@ -142,6 +145,51 @@ TEST(Certificate, TakesALoadInThatResonatesFastEnough) {
                  "[told] mass_kg = 0.7 is truly 1");
   expect_refused(with(with_load("2e8", friction), "friction_lower_N = 2.5", "friction_lower_N = 2.6"),
                  "friction may be between 2.5 and 4.5 N");
+}
+
+TEST(Certificate, OfTheCoastWorkTakesALoadAndItsBacklashIn) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  const auto by_work = [](const std::string& text) {
+    return with(with(text, "coast = \"brake\"", "coast = \"work\""), "tolerance_m = 5e-6", "tolerance_m = 2e-3");
+  };
+  const std::string belt = by_work(with_load("3.4e4", friction));
+  EXPECT_EQ(why_not(belt), "");
+  EXPECT_EQ(why_not(more("[plant]", "backlash = { gap_m = 1e-5 }", belt)), "");
+  expect_refused(with_load("3.4e4", friction), "take coast = \"work\"");
+  expect_refused(by_work(with_load("3.4e4", friction + ", encoder = \"load\"")), "encoder_is_on_the_motor");
+  expect_refused(by_work(with_load("3.4e4", "")), "[plant] load: without friction of its own");
+  expect_refused(by_work(with_load("2e7", friction)), "swing_is_sampled");
+  expect_refused(with(belt, "tolerance_m = 2e-3", "tolerance_m = 1e-4"), "tolerance_above_floor");
+  expect_refused(more("[uncertainty]", "encoder_noise_m = 1e-6", belt), "work_keeps_time");
+  expect_refused(with(belt, "mass = 0.02", "mass = 0.2"), "masses_and_gain_are_known");
+  const std::string rigid = with(under_pd(), "coast = \"pd\"", "coast = \"work\"");
+  expect_refused(rigid, "[controller] coast = \"work\" is for a load on a spring");
+}
+
+TEST(Certificate, OfTheCoastWorkIsWrittenAsItIsFlashed) {
+  const Node node = parse_node(with(with(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"),
+                                         "coast = \"brake\"", "coast = \"work\""),
+                                    "tolerance_m = 5e-6", "tolerance_m = 2e-3"),
+                               "axis.toml");
+  ASSERT_TRUE(is_by_work(node));
+  const auto reports = examine(node);
+  const WorkNode<float> flashed = certified_by_work(node, reports);
+  const auto design = design::design_work_kicks<float>(braked_class(node, node.axes[0]));
+  EXPECT_EQ(flashed.axes[0].kicks.table.entries[3].a0, design.kicks.table.entries[3].a0);
+  EXPECT_TRUE(flashed.axes[0].kicks.metered);
+  const std::string header = node_header(flashed, node, reports);
+  EXPECT_NE(header.find("FlashedNode<float, 1, law::WorkKicks<float>> node"), std::string::npos);
+  EXPECT_NE(header.find("law::Coast::work"), std::string::npos);
+  WorkNode<float> spoiled = flashed;
+  spoiled.axes[0].kicks.spring_m += 1e-6F;
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::checksum_differs);
+  spoiled.axes[0].kicks.table.count = 0;
+  spoiled.checksum = checksum_of(spoiled);
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::law_invalid);
+  spoiled = flashed;
+  spoiled.axes[0].law.coast = law::Coast::brake;
+  spoiled.checksum = checksum_of(spoiled);
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::law_invalid) << "its kicks are of another coast";
 }
 
 // Without limits of a move, which are certified for a loop without jitter only.

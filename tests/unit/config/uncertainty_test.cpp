@@ -56,10 +56,10 @@ TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
   const auto flashed_node = flashed<float>(node);
   const auto design = design::design_braked_kicks<float>(braked_class(node, node.axes[0]));
   EXPECT_EQ(flashed_node.axes[0].law.coast, law::Coast::brake);
-  EXPECT_EQ(flashed_node.axes[0].braked.table.count, design.kicks.table.count);
-  EXPECT_EQ(flashed_node.axes[0].braked.table.entries[3].a0, design.kicks.table.entries[3].a0);
+  EXPECT_EQ(flashed_node.axes[0].kicks.table.count, design.kicks.table.count);
+  EXPECT_EQ(flashed_node.axes[0].kicks.table.entries[3].a0, design.kicks.table.entries[3].a0);
   EXPECT_EQ(flashed_node.axes[1].law.coast, law::Coast::pd);
-  EXPECT_EQ(flashed_node.axes[1].braked.table.count, 0);
+  EXPECT_EQ(flashed_node.axes[1].kicks.table.count, 0);
 }
 
 TEST(Brake, IsTheCoastOfAFileThatNamesNone) {

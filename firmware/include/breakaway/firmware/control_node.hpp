@@ -18,22 +18,23 @@ namespace breakaway::firmware {
 
 // Puts the axes of a node that verify() has found to be good into a loop with room for them. The node must outlive the
 // loop.
-template <class Loop, class Scalar, std::size_t Axes>
-[[gnu::cold]] void add_axes(Loop& loop, const FlashedNode<Scalar, Axes>& node) noexcept {
+template <class Loop, class Scalar, std::size_t Axes, class Kicks>
+[[gnu::cold]] void add_axes(Loop& loop, const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
   for (std::size_t i = 0; i < node.count; ++i) {
-    const FlashedAxis<Scalar>& axis = node.axes[i];
-    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table, axis.braked}, axis.limits));
+    const FlashedAxis<Scalar, Kicks>& axis = node.axes[i];
+    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table, axis.kicks}, axis.limits));
   }
 }
 
-template <hal::CanPort Port, std::size_t Axes, class Scalar = float>
+// Kicks: as those of the flashed node.
+template <hal::CanPort Port, std::size_t Axes, class Scalar = float, class Kicks = law::BrakedKicks<Scalar>>
 class ControlNode {
  public:
   // So many periods pass between two status frames of an axis.
   static constexpr std::uint32_t status_interval = 50;
 
   // The flashed node must outlive this one.
-  ControlNode(Port& port, const FlashedNode<Scalar, Axes>& node) noexcept
+  ControlNode(Port& port, const FlashedNode<Scalar, Axes, Kicks>& node) noexcept
       : network_{node.loop.network},
         command_timeout_{node.loop.command_timeout},
         served_{port, network_.node_id},
@@ -68,7 +69,7 @@ class ControlNode {
  private:
   using Served = ServedPort<Port>;
   using Tap = CommandedPort<Served, Axes>;
-  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar>, Scalar, Axes>;
+  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar, Kicks>, Scalar, Axes>;
 
   void obey(std::size_t place, hal::Time now) noexcept {
     const auto axis = loop_.axis(place);
@@ -94,7 +95,7 @@ class ControlNode {
   Served served_;
   Tap port_;
   Loop loop_;
-  NodeObjects<Loop, FlashedNode<Scalar, Axes>> objects_;
+  NodeObjects<Loop, FlashedNode<Scalar, Axes, Kicks>> objects_;
   std::array<RemoteAxis, Axes> remote_{};
   NodeVerdict verdict_;
   std::uint32_t periods_ = 0;

@@ -21,6 +21,7 @@
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/k3_table.hpp"
+#include "breakaway/law/work_kicks.hpp"
 
 namespace breakaway::firmware {
 
@@ -38,26 +39,28 @@ struct AxisName {
   }
 };
 
-template <class Scalar>
+// Kicks: law::BrakedKicks, or law::WorkKicks for the coast "work".
+template <class Scalar, class Kicks = law::BrakedKicks<Scalar>>
 struct FlashedAxis {
   AxisName name{};
   cia402::DriveConfig<Scalar> drive{};
   AxisLimits<Scalar> limits{};
   law::AxisParameters<Scalar> law{};
-  law::K3Table<Scalar> k3_table{};    // built for `law`
-  law::BrakedKicks<Scalar> braked{};  // of the coast "brake" only
-  bool certified = false;             // by breakaway design, with these very numbers
+  law::K3Table<Scalar> k3_table{};  // built for `law`
+  Kicks kicks{};                    // not of the coast "pd"
+  bool certified = false;           // by breakaway design, with these very numbers
 
   constexpr hal::AxisScale<Scalar> scale() const noexcept { return {law.encoder_resolution_m, law.total_force_N()}; }
 };
 
 // There is room for `Axes` axes, 1..8, and the first `count` of them are there.
-template <class Scalar, std::size_t Axes>
+// All of them give one kind of kicks.
+template <class Scalar, std::size_t Axes, class Kicks = law::BrakedKicks<Scalar>>
 struct FlashedNode {
   LoopConfig loop{};
   Wiring wiring{};
   std::uint8_t count = Axes;
-  std::array<FlashedAxis<Scalar>, Axes> axes{};
+  std::array<FlashedAxis<Scalar, Kicks>, Axes> axes{};
   std::uint32_t checksum{};  // checksum_of(), made by the generator
 
   static constexpr std::size_t capacity = Axes;
@@ -176,8 +179,45 @@ constexpr void visit_kick_table(Table& table, Visitor& visit) {
   visit.value("list", table.list, "");
 }
 
+// const or not
+template <class Kicks>
+concept by_work = requires(Kicks& kicks) {
+  kicks.metered;
+};
+
 template <class Kicks, class Visitor>
-constexpr void visit_braked(Kicks& kicks, Visitor& visit) {
+requires by_work<Kicks>
+constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
+  visit.value("force_step_N", kicks.force_step_N, "N");
+  visit.value("slow_lag", kicks.slow_lag, "");
+  visit.value("load_N", kicks.load_N, "N");
+  visit.value("spring_m", kicks.spring_m, "m");
+  visit.value("friction_per_gain_N", kicks.friction_per_gain_N, "N");
+  visit.value("speeding_s_per_kg", kicks.speeding_s_per_kg, "s/kg");
+  visit.value("held_back_N", kicks.held_back_N, "N");
+  visit.value("late_periods", kicks.late_periods, "");
+  visit.value("still_periods", kicks.still_periods, "");
+  visit.value("patient_periods", kicks.patient_periods, "");
+  visit.value("longest_coast_periods", kicks.longest_coast_periods, "");
+  visit.value("metered", kicks.metered, "");
+  visit.group("approach", [&] {
+    auto& approach = kicks.approach;
+    visit.value("mass_kg", approach.mass_kg, "kg");
+    visit.value("friction_N", approach.friction_N, "N");
+    visit.value("acceleration_m_s2", approach.acceleration_m_s2, "m/s^2");
+    visit.value("stiffness_N_per_m", approach.stiffness_N_per_m, "N/m");
+    visit.value("damping_Ns_per_m", approach.damping_Ns_per_m, "N s/m");
+    visit.value("short_of_target_m", approach.short_of_target_m, "m");
+    visit.value("begin_m", approach.begin_m, "m");
+    visit.value("swing_periods", approach.swing_periods, "");
+    visit.value("speed_periods", approach.speed_periods, "");
+    visit.value("mean_periods", approach.mean_periods, "");
+  });
+  visit.group("table", [&] { visit_kick_table(kicks.table, visit); });
+}
+
+template <class Kicks, class Visitor>
+constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("brake_N", kicks.brake_N, "N");
   visit.value("force_step_N", kicks.force_step_N, "N");
   visit.value("preload_N", kicks.preload_N, "N");
@@ -244,7 +284,7 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
     visit.group("limits", [&] { internal::visit_limits(axis.limits, visit); });
     visit.group("law", [&] { internal::visit_law(axis.law, visit); });
     visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
-    visit.group("braked", [&] { internal::visit_braked(axis.braked, visit); });
+    visit.group("kicks", [&] { internal::visit_kicks(axis.kicks, visit); });
     visit.value("certified", axis.certified, "");
   });
 }
@@ -282,8 +322,8 @@ struct ChecksumVisitor {
 
 // Counts every number of the node but the checksum itself. Of the axes it counts those that are there, because how many
 // more there is room for says nothing about the node.
-template <class Scalar, std::size_t Axes>
-constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes>& node) noexcept {
+template <class Scalar, std::size_t Axes, class Kicks>
+constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
   internal::ChecksumVisitor visit;
   visit_numbers(node, visit);
   return visit.crc.value();
@@ -349,11 +389,12 @@ constexpr Scalar period_s(const LoopConfig& loop) noexcept {
 
 namespace internal {
 
-template <class Scalar>
-constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig& loop) noexcept {
+template <class Scalar, class Kicks>
+constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const LoopConfig& loop) noexcept {
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
-  if (p.coast == law::Coast::brake && !law::are_usable(axis.braked)) return NodeError::law_invalid;
+  constexpr law::Coast kicked = by_work<Kicks> ? law::Coast::work : law::Coast::brake;
+  if (p.coast != law::Coast::pd && !(p.coast == kicked && law::are_usable(axis.kicks))) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
   // The two periods may differ by the rounding of the scalar type.
   const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
@@ -371,12 +412,12 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar>& axis, const LoopConfig
 }  // namespace internal
 
 // A controller asks this before it moves anything. The comparisons are written so that a NaN is refused.
-template <class Scalar, std::size_t Axes>
-[[gnu::cold]] constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes>& node) noexcept {
+template <class Scalar, std::size_t Axes, class Kicks>
+[[gnu::cold]] constexpr NodeVerdict verify(const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
   if (checksum_of(node) != node.checksum) return {NodeError::checksum_differs};
   if (node.count < 1 || node.count > Axes) return {NodeError::count_impossible};
   for (std::uint8_t i = 0; i < node.count; ++i) {
-    const FlashedAxis<Scalar>& axis = node.axes[i];
+    const FlashedAxis<Scalar, Kicks>& axis = node.axes[i];
     if (const NodeError error = internal::check_axis(axis, node.loop); error != NodeError::none) return {error, i};
     for (std::uint8_t before = 0; before < i; ++before) {
       if (node.axes[before].drive.node_id == axis.drive.node_id) return {NodeError::node_id_taken, i};

@@ -25,23 +25,35 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis);
 template <class Real>
 firmware::AxisLimits<Real> axis_limits(const Axis& axis);
 
+template <class Real, class Kicks = law::BrakedKicks<Real>>
+using AnyNode = firmware::FlashedNode<Real, most_axes, Kicks>;
+// With the coast "work".
 template <class Real>
-using AnyNode = firmware::FlashedNode<Real, most_axes>;
+using WorkNode = AnyNode<Real, law::WorkKicks<Real>>;
+
+// Whether the axes of the node have the coast "work". Throws InputError where some have it and others have not.
+bool is_by_work(const Node& node);
 
 // Returns the node with its kick tables, not certified, for simulation. Requires node.loop, and of every axis a drive
-// and impulsive gains. Throws InputError for numbers that the scalar type cannot hold. Real: float or double.
+// and impulsive gains. Throws InputError for numbers that the scalar type cannot hold. Real: float or double. The
+// second is for a node that is_by_work(), the first for any other.
 template <class Real>
 AnyNode<Real> flashed(const Node& node);
+template <class Real>
+WorkNode<Real> flashed_by_work(const Node& node);
 
 // Returns the node certified and under its checksum, as it is flashed. Throws InputError as require_certified(), and
 // when firmware::verify() refuses the node for another reason.
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
+WorkNode<float> certified_by_work(const Node& node, const std::vector<design::DesignReport>& reports);
 
 // Returns the header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace
 // breakaway::flashed, after a statement of what was certified and on which conditions. Numbers are hexadecimal, so that
 // they are exact; the compiler checks the checksum and that nothing contradicts itself. `source`: the file, for the
 // statement.
 std::string node_header(const AnyNode<float>& flashed, const Node& node,
+                        const std::vector<design::DesignReport>& reports);
+std::string node_header(const WorkNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports);
 
 }  // namespace breakaway::config

@@ -148,6 +148,7 @@ struct Surroundings {
   double cogging_N = 0;  // the most of it
   double ripple = 0;     // share of the drive's force by which it varies along the travel
   double presliding_stiffness_N_per_m = 0, presliding_damping_Ns_per_m = 0;  // of bristles; 0: there are none
+  double gap_m = 0;                                                          // of a backlash between motor and load
   double drift = 0;             // share of itself by which friction swells and falls
   double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
   double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square
