@@ -164,6 +164,8 @@ constexpr std::array rows{
     CertificateKey{"bus", "seed", apart},
 
     CertificateKey{"target", "stm32f405", apart},
+    CertificateKey{"target", "zynqmp_r5", apart},
+    CertificateKey{"zynqmp_r5", "can", apart},
     CertificateKey{"stm32f405", "can", apart},
     CertificateKey{"stm32f405", "can_receive", apart},
     CertificateKey{"stm32f405", "can_transmit", apart},

@@ -154,9 +154,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
               others.run +
               elsewhere({"integrator", "step_s", "theta", "tolerance"},
                         "it is for a [machine] without axes; leave it out, or ask an axis for accuracy_m"));
-  if (target)
-    target->read(std::vector<Key>{
-        optional("stm32f405", table([&](const Section& board) { node.wiring = read_wiring(board); }))});
+  if (target) node.wiring = read_wiring(*target);
   read_axes(root, node, alone, others);
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);

@@ -66,14 +66,7 @@ void check(const Section& section, const Wiring& w) {
   check_standby(section, w);
 }
 
-}  // namespace
-
-std::string pin_text(Pin p) {
-  return p == Pin::none ? "none" : fmt::format("P{}{}", static_cast<char>('A' + port_of(p)), number_of(p));
-}
-
-Wiring read_wiring(const Section& section) {
-  Wiring w;
+void read_stm32f405(const Section& section, Wiring& w) {
   section.read({
       optional("can", integer([&](std::int64_t n) { w.can_controller = static_cast<std::uint8_t>(n); }, 1, 2)),
       pin_key("can_receive", w.can_receive),
@@ -89,6 +82,23 @@ Wiring read_wiring(const Section& section) {
   if (w.can_controller == 2 && !section.has("can_receive")) w.can_receive = firmware::can_receive_pins(2).front();
   if (w.can_controller == 2 && !section.has("can_transmit")) w.can_transmit = firmware::can_transmit_pins(2).front();
   check(section, w);
+}
+
+void read_zynqmp_r5(const Section& section, Wiring& w) {
+  section.read(
+      {optional("can", integer([&](std::int64_t n) { w.rpu_can_controller = static_cast<std::uint8_t>(n); }, 0, 1))});
+}
+
+}  // namespace
+
+std::string pin_text(Pin p) {
+  return p == Pin::none ? "none" : fmt::format("P{}{}", static_cast<char>('A' + port_of(p)), number_of(p));
+}
+
+Wiring read_wiring(const Section& target) {
+  Wiring w;
+  target.read({optional("stm32f405", table([&](const Section& board) { read_stm32f405(board, w); })),
+               optional("zynqmp_r5", table([&](const Section& board) { read_zynqmp_r5(board, w); }))});
   return w;
 }
 

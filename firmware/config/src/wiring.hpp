@@ -1,4 +1,4 @@
-// [target.stm32f405]: the board of a node.
+// [target]: the board of a node.
 #pragma once
 
 #include <string>
@@ -12,6 +12,6 @@ namespace breakaway::config {
 std::string pin_text(firmware::Pin p);
 
 // Throws InputError with the remedy: a pin that cannot have its function, or that has two.
-firmware::Wiring read_wiring(const Section& section);
+firmware::Wiring read_wiring(const Section& target);
 
 }  // namespace breakaway::config

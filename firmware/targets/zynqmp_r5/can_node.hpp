@@ -1,18 +1,16 @@
 // The controller node on a CAN controller of the processing system: what the image, and its twin for emulation, run.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <span>
 
 #include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/xilinx_can/port.hpp"
+#include "can_filters.hpp"
 #include "flashed_node.hpp"
 #include "memory_protection.hpp"
+#include "reset_cause.hpp"
 #include "start_result.hpp"
 #include "ticker.hpp"
 #include "watchdog.hpp"
@@ -31,36 +29,22 @@ using SystemWatchdog = Peripheral<0xFF15'0000>;
 inline constexpr std::uint32_t core_Hz = BREAKAWAY_CORE_HZ, can_Hz = BREAKAWAY_CAN_HZ,
                                watchdog_Hz = BREAKAWAY_WATCHDOG_HZ;
 
-using Filters = std::array<std::optional<xilinx_can::Filter>, xilinx_can::filters>;
-
-// All that the drives say, whatever the function, and all that bears this node's own id: commands, SDO requests, and
-// the heartbeat of another master. The rest stays out of the FIFO. More drives than there are filters: everything comes
-// in.
-constexpr Filters filters_for(std::span<const firmware::FlashedAxis<float>> axes, std::uint8_t node_id) noexcept {
-  Filters wanted{};
-  if (axes.size() >= wanted.size()) return wanted;
-  std::size_t next = 0;
-  wanted[next++] = xilinx_can::Filter{.mask = canopen::node_id_mask, .id = node_id};
-  for (const auto& axis : axes)
-    wanted[next++] = xilinx_can::Filter{.mask = canopen::node_id_mask, .id = axis.drive.node_id};
-  return wanted;
-}
-
 class CanNode {
  public:
-  using Registers = Can<BREAKAWAY_CAN_CONTROLLER>;
+  using Registers = Can<flashed::node.wiring.rpu_can_controller>;
   using Port = xilinx_can::Port<Registers>;
 
   CanNode() noexcept : port_{can_}, watchdog_{watchdog_registers_}, node_{port_, flashed::node} {}
 
-  StartResult start() noexcept {
+  StartResult start(ResetCause cause) noexcept {
     protect_memory();
     bare_metal::tell(node_.verdict());
     if (!node_.verdict().ok()) return StartResult::node_refused;
+    if (cause == ResetCause::watchdog) node_.note_watchdog_reset();
     const auto& network = flashed::node.loop.network;
     const auto timing = hal::bit_timing(can_Hz, network.bit_rate, xilinx_can::largest_prescaler);
     if (!timing) return StartResult::rate_impossible;
-    const Filters accepted = filters_for(present_axes(flashed::node), network.node_id);
+    constexpr Filters accepted = filters_for(flashed::node);
     if (!port_.start({*timing, network.bit_rate, accepted}, polls)) return StartResult::no_idle_bus;
     const bool started = ticker_.start(core_Hz, network.period) && watchdog_.start(watchdog_Hz, 3 * network.period);
     return started ? StartResult::running : StartResult::period_impossible;

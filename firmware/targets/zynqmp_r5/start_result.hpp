@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
+#include "reset_cause.hpp"
 
 namespace breakaway::zynqmp_r5 {
 
@@ -34,10 +36,13 @@ constexpr std::string_view to_string(StartResult result) noexcept {
   return "unknown start result";
 }
 
-// Starts the node, and says how that went for a debugger to read.
+// Starts the node, and says how that went, and what reset the system before, for a debugger to read.
 template <class Node>
 bool started(Node& node) noexcept {
-  const StartResult result = node.start();
+  bare_metal::Memory system;
+  const ResetCause cause = take_reset_cause(system);
+  bare_metal::reset_message = to_string(cause).data();
+  const StartResult result = node.start(cause);
   if (result != StartResult::node_refused) bare_metal::tell(to_string(result));
   return result == StartResult::running;
 }

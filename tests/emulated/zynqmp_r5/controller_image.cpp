@@ -14,7 +14,8 @@ void run_image() {
   using namespace breakaway;
   static zynqmp_r5::CanNode node;
   emulated::ControllerReport report;
-  report.start_result = static_cast<std::uint32_t>(node.start());
+  bare_metal::Memory system;
+  report.start_result = static_cast<std::uint32_t>(node.start(zynqmp_r5::take_reset_cause(system)));
   firmware::TimingStatistics statistics{flashed::node.loop.network.period};
   while (report.start_result == static_cast<std::uint32_t>(zynqmp_r5::StartResult::running) &&
          statistics.ticks() < emulated::ticks_to_run) {

@@ -30,7 +30,7 @@ bool write_file(std::string_view name, const std::vector<Item>& items) {
 
 class WorldNode {
  public:
-  using Registers = zynqmp_r5::Can<1 - BREAKAWAY_CAN_CONTROLLER>;
+  using Registers = zynqmp_r5::Can<1 - flashed::node.wiring.rpu_can_controller>;
 
   WorldNode()
       : port_{can_}, world_{periods_to_run, [this](const hal::CanFrame& frame) {

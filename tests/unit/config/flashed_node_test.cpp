@@ -105,8 +105,9 @@ std::size_t padding_in(const LoopConfig& loop) {
          padding_of(network, period, bit_rate, node_id, heartbeat_period);
 }
 std::size_t padding_in(const Wiring& wiring) {
-  const auto& [can, can_receive, can_transmit, standby, awake, baud, serial_receive, serial_transmit] = wiring;
-  return padding_of(wiring, can, can_receive, can_transmit, standby, awake, baud, serial_receive, serial_transmit);
+  const auto& [rpu_can, can, can_receive, can_transmit, standby, awake, baud, serial_receive, serial_transmit] = wiring;
+  return padding_of(wiring, rpu_can, can, can_receive, can_transmit, standby, awake, baud, serial_receive,
+                    serial_transmit);
 }
 std::size_t padding_in(const law::AxisParameters<float>& law) {
   const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast, noise,
@@ -230,7 +231,7 @@ TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
        {NodeError::name_taken, {"name", "give each its own"}},
        {NodeError::limits_below_law, {"limit", "raise the limit"}},
        {NodeError::bus_overloaded, {"bus", "canopen::bus_budget()"}},
-       {NodeError::wiring_impossible, {"[target.stm32f405]", "breakaway design"}}});
+       {NodeError::wiring_impossible, {"[target]", "breakaway design"}}});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// [target.stm32f405]: from the file into what is flashed, or refused by name.
+// [target]: from the file into what is flashed, or refused by name.
 #include "breakaway/firmware/wiring.hpp"
 
 #include <gtest/gtest.h>
@@ -98,6 +98,15 @@ TEST(Wiring, GivesNoPinTwoFunctions) {
     EXPECT_NE(refused("can_standby = \"" + std::string{taken} + "\"").find("needs"), std::string::npos) << taken;
   EXPECT_EQ(refused("can_standby = \"PB5\""), "");
   EXPECT_NE(refused("can_awake = \"high\"").find("add can_standby"), std::string::npos);
+}
+
+TEST(Wiring, HasTheControllerOfTheZynqUltraScaleToo) {
+  const auto node = [](const std::string& can) {
+    return parse_node("[target.zynqmp_r5]\ncan = " + can + "\n" + testing::two_axes, "node.toml");
+  };
+  EXPECT_EQ(parse_node(testing::two_axes, "node.toml").wiring.rpu_can_controller, 0);
+  EXPECT_EQ(flashed<float>(node("1")).wiring.rpu_can_controller, 1);
+  EXPECT_NE(breakaway::testing::refusal([&] { node("2"); }), "");
 }
 
 TEST(Wiring, RefusesWhatIsNoPinOrNoSpeed) {

@@ -268,6 +268,7 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
   });
   visit.group("wiring", [&] {
     auto& wiring = node.wiring;
+    visit.value("rpu_can_controller", wiring.rpu_can_controller, "");
     visit.value("can_controller", wiring.can_controller, "");
     visit.value("can_receive", wiring.can_receive, "");
     visit.value("can_transmit", wiring.can_transmit, "");
@@ -369,7 +370,7 @@ constexpr std::string_view to_string(NodeError error) noexcept {
     case NodeError::bus_overloaded:
       return "the axes do not fit the bus at this period: canopen::bus_budget() names the least one that does";
     case NodeError::wiring_impossible:
-      return "a pin of [target.stm32f405] cannot have its function, or has two: breakaway design names it";
+      return "a pin or controller of [target] is none, cannot have its function, or has two: breakaway design names it";
   }
   return "unknown node error";
 }

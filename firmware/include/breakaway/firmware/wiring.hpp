@@ -1,6 +1,5 @@
-// Wiring: which pins and peripherals of a microcontroller the node's board uses. Only a target whose image connects
-// them itself looks at it: STM32F405. Pins and alternate functions are those of its data sheet (table 9) in all
-// packages.
+// Wiring: which pins and peripherals of a processor the node's board uses; each target looks at its own. Pins and
+// alternate functions are those of the STM32F405's data sheet (table 9) in all packages.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +19,8 @@ constexpr unsigned port_of(Pin p) noexcept { return static_cast<unsigned>(p) >> 
 constexpr unsigned number_of(Pin p) noexcept { return static_cast<unsigned>(p) & 15U; }
 
 struct Wiring {
-  std::uint8_t can_controller = 1;  // 1 or 2
+  std::uint8_t rpu_can_controller = 0;  // of the Zynq UltraScale+: 0 or 1. All below are of the STM32F405.
+  std::uint8_t can_controller = 1;      // 1 or 2
   Pin can_receive = pin('B', 8), can_transmit = pin('B', 9);
   Pin can_standby = Pin::none;  // of the transceiver
   bool can_awake = false;       // the level of that pin at which it takes part in the bus
@@ -66,7 +66,7 @@ inline constexpr std::uint32_t least_serial_baud = 9'600, most_serial_baud = 5'2
 // Returns whether every pin can have its function, and none has two.
 constexpr bool is_possible(const Wiring& w) noexcept {
   using internal::is_one_of;
-  return (w.can_controller == 1 || w.can_controller == 2) &&
+  return w.rpu_can_controller <= 1 && (w.can_controller == 1 || w.can_controller == 2) &&
          is_one_of(w.can_receive, can_receive_pins(w.can_controller)) &&
          is_one_of(w.can_transmit, can_transmit_pins(w.can_controller)) && may_be_standby(w.can_standby, w) &&
          w.serial_baud >= least_serial_baud && w.serial_baud <= most_serial_baud &&
