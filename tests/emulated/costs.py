@@ -90,7 +90,7 @@ equal to the host's bit for bit.
 ## Instructions per step of the whole node
 
 Receive, supervise, control and send, in closed loop on the emulated bus from power-on on, with the axis of
-`sim/scenarios/can_axis.toml` or the two of `sim/scenarios/two_axes.toml`. The shares are of a
+`sim/scenarios/can_axis.toml` or the two of `sim/scenarios/two_axes.toml`, into which a tool looks by SDO in every period. The shares are of a
 period of 1 ms, at {next(iter(TARGETS.values())).cycles_per_instruction} cycles an instruction: a cautious mean, as an instruction takes one cycle or a few (a division or square
 root 14 to 30), and flash or a peripheral may make it wait. `toolchain/emulate.sh` fails above {next(iter(TARGETS.values())).most_share:.0%}.
 

@@ -1,6 +1,6 @@
 // The world of a controller on CAN, in steps of a period: an emulated drive with its axis behind it for every axis of
-// the node, and another node that sends each on its tour of targets twice, the second one in the other direction. The
-// same code on the host and on a second processor.
+// the node, another node that sends each on its tour of targets twice, the second one in the other direction, and a
+// tool that looks into the node. The same code on the host and on a second processor.
 //
 // Frames of one period count as sent at its beginning, whenever in the period they came, and so what the world does
 // depends on what the controller says only.
@@ -13,10 +13,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/remote_control.hpp"
 #include "flashed_node.hpp"
@@ -38,13 +40,39 @@ static_assert(sizeof(LoggedFrame) == 16);
 
 static_assert(flashed::node.count == world_axes.size());
 
+// A tool that reads every entry of every axis of the node by SDO, over and over, one request a period. A request that
+// the node did not answer in its period gives way to the next.
+class Looker {
+ public:
+  hal::CanFrame next() {
+    const auto axis = static_cast<std::uint8_t>(asked_ / std::size(requests) % world_axes.size());
+    const Request& request = requests[asked_++ % std::size(requests)];
+    return {.id = canopen::sdo_request_cob_id(flashed::node.loop.network.node_id),
+            .size = 8,
+            .data = {request.command, static_cast<std::uint8_t>(1 + axis), 0x21, request.subindex}};
+  }
+
+ private:
+  struct Request {
+    std::uint8_t command, subindex;
+  };
+  static constexpr std::uint8_t read = 0x40, segment = 0x60, next_segment = 0x70;
+  // The names take a segment or two.
+  static constexpr Request requests[] = {{read, 0x00}, {read, 0x01}, {segment, 0}, {read, 0x02},      {read, 0x03},
+                                         {read, 0x04}, {read, 0x05}, {read, 0x06}, {read, 0x07},      {read, 0x08},
+                                         {read, 0x09}, {read, 0x0A}, {segment, 0}, {next_segment, 0}, {read, 0x0B},
+                                         {read, 0x0C}, {read, 0x0D}, {read, 0x0E}, {read, 0x0F},      {read, 0x10}};
+
+  std::size_t asked_ = 0;
+};
+
 class NodeWorld {
  public:
   using Send = std::function<void(const hal::CanFrame&)>;
 
   // send: puts a frame on the bus; must not call back. periods: that will be logged.
   NodeWorld(std::uint32_t periods, Send send) : send_{std::move(send)} {
-    frames_.reserve(std::size_t{7} * periods + 1000);
+    frames_.reserve(std::size_t{9} * periods + 1000);
     positions_m_.reserve(world_axes.size() * periods);
     for (std::size_t i = 0; i < world_axes.size(); ++i) axes_.push_back(std::make_unique<Axis>(*this, i));
   }
@@ -68,6 +96,7 @@ class NodeWorld {
     }
     if (enabled && !released_) release();
     command();
+    transmit(looker_.next());
   }
 
   std::uint32_t periods() const { return periods_; }
@@ -146,6 +175,7 @@ class NodeWorld {
   }
 
   Send send_;
+  Looker looker_;
   std::vector<LoggedFrame> frames_;
   std::vector<double> positions_m_;
   std::vector<std::unique_ptr<Axis>> axes_;
