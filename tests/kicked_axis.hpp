@@ -190,8 +190,8 @@ struct Retarget {
 // Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0. Axis: Slider, or
 // what moves as it does.
 template <class Real, class Kicks, class Axis>
-RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3, const Kicks& kicks,
-                Axis axis, int latency_periods, double longest_s, int slices = 8, int hold_periods = 200,
+RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3, const Kicks& kicks, Axis axis,
+                int latency_periods, double longest_s, int slices = 8, int hold_periods = 200,
                 double encoder_offset = 0.3, Retarget retarget = {}, const Disturbance& disturbance = {}) {
   law::AxisController<Real, Kicks> controller{p, k3, kicks};
   const double start_m = axis.position_m();
