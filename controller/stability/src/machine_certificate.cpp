@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rounding = 1 + 1e-9;      // by which bounds that are computed in double are widened
+constexpr double widened = 1 + 1e-9;       // by which bounds that are computed in double are widened
 constexpr std::uint32_t endless = 100000;  // kicks
 constexpr double spared = 0.99;            // of the largest force that is admitted, so that float holds the conditions
 
@@ -47,10 +47,10 @@ MassRange mass_range(const CoupledAxes& a) {
   range.lower = a.mass - diagonal(a.mass_error.rowwise().sum());
   if (positive_definite(range.lower) != Proof::holds) return range;
   range.inverse = dense::Cholesky(a.mass).inverse();
-  const MatrixXd most = range.inverse.cwiseAbs() * rounding;
+  const MatrixXd most = range.inverse.cwiseAbs() * widened;
   const MatrixXd share = most * a.mass_error;
   if (!(share.rowwise().sum().maxCoeff() < 1)) return range;
-  range.inverse_most = dense::inverse(MatrixXd::Identity(n, n) - share) * most * rounding;
+  range.inverse_most = dense::inverse(MatrixXd::Identity(n, n) - share) * most * widened;
   range.inverse_off = share * range.inverse_most;
   range.bounded = range.inverse_most.allFinite();
   return range;
@@ -85,7 +85,7 @@ class Certifier {
                  "give every axis a position gain, and a symmetric stiffness"))
       return false;
     closed_C_ = a_.damping + diagonal(p_.velocity_gain_Ns_per_m);
-    softness_ = dense::Cholesky(closed_K_).inverse() * rounding;
+    softness_ = dense::Cholesky(closed_K_).inverse() * widened;
     const double share = (dense::Cholesky(a_.mass).inverse().cwiseAbs() * a_.mass_error).rowwise().sum().maxCoeff();
     return require("masses", masses_.bounded, 1 - share,
                    text("the errors of the masses are %.3g of what would make them singular, at most", share),
@@ -109,7 +109,7 @@ class Certifier {
   }
 
   // V at the start: a quadratic form is greatest at a corner of the box.
-  double start_J() const { return 0.5 * p_.start_m.dot(closed_K_.cwiseAbs() * p_.start_m) * rounding; }
+  double start_J() const { return 0.5 * p_.start_m.dot(closed_K_.cwiseAbs() * p_.start_m) * widened; }
 
   double age_s() const { return (p_.latency_periods + 1) * a_.period_s + a_.lag_s; }
 
@@ -122,13 +122,13 @@ class Certifier {
 
   VectorXd speeds_m_s(double energy_J) const {
     const MatrixXd inverse = dense::Cholesky(masses_.lower).inverse();
-    return (2 * energy_J * inverse.diagonal() * rounding).cwiseSqrt();
+    return (2 * energy_J * inverse.diagonal() * widened).cwiseSqrt();
   }
 
   // Without the error of sampling: M a = -K_cl q - C_cl v + lambda + error + Coriolis, in { V <= energy_J }.
   VectorXd accelerations_m_s2(double energy_J, const VectorXd& error_N) const {
     const MatrixXd form = closed_K_ + closed_C_ * dense::Cholesky(masses_.lower).inverse() * closed_C_.transpose();
-    const double root = std::sqrt(2 * energy_J) * rounding;
+    const double root = std::sqrt(2 * energy_J) * widened;
     const VectorXd forces_N = root * form.diagonal().cwiseSqrt();
     const double speed = speeds_m_s(energy_J).sum();
     const VectorXd bounded_N =
@@ -217,7 +217,7 @@ class Certifier {
     for (int round = 0; round < 50; ++round) {
       free_N = released_friction_N(speed);
       if (!(free_N.minCoeff() > 0)) break;
-      box_m_ = gate_m_ + p_.resolution_m + (left_J * free_N.cwiseInverse()) * rounding;
+      box_m_ = gate_m_ + p_.resolution_m + (left_J * free_N.cwiseInverse()) * widened;
     }
     free_N = released_friction_N(speed);
     Index worst = 0;

@@ -83,11 +83,12 @@ double first_kick_m(double share_of_least_speed, double lag_s) {
   return end.first_kick_m;
 }
 
+// The least speed is above what this friction alone asks for, because one that rises must not stop the axis either.
 TEST(ApproachEnd, IsNearWhereItsSpeedLeavesTheForceThatBreaksTheAxisAway) {
   for (const double lag_s : {0.0, 1e-3, 5e-3}) {
     SCOPED_TRACE(lag_s);
     EXPECT_LT(first_kick_m(1.001, lag_s), 1e-3);
-    EXPECT_GT(first_kick_m(0.85, lag_s), 0.0999);
+    EXPECT_GT(first_kick_m(0.4, lag_s), 0.0999);
   }
 }
 
