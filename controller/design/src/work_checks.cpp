@@ -109,6 +109,11 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
   const auto bounds = [](const law::FrictionBounds<double>& f) {
     return brief(f.lower_N) + " N and " + brief(f.upper_N) + " N";
   };
+  const char* tested =
+      "tested, not proved: that the axis settles within the kicks that it may have, that the spring never pushes the "
+      "motor on harder in a pulse than it can at rest, which the meter counts with, and that the approach ends near "
+      "the "
+      "target";
   return {"friction of the motor stays between " + bounds(load.motor_friction) + ", that of the load between " +
               bounds(load.load_friction) + ", at any position, speed and time, as it likes",
           "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) +
@@ -116,9 +121,7 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
           "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
           "no command is lost; a sample that is lost costs a period",
           "the axis rests when it is enabled",
-          "tested, not proved: that the axis settles within the kicks that it may have, that the spring never pushes "
-          "the motor on harder in a pulse than it can at rest, which the meter counts with, and that the approach ends "
-          "near the target"};
+          tested};
 }
 
 }  // namespace breakaway::design::detail

@@ -165,26 +165,28 @@ double KickedAxis::force_N(double distance_m, double seconds) const {
   return ((lower_N - brake_N) + std::sqrt(g * g + 8 * mass_lower_kg * g * distance_m / (seconds * seconds))) / 2;
 }
 
-KickedAxis kicked_axis(const CoupledAxes& a, const VectorXd& box_m, Index i) {
+KickedAxis kicked_axis(const CoupledAxes& axes, const VectorXd& box_m, Index kicked) {
   KickedAxis k;
-  const double beside = standing_load_N(a, box_m, i) + a.force_step_N[i] / 2;
-  k.brake_N = a.brake_N[i];
-  k.mass_lower_kg = a.mass(i, i) - a.mass_error(i, i);
-  k.mass_upper_kg = a.mass(i, i) + a.mass_error(i, i);
-  k.lower_N = a.friction_lower_N[i] - beside;
+  const double beside = standing_load_N(axes, box_m, kicked) + axes.force_step_N[kicked] / 2;
+  k.brake_N = axes.brake_N[kicked];
+  k.mass_lower_kg = axes.mass(kicked, kicked) - axes.mass_error(kicked, kicked);
+  k.mass_upper_kg = axes.mass(kicked, kicked) + axes.mass_error(kicked, kicked);
+  k.lower_N = axes.friction_lower_N[kicked] - beside;
   const double g = std::max(k.lower_N + k.brake_N, 0.0);
-  k.peak_m_s = std::sqrt(2 * g * box_m[i] / k.mass_lower_kg);
-  k.upper_N = a.friction_upper_N[i] + beside + a.damping(i, i) * k.peak_m_s;
-  k.lag_s = a.lag_s;
-  k.sure_N = sure_share * k.upper_N / (a.lag_s > 0 ? -std::expm1(-a.period_s / (2 * a.lag_s)) : 1);
+  k.peak_m_s = std::sqrt(2 * g * box_m[kicked] / k.mass_lower_kg);
+  k.upper_N = axes.friction_upper_N[kicked] + beside + axes.damping(kicked, kicked) * k.peak_m_s;
+  k.lag_s = axes.lag_s;
+  k.sure_N = sure_share * k.upper_N / (axes.lag_s > 0 ? -std::expm1(-axes.period_s / (2 * axes.lag_s)) : 1);
   return k;
 }
 
-Coupling coupling(const CoupledAxes& a, Index i, Index j) {
-  const double least = a.mass(i, i) - a.mass_error(i, i), most = a.mass(i, i) + a.mass_error(i, i);
-  const auto [low, high] =
-      std::minmax({(a.mass(j, i) - a.mass_error(j, i)) / least, (a.mass(j, i) - a.mass_error(j, i)) / most,
-                   (a.mass(j, i) + a.mass_error(j, i)) / least, (a.mass(j, i) + a.mass_error(j, i)) / most});
+Coupling coupling(const CoupledAxes& axes, Index kicked, Index held) {
+  const double least = axes.mass(kicked, kicked) - axes.mass_error(kicked, kicked),
+               most = axes.mass(kicked, kicked) + axes.mass_error(kicked, kicked);
+  const auto [low, high] = std::minmax({(axes.mass(held, kicked) - axes.mass_error(held, kicked)) / least,
+                                        (axes.mass(held, kicked) - axes.mass_error(held, kicked)) / most,
+                                        (axes.mass(held, kicked) + axes.mass_error(held, kicked)) / least,
+                                        (axes.mass(held, kicked) + axes.mass_error(held, kicked)) / most});
   return {(low + high) / 2, (high - low) / 2};
 }
 
@@ -202,33 +204,34 @@ const char* to_string(KickPhase phase) {
   return "unknown phase";
 }
 
-double free_friction_N(const CoupledAxes& a, const VectorXd& box_m, Index j) {
-  return a.friction_lower_N[j] - standing_load_N(a, box_m, j) - (a.actuated(j) ? a.force_step_N[j] / 2 : 0);
+double free_friction_N(const CoupledAxes& axes, const VectorXd& box_m, Index held) {
+  return axes.friction_lower_N[held] - standing_load_N(axes, box_m, held) -
+         (axes.actuated(held) ? axes.force_step_N[held] / 2 : 0);
 }
 
-std::vector<PairCondition> pair_conditions(const CoupledAxes& a, const VectorXd& box_m, double force_N, Index i,
-                                           Index j) {
+std::vector<PairCondition> pair_conditions(const CoupledAxes& axes, const VectorXd& box_m, double force_N, Index kicked,
+                                           Index held) {
   std::vector<PairCondition> all;
-  if (a.lag_s > 0) all.push_back(condition(a, box_m, force_N, i, j, KickPhase::start));
-  all.push_back(condition(a, box_m, force_N, i, j, KickPhase::pulse));
-  all.push_back(condition(a, box_m, force_N, i, j, KickPhase::coast));
-  if (a.actuated(j)) all.push_back(drive_condition(a, box_m, force_N, i, j));
+  if (axes.lag_s > 0) all.push_back(condition(axes, box_m, force_N, kicked, held, KickPhase::start));
+  all.push_back(condition(axes, box_m, force_N, kicked, held, KickPhase::pulse));
+  all.push_back(condition(axes, box_m, force_N, kicked, held, KickPhase::coast));
+  if (axes.actuated(held)) all.push_back(drive_condition(axes, box_m, force_N, kicked, held));
   return all;
 }
 
-PairCondition tightest(const CoupledAxes& a, const VectorXd& box_m, double force_N, Index i) {
-  PairCondition worst{i, i, KickPhase::pulse, 0, std::numeric_limits<double>::infinity(), false};
-  for (Index j = 0; j < a.axes(); ++j) {
-    if (j == i) continue;
-    for (const PairCondition& c : pair_conditions(a, box_m, force_N, i, j)) {
+PairCondition tightest(const CoupledAxes& axes, const VectorXd& box_m, double force_N, Index kicked) {
+  PairCondition worst{kicked, kicked, KickPhase::pulse, 0, std::numeric_limits<double>::infinity(), false};
+  for (Index j = 0; j < axes.axes(); ++j) {
+    if (j == kicked) continue;
+    for (const PairCondition& c : pair_conditions(axes, box_m, force_N, kicked, j)) {
       if (!(c.margin_N() >= worst.margin_N())) worst = c;
     }
   }
   return worst;
 }
 
-double largest_kick_N(const CoupledAxes& a, const VectorXd& box_m, double least_N, double most_N, Index i) {
-  const auto admits = [&](double force_N) { return tightest(a, box_m, force_N, i).holds(); };
+double largest_kick_N(const CoupledAxes& axes, const VectorXd& box_m, double least_N, double most_N, Index kicked) {
+  const auto admits = [&](double force_N) { return tightest(axes, box_m, force_N, kicked).holds(); };
   if (!(least_N <= most_N) || !admits(least_N)) return 0;
   if (admits(most_N)) return most_N;
   double holds_N = least_N, fails_N = most_N;
@@ -239,20 +242,20 @@ double largest_kick_N(const CoupledAxes& a, const VectorXd& box_m, double least_
   return holds_N;
 }
 
-PairCondition simultaneous_condition(const CoupledAxes& a, const VectorXd& box_m, const VectorXd& force_N, Index i,
-                                     Index l) {
-  const KickedAxis own = kicked_axis(a, box_m, i), other = kicked_axis(a, box_m, l);
-  const Coupling to_i = coupling(a, l, i), to_l = coupling(a, i, l);
-  const Crossed mine = crossed(own, force_N[i]), its = crossed(other, force_N[l]);
+PairCondition simultaneous_condition(const CoupledAxes& axes, const VectorXd& box_m, const VectorXd& force_N,
+                                     Index disturbed, Index other) {
+  const KickedAxis own = kicked_axis(axes, box_m, disturbed), theirs = kicked_axis(axes, box_m, other);
+  const Coupling to_i = coupling(axes, other, disturbed), to_l = coupling(axes, disturbed, other);
+  const Crossed mine = crossed(own, force_N[disturbed]), its = crossed(theirs, force_N[other]);
   // What one axis feels of the other makes the other's range wider, and so on: rho = range + share rho of the other.
   const double share_i = std::abs(to_i.hold_off) + to_i.deviation, share_l = std::abs(to_l.hold_off) + to_l.deviation;
   const double loop = 1 - share_i * share_l;
   const double range_l = its.half_range_N + to_l.deviation * mine.most_N;
   const double range_i = mine.half_range_N + to_i.deviation * its.most_N;
   const double rho_l = loop > 0 ? (range_l + share_l * range_i) / loop : std::numeric_limits<double>::infinity();
-  const double felt_N =
-      std::abs(to_i.hold_off) * rho_l + to_i.deviation * (its.most_N + rho_l) + moving_load_N(a, i, l, other.peak_m_s);
-  return {l, i, KickPhase::coast, felt_N + own.brake_N, own.lower_N, true};
+  const double felt_N = std::abs(to_i.hold_off) * rho_l + to_i.deviation * (its.most_N + rho_l) +
+                        moving_load_N(axes, disturbed, other, theirs.peak_m_s);
+  return {other, disturbed, KickPhase::coast, felt_N + own.brake_N, own.lower_N, true};
 }
 
 }  // namespace breakaway::stability
