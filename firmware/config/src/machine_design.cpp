@@ -83,7 +83,7 @@ std::string outside_theorem(const Node& node) {
   if (node.bus_surroundings.most_delay_s > node.bus_surroundings.least_delay_s)
     return "[bus] delay_max_s is above delay_min_s, so that a kick may be longer than its periods; make them equal";
   for (const Axis& axis : node.axes) {
-    if (const std::string also = uncertified(axis); !also.empty()) return also;
+    if (std::string also = uncertified(axis); !also.empty()) return also;
     const Uncertainty& u = axis.uncertainty;
     if (lag_s(axis) != lag_s(node.axes.front()))
       return fmt::format(
