@@ -2,58 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 #include <vector>
 
-#include "breakaway/bxcan/port.hpp"
-#include "controller_model.hpp"
+#include "../fixed_registers.hpp"
+#include "port_fixture.hpp"
 
 namespace breakaway::bxcan_test {
 namespace {
 
-using namespace std::chrono_literals;
 using breakaway::bxcan::Counters;
-using breakaway::bxcan_test::ControllerModel;
-using breakaway::bxcan_test::RawFrame;
-using breakaway::hal::BitTiming;
-using breakaway::hal::BusState;
-using breakaway::hal::CanFrame;
-using breakaway::hal::ReceivedFrame;
-using breakaway::hal::SendResult;
-using breakaway::hal::Time;
-using Port = breakaway::bxcan::Port<ControllerModel>;
+using breakaway::testing::FixedRegisters;
 
-constexpr BitTiming timing{3, 11, 2};
-constexpr std::uint32_t ewgf = 1, boff = 4;
-
-CanFrame frame_of(int id) { return {.id = static_cast<std::uint16_t>(id), .size = 0, .data = {}}; }
-
-class BxcanEdgesTest : public testing::Test {
- protected:
-  BxcanEdgesTest() {
-    controller.transmit_interrupt = [this] { port.on_transmit_interrupt(); };
-    EXPECT_TRUE(port.start(timing, 10));
-    port.poll(now);
-  }
-  bool send(int id, Time deadline) { return port.send(frame_of(id), deadline) == SendResult::queued; }
-
-  ControllerModel controller;
-  Port port{controller};
-  Time now{5s};
-};
-
-// Registers that hold what they are given, whatever is written to them.
-struct FixedRegisters {
-  std::map<std::uint32_t, std::uint32_t> values;
-  std::map<std::uint32_t, int> reads;
-
-  std::uint32_t read(std::uint32_t offset) noexcept {
-    ++reads[offset];
-    return values[offset];
-  }
-  void write(std::uint32_t, std::uint32_t) noexcept {}
-  void pend_transmit_interrupt() noexcept {}
-};
+class BxcanEdgesTest : public BxcanPortTest {};
 
 TEST(BxcanRegisterReads, AreAsManyAtTheStartAsWereAllowed) {
   for (const std::uint32_t msr : {0U, 1U}) {
@@ -188,7 +148,7 @@ TEST_F(BxcanEdgesTest, ReceivesEveryLengthAndEveryByte) {
     port.on_receive_interrupt(now);
     ReceivedFrame r;
     ASSERT_TRUE(port.receive(r));
-    CanFrame expected = frame_of(static_cast<int>(0x7F0 | length));
+    CanFrame expected{.id = static_cast<std::uint16_t>(0x7F0 | length), .data = {}};
     expected.size = static_cast<std::uint8_t>(std::min(length, 8U));
     for (std::uint8_t i = 0; i < expected.size; ++i)
       expected.data[i] = static_cast<std::uint8_t>(i + 1 + (i % 4 == 0 ? 0x80 : 0));

@@ -1,54 +1,11 @@
-#include "breakaway/bxcan/port.hpp"
-
 #include <gtest/gtest.h>
 
-#include "controller_model.hpp"
+#include "port_fixture.hpp"
 
+namespace breakaway::bxcan_test {
 namespace {
 
-using namespace std::chrono_literals;
-using breakaway::bxcan_test::ControllerModel;
-using breakaway::bxcan_test::RawFrame;
-using breakaway::hal::BitTiming;
-using breakaway::hal::BusState;
-using breakaway::hal::CanFrame;
-using breakaway::hal::ReceivedFrame;
-using breakaway::hal::SendResult;
-using breakaway::hal::Time;
-using Port = breakaway::bxcan::Port<ControllerModel>;
 static_assert(breakaway::hal::CanPort<Port>);
-
-constexpr BitTiming timing{3, 11, 2};
-constexpr std::uint32_t ewgf = 1, epvf = 2, boff = 4;
-
-CanFrame frame_of(int id) {
-  return {.id = static_cast<std::uint16_t>(id), .size = 2, .data = {0x12, static_cast<std::uint8_t>(id)}};
-}
-
-class BxcanPortTest : public testing::Test {
- protected:
-  BxcanPortTest() {
-    controller.transmit_interrupt = [this] { port.on_transmit_interrupt(); };
-    EXPECT_TRUE(port.start(timing, 10));
-    port.poll(now);
-  }
-  bool send(int id) { return port.send(frame_of(id), now + 1ms) == SendResult::queued; }
-  std::vector<std::uint32_t> all_sent() {
-    std::vector<std::uint32_t> ids;
-    while (controller.requests() > 0) ids.push_back(controller.send_one().id);
-    return ids;
-  }
-  std::vector<CanFrame> received() {
-    port.on_receive_interrupt(now);
-    std::vector<CanFrame> frames;
-    for (ReceivedFrame r; port.receive(r);) frames.push_back(r.frame);
-    return frames;
-  }
-
-  ControllerModel controller;
-  Port port{controller};
-  Time now{5s};
-};
 
 TEST_F(BxcanPortTest, StartsWithItsBitTimingAndInterruptsOn) {
   EXPECT_FALSE(controller.initialising());
@@ -128,6 +85,14 @@ TEST_F(BxcanPortTest, ReceivesEveryBaseFrameAndNoExtendedOne) {
   EXPECT_EQ(received(), (std::vector<CanFrame>{{.id = 0x181, .size = 3, .data = {7, 8, 9}},
                                                {.id = 0x7FF, .size = 5, .remote = true}}));
   EXPECT_FALSE(controller.receive_interrupt_pending());
+}
+
+TEST_F(BxcanPortTest, AnExtendedFrameThatPassesTheFiltersIsTakenForNoOther) {
+  controller.filters_fail = true;
+  EXPECT_TRUE(controller.receive({0x181U << 18, true, false, 3, {7, 8, 9}}));
+  EXPECT_TRUE(controller.receive({0x182, false, false, 0, {}}));
+  EXPECT_EQ(received(), std::vector<CanFrame>{{.id = 0x182}});
+  EXPECT_EQ(port.counters().overflows, 0U);
 }
 
 TEST_F(BxcanPortTest, TakesALengthAboveEightForEight) {
@@ -214,3 +179,4 @@ TEST_F(BxcanPortTest, MayBeStartedAgain) {
 }
 
 }  // namespace
+}  // namespace breakaway::bxcan_test

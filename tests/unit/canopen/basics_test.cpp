@@ -31,6 +31,12 @@ TEST(CobId, FollowsThePredefinedConnectionSet) {
   EXPECT_EQ(sync_frame(), (CanFrame{.id = 0x080}));
 }
 
+TEST(Sync, IsADataFrame) {
+  EXPECT_TRUE(is_sync(sync_frame()));
+  EXPECT_FALSE(is_sync({.id = 0x080, .remote = true}));
+  EXPECT_FALSE(is_sync({.id = 0x081}));
+}
+
 TEST(CobId, FallsApartIntoFunctionCodeAndNode) {
   for (unsigned id = min_node_id; id <= max_node_id; ++id) {
     const auto node_id = static_cast<std::uint8_t>(id);
@@ -185,6 +191,19 @@ TEST(Emcy, RoundTripAndReset) {
   EXPECT_FALSE(consumer.active());
   EXPECT_EQ(consumer.take_error(), overload.code) << "it came, although it is gone";
   EXPECT_EQ(consumer.take_error(), 0);
+}
+
+TEST(Emcy, IsADataFrameOfEightBytes) {
+  EmcyConsumer consumer{9};
+  CanFrame frame = emcy_frame({.code = 0x2310}, 9);
+  frame.remote = true;
+  EXPECT_FALSE(consumer.on_frame(frame));
+  frame.remote = false;
+  frame.size = 7;
+  EXPECT_FALSE(consumer.on_frame(frame));
+  EXPECT_FALSE(consumer.active());
+  frame.size = 8;
+  EXPECT_TRUE(consumer.on_frame(frame));
 }
 
 TEST(Emcy, ForgetsTheLastErrorWhenTold) {

@@ -114,6 +114,17 @@ TEST(Pdo, HoldsEightObjects) {
   EXPECT_EQ(pdo.mapped().size(), PdoMapping::max_objects) << "a count that is damaged reads no further";
 }
 
+TEST(Pdo, ObjectsBehindTheLastAreNotPacked) {
+  PdoMapping pdo{.cob_id = 0x200, .count = 1};
+  pdo.objects[0] = pdo.objects[1] = {0x2000, 1, 8};
+  const std::array<std::uint64_t, 2> values{0x11, 0x22};
+  EXPECT_EQ(pack_pdo(pdo, values), (breakaway::hal::CanFrame{.id = 0x200, .size = 1, .data = {0x11}}));
+}
+
+TEST(Pdo, IsInvalidatedByTheHighestBitOfItsIdentifierAlone) {
+  EXPECT_EQ(remap_step({.cob_id = 0x200}, 0).value, 0x8000'0200U);
+}
+
 TEST(Pdo, PacksNoMoreThanAFrameHolds) {
   PdoMapping pdo{.cob_id = 0x185, .count = 3};
   pdo.objects[0] = pdo.objects[1] = pdo.objects[2] = {0x2000, 1, 32};

@@ -132,6 +132,20 @@ TEST_F(SdoEdges, AnswersOfAnotherServiceArePassedOver) {
   EXPECT_EQ(client.poll(now), SdoResult::done);
 }
 
+// As where another client of the same server writes, or an answer of a transfer before comes late.
+TEST_F(SdoEdges, AWriteIsDoneByTheAnswerForItsOwnObjectOnly) {
+  const std::vector<std::uint8_t> value{1};
+  for (const Bytes& foreign :
+       {Bytes{0x60, 0x00, 0x20, 0x02}, Bytes{0x60, 0x01, 0x20, 0x01}, Bytes{0x60, 0x00, 0x21, 0x01}}) {
+    ASSERT_EQ(client.start_write(0x2000, 1, value), SdoStart::started);
+    ASSERT_TRUE(sent().has_value());
+    answer(foreign);
+    EXPECT_EQ(client.poll(now), SdoResult::busy);
+    answer({0x60, 0x00, 0x20, 0x01});
+    EXPECT_EQ(client.poll(now), SdoResult::done);
+  }
+}
+
 TEST_F(SdoEdges, TellsTheCommandThatDoesNotBelongThere) {
   for (const std::uint8_t command : std::array<std::uint8_t, 3>{0xA0, 0xC0, 0xE5}) {
     EXPECT_EQ(read_answered_by({command, 0x00, 0x20, 0x01}), SdoResult::protocol_error);

@@ -92,6 +92,14 @@ TEST_F(SdoServerTest, ReadsTextsInSegmentsByTheFiguresOfTheStandard) {
   EXPECT_EQ(abort_of({0x60}), SdoAbort::command_specifier) << "there is no more";
 }
 
+TEST_F(SdoServerTest, ASegmentIsGivenToWhoReadsATextOnly) {
+  EXPECT_EQ(abort_of({0x60}), SdoAbort::command_specifier) << "before anything was read";
+  ask({0x40, 0x01, 0x20, 5});
+  EXPECT_EQ(ask({0x6F})->data[0], 0x00) << "the other bits of its first byte say nothing";
+  EXPECT_EQ(ask({0x2B, 0x00, 0x20, 1, 0x78, 0x56, 0, 0})->data[0], 0x60);
+  EXPECT_EQ(abort_of({0x70}), SdoAbort::command_specifier) << "what is written ends what was read";
+}
+
 TEST_F(SdoServerTest, GivesTheProjectsClientEveryText) {
   for (std::uint8_t i = 0; i < Objects::texts.size(); ++i) {
     ASSERT_EQ(client.start_read(0x2001, i), SdoStart::started);

@@ -102,6 +102,17 @@ TYPED_TEST(DriveConfigTest, NamesTheFieldThatIsOutOfRange) {
   }
 }
 
+TYPED_TEST(DriveConfigTest, TakesTheEndsOfEveryRange) {
+  Given<TypeParam> given;
+  given.drive.node_id = 127;
+  given.network.node_id = 126;
+  given.drive.heartbeat_period = 1ms;
+  given.drive.heartbeat_timeout = 65'535ms;
+  given.scale.max_force_N = given.scale.encoder_resolution_m = given.drive.force_per_torque_N_per_Nm =
+      std::numeric_limits<TypeParam>::max();
+  EXPECT_EQ(check(given.drive, given.network, given.scale), DriveConfigError::none);
+}
+
 TYPED_TEST(DriveConfigTest, NamesTheFirstOfSeveral) {
   const DriveConfig<TypeParam> nothing{.node_id = 0};
   EXPECT_EQ(check(nothing, {}, AxisScale<TypeParam>{}), DriveConfigError::node_id);

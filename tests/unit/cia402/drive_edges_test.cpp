@@ -1,6 +1,8 @@
 // Ties and defaults: when a sample counts as late, double or missing, and what is so unless told otherwise.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/cia402/homing.hpp"
 #include "breakaway/cia402/position_factor.hpp"
@@ -102,6 +104,87 @@ TEST_F(DriveEdgesTest, TheFirstCommandHasNoForce) {
   EXPECT_EQ(node.target, 0);
 }
 
+// One whose heartbeat another tool has switched off. Its samples come all the same.
+TEST_F(DriveEdgesTest, ADriveWithoutForceThatLosesItsHeartbeatIsSetUpAnew) {
+  set_up();
+  node.objects[ScriptedDrive::key(0x1017, 0)] = 0;
+  run_for(140ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+  run_for(120ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(node.value_of(0x1017, 0), 100U);
+}
+
+class HomeHereTest : public DriveTest {
+ protected:
+  HomeHereTest() : DriveTest{homing_here()} {}
+  static DriveConfig<float> homing_here() {
+    DriveConfig<float> told = config;
+    told.homing = {.home = Home::here, .position_counts = -40};
+    return told;
+  }
+};
+TEST_F(HomeHereTest, NothingIsSaidOfADriveBeforeItsFirstSample) {
+  node.sends_tpdo = false;
+  node.boot();
+  deliver();
+  run_until([&] { return drive.setup_status() == SetupStatus::ready; });
+  EXPECT_EQ(feedback.force_N, 0.0F);
+  drive.request_enable();
+  EXPECT_EQ(drive.position_counts(), 0) << "nobody knows what is to become -40";
+}
+
+class OneQuantumTest : public DriveTest {
+ protected:
+  OneQuantumTest() : DriveTest{config, {.encoder_resolution_m = 1e-6F, .max_force_N = 0.07F}} {}
+};
+TEST_F(OneQuantumTest, ALimitBetweenQuantaIsTheOneBelow) {
+  set_up();
+  EXPECT_FLOAT_EQ(drive.max_force_N(), 0.05F);
+}
+
+TEST(DriveEdges, ThePlaceNextToTheLowestIsACountOfItsOwn) {
+  const Drive<double> drive{{.node_id = node_id, .force_per_torque_N_per_Nm = 50}, network, {1, 60}};
+  EXPECT_EQ(drive.counts_at(-2147483647.0), -2147483647);
+  EXPECT_EQ(drive.counts_at(-2147483648.0), std::numeric_limits<std::int32_t>::min());
+  EXPECT_EQ(drive.counts_at(2147483647.0), std::numeric_limits<std::int32_t>::max());
+}
+
+TEST(DriveNodeEdges, WhatCannotBeADriveIsRefusedAndToldNothing) {
+  DriveConfig<float> bad = config;
+  bad.node_id = 0;
+  cia402::DriveNode node{bad, network, 60.0F};
+  EXPECT_EQ(node.phase(), cia402::SetupPhase::refused);
+  EXPECT_EQ(node.status(), SetupStatus::config_invalid);
+  CanFrame frame;
+  node.force_stop(Time{1s});
+  node.update(Time{1s});
+  EXPECT_FALSE(node.next_frame(frame, Time{1s}));
+  EXPECT_EQ(node.phase(), cia402::SetupPhase::refused);
+}
+
+TEST(DriveNodeEdges, AStopThatIsForcedAlreadyDoesNotBeginAnew) {
+  cia402::DriveNode node{config, network, 60.0F};
+  Time now{};
+  int to_pre_operational = 0;
+  for (int ms = 0; ms < 250; ++ms) {
+    node.force_stop(now += 1ms);
+    node.update(now);
+    CanFrame frame;
+    if (node.next_frame(frame, now)) to_pre_operational += frame.id == breakaway::canopen::nmt_cob_id ? 1 : 0;
+  }
+  EXPECT_EQ(to_pre_operational, 1) << "100 ms after it began";
+}
+
+TEST(SetupStepDefaults, AreARequiredReadOfNoObject) {
+  const cia402::SetupStep step;
+  EXPECT_EQ(step.kind, cia402::SetupStep::Kind::read);
+  EXPECT_FALSE(step.optional);
+  EXPECT_EQ(step.index + step.subindex + step.size, 0);
+  EXPECT_EQ(step.value, 0U);
+}
+
 TEST(DriveDefaults, AreThoseOfTheDocumentation) {
   const DriveConfig<float> drive{};
   EXPECT_EQ(drive.heartbeat_period, 100ms);
@@ -128,6 +211,7 @@ TEST(InterpolationPeriodEdges, EveryDecadeReachesFromOneTo255) {
   EXPECT_EQ(interpolation_period(26s), (InterpolationPeriod{26, 0}));
   EXPECT_EQ(interpolation_period(255s), (InterpolationPeriod{255, 0}));
   EXPECT_EQ(interpolation_period(256s), std::nullopt);
+  EXPECT_EQ(interpolation_period(2550s), std::nullopt) << "units of ten seconds are none of the object's";
 }
 
 TEST(PositionFactorEdges, OneIsTakenForOneToAMillionth) {
@@ -181,6 +265,21 @@ TEST(HomingEdges, ADriveHasTheWholeTimeOfTheFile) {
   homing.stop();
   EXPECT_FALSE(homing.on_stopped());
   EXPECT_FALSE(homing.failed()) << "a stop that was asked for is no failure";
+}
+
+TEST(HomingEdges, ADriveThatIsLostAfterAnAttemptLeavesItFailed) {
+  Homing homing{HomingConfig{.home = Home::by_drive, .timeout = 1s}};
+  homing.begin();
+  homing.on_selected(begin);
+  ASSERT_TRUE(homing.seek(0, false, false, begin));
+  homing.on_stopped();
+  homing.on_returned();
+  homing.abort();
+  EXPECT_TRUE(homing.failed());
+  homing.begin();
+  homing.on_selected(begin);
+  homing.abort();
+  EXPECT_FALSE(homing.active());
 }
 
 }  // namespace

@@ -127,8 +127,8 @@ TEST_F(DriveRetryTest, APositionThatIsReversedOrWrapsIsRefusedByName) {
   }
   for (const Position& p :
        {Position{0x607E, 0, 0x40, SetupStatus::ready}, Position{0x607E, 0, 0x20, SetupStatus::ready},
-        Position{0x607B, 1, 0, SetupStatus::ready}, Position{0x607B, 1, 0x80000000, SetupStatus::ready},
-        Position{0x607B, 2, 0x7FFFFFFF, SetupStatus::ready}}) {
+        Position{0x607E, 0, 0x01, SetupStatus::ready}, Position{0x607B, 1, 0, SetupStatus::ready},
+        Position{0x607B, 1, 0x80000000, SetupStatus::ready}, Position{0x607B, 2, 0x7FFFFFFF, SetupStatus::ready}}) {
     boot_again();
     node.objects[ScriptedDrive::key(p.index, p.subindex)] = p.value;
     run_until_state(DriveState::disabled);

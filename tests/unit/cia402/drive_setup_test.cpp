@@ -255,8 +255,8 @@ TEST_P(DriveThatKeeps, AValueThatAddsForceOrHearsAnotherSyncIsUnusableByName) {
   EXPECT_EQ(drive.setup_object(), (ObjectAddress{index, 0}));
 }
 INSTANTIATE_TEST_SUITE_P(Objects, DriveThatKeeps,
-                         testing::Values(std::pair{0x60B2, 600}, std::pair{0x1005, 0x81}, std::pair{0x1005, 0x40000080},
-                                         std::pair{0x605A, 6}, std::pair{0x605E, 2}));
+                         testing::Values(std::pair{0x60B2, 600}, std::pair{0x60B2, 1}, std::pair{0x1005, 0x81},
+                                         std::pair{0x1005, 0x40000080}, std::pair{0x605A, 6}, std::pair{0x605E, 2}));
 
 TEST_F(DriveTest, BitsOf1005hThatSayNothingAreNoReasonToRefuseADrive) {
   node.kept[ScriptedDrive::key(0x1005, 0)] = 0x80000080;
@@ -285,17 +285,21 @@ TEST_P(DriveWithARatedTorque, IsTakenWhereTheFileAgreesAndRefusedByNameElsewhere
   run_until_state(GetParam().refused ? DriveState::unusable : DriveState::disabled);
   EXPECT_EQ(drive.setup_status(), GetParam().refused.value_or(SetupStatus::ready));
 }
-INSTANTIATE_TEST_SUITE_P(Of, DriveWithARatedTorque,
-                         testing::Values(RatedTorque{"NothingTold", 0, 7, {}}, RatedTorque{"TheSame", 500, 500, {}},
-                                         RatedTorque{"ARoundedFigure", 500, 496, {}}, RatedTorque{"OneOff", 7, 8, {}},
-                                         RatedTorque{"More", 500, 520, SetupStatus::rated_torque_differs},
-                                         RatedTorque{"Less", 500, 480, SetupStatus::rated_torque_differs},
-                                         RatedTorque{"TenTimes", 500, 5000, SetupStatus::rated_torque_differs},
-                                         RatedTorque{"AThousandTimes", 500, 500'000, SetupStatus::rated_torque_unit},
-                                         RatedTorque{"AThousandth", 5000, 5, SetupStatus::rated_torque_unit},
-                                         RatedTorque{"TheMostThereIs", 4'294'968, 0xFFFFFFFF,
-                                                     SetupStatus::rated_torque_unit}),
-                         [](const auto& row) { return row.param.label; });
+INSTANTIATE_TEST_SUITE_P(
+    Of, DriveWithARatedTorque,
+    testing::Values(RatedTorque{"NothingTold", 0, 7, {}}, RatedTorque{"TheSame", 500, 500, {}},
+                    RatedTorque{"ARoundedFigure", 500, 496, {}}, RatedTorque{"OneOff", 7, 8, {}},
+                    RatedTorque{"AHundredthOfTheLarger", 10'000, 9'900, {}},
+                    RatedTorque{"MoreThanAHundredth", 10'000, 9'899, SetupStatus::rated_torque_differs},
+                    RatedTorque{"AThousandTimesToAHundredth", 500, 495'000, SetupStatus::rated_torque_unit},
+                    RatedTorque{"AThousandthToAHundredth", 4'950, 5, SetupStatus::rated_torque_unit},
+                    RatedTorque{"More", 500, 520, SetupStatus::rated_torque_differs},
+                    RatedTorque{"Less", 500, 480, SetupStatus::rated_torque_differs},
+                    RatedTorque{"TenTimes", 500, 5000, SetupStatus::rated_torque_differs},
+                    RatedTorque{"AThousandTimes", 500, 500'000, SetupStatus::rated_torque_unit},
+                    RatedTorque{"AThousandth", 5000, 5, SetupStatus::rated_torque_unit},
+                    RatedTorque{"TheMostThereIs", 4'294'968, 0xFFFFFFFF, SetupStatus::rated_torque_unit}),
+    [](const auto& row) { return row.param.label; });
 
 class DriveOfTheLargestTorque : public DriveTest {
  protected:
@@ -376,6 +380,16 @@ TEST_F(DriveTest, UnitsThatAreMendedAreTakenAtTheNextReset) {
   drive.reset_fault();
   run_until_state(DriveState::disabled);
   EXPECT_EQ(drive.setup_status(), SetupStatus::ready);
+}
+
+TEST_F(DriveTest, UnitsOfADriveThatBootsAreItsOwn) {
+  const auto key = ScriptedDrive::key;
+  node.objects[key(0x6091, 1)] = 3;
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.objects.erase(key(0x6091, 1));
+  set_up();
 }
 
 TEST_F(DriveTest, ModeDisplayMayLagForSeconds) {

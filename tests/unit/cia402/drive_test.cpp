@@ -171,6 +171,23 @@ TEST_F(DriveTest, ADriveWhoseStateNoPdoTellsIsNotLedAnywhere) {
   EXPECT_EQ(node.state, State::switch_on_disabled);
 }
 
+// A statusword of Fault and Switch on disabled at once.
+TEST_F(DriveTest, ADriveWhoseStatuswordIsOfNoStateIsBeingConfiguredAndNotLedAnywhere) {
+  node.kept[ScriptedDrive::key(0x6041, 0)] = 0x48;
+  node.extra_status = 0x08;
+  node.boot();
+  deliver();
+  run_until([&] { return drive.setup_status() == SetupStatus::ready && feedback.fresh; });
+  EXPECT_EQ(drive.statusword(), 0x0258);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+  drive.request_enable();
+  run_for(500ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+  EXPECT_EQ(node.controlword, 0);
+  node.extra_status = 0;
+  run_until_state(DriveState::enabled);
+}
+
 TEST_F(DriveTest, FaultWithoutEmergencyIsAskedForItsCode) {
   enable();
   node.state = State::fault;

@@ -164,6 +164,117 @@ TEST_F(TimelineTest, TheErrorCodeIsReadOnceForEachFaultThatNoEmergencyTellsOf) {
   EXPECT_EQ(times_of(100, std::uint16_t{0x603F}).size(), 1U) << "the emergency went with its fault";
 }
 
+// What was told to a drive that is no longer the same one goes no further: a bus that was full may still hold it.
+TEST_F(TimelineTest, ACommandThatWasNotSentIsForgottenWithWhatItWasFor) {
+  const auto pass = [this](int periods) {
+    for (int i = 0; i < periods; ++i) drive.update(now += 1ms);
+  };
+  const auto next_is = [this](NmtCommand command) {
+    CanFrame frame;
+    return drive.next_acyclic_frame(frame, now) && is_nmt(frame, command);
+  };
+  pass(251);  // a node that says nothing is to be reset
+  drive.on_frame({.frame = breakaway::canopen::heartbeat_frame(NmtState::pre_operational, node_id), .time = now});
+  pass(1);
+  EXPECT_FALSE(next_is(NmtCommand::reset_communication)) << "it is there";
+
+  drive = Drive<float>{config, network, scale};
+  node.ignores_start = true;
+  boot();
+  run_until([&] { return std::ranges::count(node.commands, NmtCommand::start) == 1; });
+  const auto object = [this] { return drive.setup_object(); };
+  ASSERT_EQ(object(), ObjectAddress{});
+  pass(2000);
+  EXPECT_FALSE(next_is(NmtCommand::start)) << "it is set up anew first";
+}
+
+TEST_F(TimelineTest, AnErrorCodeIsNotReadOnceItsFaultIsGone) {
+  enable();
+  node.state = State::fault;
+  run_for(2ms);
+  boot();
+  EXPECT_TRUE(times_of(300, std::uint16_t{0x603F}).empty()) << "it booted before it was asked";
+  expect_that_it_works();
+  drive.request_stop();
+  node.sdo_requests_lost = 1;
+  for (const State state : {State::fault, State::switch_on_disabled, State::fault, State::switch_on_disabled}) {
+    node.state = state;
+    run_for(5ms);
+  }
+  EXPECT_TRUE(times_of(200, std::uint16_t{0x603F}).empty()) << "one was asked for and lost";
+}
+
+// While its mode is asked for, at each moment of it.
+TEST_F(TimelineTest, ANodeThatStopsOperatingIsLookedAtAtOnceAndToldNoMode) {
+  for (int moment = 0; moment < 25; ++moment) {
+    for (const unsigned lost : {0U, 1U}) {
+      drive = Drive<float>{config, network, scale};
+      node = ScriptedDrive{node_id};
+      node.objects[ScriptedDrive::key(0x6061, 0)] = 0xFF;
+      boot();
+      run_until([&] { return !sent.empty() && is_sdo(sent.back(), 0x6061); });
+      run_for(moment * 1ms);
+      node.sdo_requests_lost = lost;
+      run_until([&] { return node.sdo_requests_lost == 0; });
+      node.ignores_start = true;
+      node.nmt = NmtState::pre_operational;
+      node.heartbeat();
+      deliver();
+      EXPECT_EQ(times_of(3, std::uint16_t{0x6041}).empty(), false) << moment << " ms, " << lost << " lost";
+      EXPECT_TRUE(
+          times(100, [](const CanFrame& frame) { return is_sdo(frame, 0x6061) || is_sdo(frame, 0x6060); }).empty())
+          << moment << " ms, " << lost << " lost";
+    }
+  }
+}
+
+TEST_F(TimelineTest, ANodeThatOperatesAgainIsAskedForItsModeAtOnce) {
+  node.objects[ScriptedDrive::key(0x6061, 0)] = 0xFF;
+  boot();
+  run_until([&] { return !sent.empty() && is_sdo(sent.back(), 0x6061); });
+  node.nmt = NmtState::pre_operational;
+  node.heartbeat();
+  deliver();
+  run_until([&] { return node.nmt == NmtState::operational; });
+  node.heartbeat();
+  deliver();
+  EXPECT_FALSE(times_of(3, std::uint16_t{0x6061}).empty());
+}
+
+// Lost requests shift the questions against the ten seconds, so that an answer comes at their very end.
+constexpr DriveConfig<float> odd_patience{.node_id = node_id, .force_per_torque_N_per_Nm = 50.0F, .sdo_timeout = 49ms};
+TEST_F(TimelineTest, ANodeHasTenWholeSecondsToTakeItsMode) {
+  for (unsigned lost = 0; lost < 20; ++lost) {
+    drive = Drive<float>{odd_patience, network, scale};
+    node = ScriptedDrive{node_id};
+    node.objects[ScriptedDrive::key(0x6061, 0)] = 0xFF;
+    boot();
+    run_until([&] { return !sent.empty() && is_sdo(sent.back(), 0x6061); });
+    const Time begin = now - 1ms;  // a period before, it was seen to operate
+    node.sdo_requests_lost = lost;
+    run_until([&] { return feedback.state == DriveState::unusable; }, 15s);
+    EXPECT_GT(now - begin, 10s) << lost;
+    EXPECT_LE(now - begin, 10s + 30ms) << lost;
+  }
+}
+
+TEST_F(TimelineTest, ARefusalThatMayPassIsTakenThirtyTimesInEachSetUp) {
+  const auto refuse_for = [this](Duration duration) {
+    boot();
+    node.refused[ScriptedDrive::key(0x6076, 0)] = SdoAbort::device_state;
+    const auto asked = times_of(static_cast<int>(duration / 1ms), std::uint16_t{0x6076});
+    node.refused.clear();
+    return asked.size();
+  };
+  for (int round = 0; round < 3; ++round) {
+    refuse_for(2s);
+    EXPECT_EQ(drive.setup_status(), SetupStatus::in_progress) << round;
+    run_until_state(DriveState::disabled);
+  }
+  EXPECT_EQ(refuse_for(5s), 31U);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::object_refused);
+}
+
 // What disturbs a set-up at any moment leaves nothing of it behind.
 enum class Disturbance { reset, boot, silence, pre_operational };
 

@@ -1,6 +1,9 @@
 // How an axis with an incremental encoder gets its zero.
 #include <gtest/gtest.h>
 
+#include <optional>
+
+#include "breakaway/canopen/bytes.hpp"
 #include "breakaway/cia402/objects.hpp"
 #include "drive_fixture.hpp"
 
@@ -191,12 +194,49 @@ TEST_F(HomingTest, ADriveThatDoesNotObeyTheStopAfterItIsForced) {
 }
 
 TEST_F(HomingTest, ADriveWithoutHomingIsRefusedByName) {
-  node.objects[key(0x6502)] = 1U << 9;
+  for (const std::uint32_t modes : {1U << 9, 1U << 9 | 0x1DFU}) {
+    node.objects[key(0x6502)] = modes;
+    node.boot();
+    deliver();
+    step();
+    run_until_state(DriveState::unusable);
+    EXPECT_EQ(drive.setup_status(), SetupStatus::no_homing_mode);
+    EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6502, 0}));
+  }
+}
+
+TEST_F(HomingTest, AHomeThatIsFoundTakesThePlaceOfAReferenceThatWasGiven) {
+  set_up();
+  drive.set_reference_counts(12);
   node.boot();
   deliver();
-  run_until_state(DriveState::unusable);
-  EXPECT_EQ(drive.setup_status(), SetupStatus::no_homing_mode);
-  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x6502, 0}));
+  step();
+  run_until_state(DriveState::disabled);
+  drive.reset_fault();
+  run_until_state(DriveState::configuring);
+  run_until_state(DriveState::disabled);
+  drive.request_enable();
+  run_until([&] { return node.controlword == seek_word; });
+  find_home();
+  EXPECT_EQ(drive.position_counts(), 500);
+}
+
+// The fault has a code, which is asked for afterwards.
+TEST_F(HomingTest, AFaultIsFollowedByTheModeOfTorqueBeforeAnythingElse) {
+  seek();
+  node.written.clear();
+  node.state = State::fault;
+  std::optional<CanFrame> first;
+  const Time begin = now;
+  run_until([&] {
+    for (const CanFrame& frame : sent)
+      if (!first && frame.id == sdo_request_cob_id(node_id)) first = frame;
+    return first.has_value();
+  });
+  EXPECT_EQ(breakaway::canopen::load_little_endian<std::uint16_t>(first->data, 1), 0x6060);
+  EXPECT_EQ((now - begin) / 1ms, 4) << "a sample that shows it, the stop, and the mode";
+  run_for(3ms);
+  EXPECT_EQ(mode(), 10U);
 }
 
 TEST_F(HomingTest, ADriveThatNeverShowsTheModeIsRefusedByName) {

@@ -53,6 +53,10 @@ TEST(PositionFactor, AResolutionWithoutAFeedConstantSaysNothingNorTheOtherWayRou
   EXPECT_TRUE(factor_of({{{0x6092, 1}, 131072}, {{0x6092, 2}, 1}}).is_one_to_one());
 }
 
+TEST(PositionFactor, OtherSubIndicesOfItsObjectsAreNoPartOfIt) {
+  EXPECT_FLOAT_EQ(factor_of({{{0x6091, 1}, 10}, {{0x6091, 0}, 2}, {{0x6091, 3}, 7}}).units_per_count(), 0.1F);
+}
+
 TEST(PositionFactor, AGearAloneScales) {
   EXPECT_FLOAT_EQ(factor_of({{{0x6091, 1}, 10}, {{0x6091, 2}, 1}}).units_per_count(), 0.1F);
   EXPECT_TRUE(factor_of({{{0x6091, 2}, 10}, {{0x6091, 1}, 1}}).is_finer_than_encoder());

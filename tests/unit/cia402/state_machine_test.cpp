@@ -59,6 +59,7 @@ TEST_F(StateMachineTest, BeforeTheFirstStatuswordNoVoltage) {
   machine.on_statusword(0x0002);  // a combination that the profile does not define
   EXPECT_EQ(step(), 0x00);
   EXPECT_FALSE(machine.state().has_value());
+  EXPECT_FALSE(machine.without_force()) << "nobody said so";
 }
 
 TEST_F(StateMachineTest, FollowsOnlyInOperationEnabled) {

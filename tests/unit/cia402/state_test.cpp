@@ -46,6 +46,12 @@ TEST(State, HasTheNamesOfTheProfile) {
   EXPECT_EQ(to_string(State::fault), "Fault");
 }
 
+TEST(State, OneThatIsNoneShowsNoBitsAndHasNoName) {
+  const auto none = static_cast<State>(200);
+  EXPECT_EQ(status_bits(none), 0);
+  EXPECT_EQ(to_string(none), "unknown state");
+}
+
 TEST(State, SaysWhatMayKeepADriveFromBeingEnabled) {
   EXPECT_EQ(what_keeps_disabled(0x0250), "Switch on disabled: STO, or no supply of the power stage?");
   EXPECT_EQ(what_keeps_disabled(0x0231), "Ready to switch on: no supply of the power stage?");

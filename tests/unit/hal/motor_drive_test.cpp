@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "page_example.hpp"
@@ -155,6 +156,15 @@ TEST(MotorDrivePage, ExampleKeepsWhatThePageSays) {
   EXPECT_EQ(to_string(drive.setup_status()), "the amplifier is ready");
   const DriveFeedback<float> nothing{};
   EXPECT_FALSE(nothing.fresh || nothing.ever_valid || nothing.stop_not_obeyed || nothing.homing_failed);
+}
+
+TEST(DriveState, HasANameEach) {
+  const std::pair<DriveState, std::string_view> names[] = {
+      {DriveState::configuring, "configuring"}, {DriveState::disabled, "disabled"}, {DriveState::enabling, "enabling"},
+      {DriveState::enabled, "enabled"},         {DriveState::stopping, "stopping"}, {DriveState::fault, "fault"},
+      {DriveState::unusable, "unusable"},       {DriveState::homing, "homing"}};
+  for (const auto& [state, name] : names) EXPECT_EQ(to_string(state), name);
+  EXPECT_EQ(to_string(static_cast<DriveState>(99)), "unknown state");
 }
 
 }  // namespace

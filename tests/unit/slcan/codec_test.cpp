@@ -63,11 +63,12 @@ TEST(SlcanCodec, TellsAnswersApart) {
   EXPECT_EQ(only("z\r").kind, Kind::taken);
   EXPECT_EQ(only("F24\r").kind, Kind::status);
   EXPECT_EQ(only("F24\r").status, 0x24);
-  EXPECT_EQ(only("V1013\r").kind, Kind::unknown);
-  EXPECT_EQ(only("T1234567800\r").kind, Kind::unknown);
+  for (const char* text : {"V1013\r", "NA123\r", "T1234567800\r", "R123456780\r"})
+    EXPECT_EQ(only(text).kind, Kind::unknown) << text;
 }
 
 TEST(SlcanCodec, RefusesWhatIsNoLine) {
+  EXPECT_EQ(only("t181g\r").kind, Kind::malformed);
   for (const char* text : {"t\r", "t18\r", "t8000\r", "t1819\r", "t1812AB\r", "t1811G0\r", "t1810123\r", "t1810zzzz\r",
                            "t181011111\r", "t18g0\r", "F\r", "F1\r", "Fxx\r", "F000\r", "zz\r", "x\r", "t-110\r",
                            "t181400112233445\r", "t1818001122334455667712345678901234567890\r"})

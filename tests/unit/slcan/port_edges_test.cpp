@@ -170,6 +170,7 @@ TEST(SlcanDecoder, KnowsTheFirstAndTheLastLineThatFits) {
   EXPECT_EQ(decoded("t1812abcdEf01\r").frame.data[1], 0xCD);
   EXPECT_EQ(decoded("t1812afFa\r").frame.data[0], 0xAF);
   EXPECT_EQ(decoded("t18191122334455667788FF\r").kind, Message::Kind::malformed) << "nine bytes";
+  EXPECT_EQ(decoded("t18191122334455667788\r").kind, Message::Kind::malformed) << "of which eight came";
   EXPECT_EQ(decoded("t1810\r").status, 0);
   EXPECT_EQ(Message{}.status, 0);
 }

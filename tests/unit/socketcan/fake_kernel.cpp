@@ -33,7 +33,7 @@ bool FakeKernel::fails(Step step) const {
 namespace {
 
 int opened() {
-  const int descriptor = kernel().first_descriptor + static_cast<int>(kernel().open.size());
+  const int descriptor = kernel().first_descriptor + kernel().descriptor_step * static_cast<int>(kernel().open.size());
   kernel().open.insert(descriptor);
   return descriptor;
 }

@@ -28,7 +28,7 @@ struct FakeKernel {
 
   int failing = steps;  // this step of open() fails
   int error = 0;        // with this errno
-  int first_descriptor = 1000;
+  int first_descriptor = 1000, descriptor_step = 1;
   int interface_type = ARPHRD_CAN;
   short interface_flags = IFF_UP;
   std::optional<char> carrier_shown = '1';  // nothing: it cannot be read

@@ -106,6 +106,15 @@ TEST_F(SocketcanPort, DropsAndCountsWhatTheKernelDidNotTakeInTime) {
   EXPECT_EQ(port.counters().stale, 1U);
 }
 
+TEST_F(SocketcanPort, AFrameIsInTimeUntilItsDeadlineIsOver) {
+  socket.answer = Io::again;
+  EXPECT_EQ(port.send(command, now + 1ms), SendResult::queued);
+  socket.answer = Io::done;
+  next_period();
+  EXPECT_EQ(socket.written, (Ids{0x201}));
+  EXPECT_EQ(port.counters().stale, 0U);
+}
+
 // A bus on which nothing moves: the kernel gets one period's frames, and no more before they are gone.
 TEST_F(SocketcanPort, TheKernelNeverHoldsFramesOfTwoPeriods) {
   socket.drains = false;
@@ -156,6 +165,16 @@ TEST_F(SocketcanPort, ErrorFramesAreNotFramesOfTheBus) {
   ReceivedFrame received;
   ASSERT_TRUE(port.receive(received));
   EXPECT_EQ(received.frame, sync);
+}
+
+TEST_F(SocketcanPort, FramesOf29BitsArePassedOver) {
+  can_frame foreign{}, ours{};
+  foreign.can_id = CAN_EFF_FLAG | 0x181;
+  ours.can_id = 0x181;
+  socket.incoming = {foreign, ours, foreign};
+  EXPECT_TRUE(receive_any());
+  EXPECT_FALSE(receive_any());
+  EXPECT_TRUE(socket.incoming.empty());
 }
 
 TEST_F(SocketcanPort, AFloodOfErrorFramesDoesNotHoldTheLoop) {
@@ -223,6 +242,18 @@ TEST_F(SocketcanPort, AnInterfaceThatGoesDownIsBusOffUntilItIsUp) {
   EXPECT_EQ(port.counters().link_losses, 1U);
 }
 
+// Reading and writing both tell of it, again and again.
+TEST_F(SocketcanPort, ALinkThatIsLostIsCountedOnce) {
+  for (const Io lost : {Io::down, Io::gone}) {
+    socket.no_more = lost;
+    EXPECT_FALSE(receive_any());
+    EXPECT_TRUE(port.link_lost());
+    EXPECT_FALSE(receive_any());
+    EXPECT_TRUE(port.link_lost());
+    EXPECT_EQ(port.counters().link_losses, 1U);
+  }
+}
+
 TEST_F(SocketcanPort, AnInterfaceThatIsGoneIsOpenedAgainNowAndThen) {
   socket.no_more = Io::gone;
   EXPECT_FALSE(receive_any());
@@ -244,12 +275,13 @@ TEST_F(SocketcanPort, ControllerStatesAreShown) {
 }
 
 TEST_F(SocketcanPort, CountsWhatTheKernelRefusesAndGoesOn) {
+  EXPECT_EQ(send(sync), SendResult::queued);
   EXPECT_EQ(port.counters().refused, 0U);
   socket.answer = Io::refused;
   EXPECT_EQ(send(command), SendResult::queued);
   socket.answer = Io::done;
   EXPECT_EQ(send(sync), SendResult::queued);
-  EXPECT_EQ(socket.written, (Ids{0x080})) << "the refused one is not tried again";
+  EXPECT_EQ(socket.written, (Ids{0x080, 0x080})) << "the refused one is not tried again";
   EXPECT_EQ(port.counters().refused, 1U);
 }
 

@@ -127,6 +127,40 @@ TEST(VirtualBus, RefusesWhenTheQueueIsFullAndKeepsWhatIsIn) {
   EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 2}));
 }
 
+TEST(VirtualBus, APortThatIsNotReadKeepsTheOldestFrames) {
+  VirtualBus bus{{.receive_capacity = 2}};
+  auto& a = bus.add_port();
+  auto& b = bus.add_port();
+  for (std::uint16_t id = 1; id <= 3; ++id) ASSERT_EQ(a.send(frame_of(id), never), SendResult::queued);
+  bus.advance_to(Time{1ms});
+  EXPECT_EQ(bus.counters().overflows, 1U);
+  EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 2}));
+}
+
+TEST(VirtualBus, DropsFramesThatAreTooManyOnTheirWay) {
+  VirtualBus bus{{.in_flight_capacity = 2, .min_delay = 10ms, .max_delay = 10ms}};
+  auto& a = bus.add_port();
+  auto& b = bus.add_port();
+  for (std::uint16_t id = 1; id <= 3; ++id) ASSERT_EQ(a.send(frame_of(id), never), SendResult::queued);
+  bus.advance_to(Time{30ms});
+  EXPECT_EQ(bus.counters().overflows, 1U);
+  EXPECT_EQ(bus.counters().frames, 3U);
+  EXPECT_EQ(ids(drain(b)), (std::vector<unsigned>{1, 2}));
+}
+
+TEST(VirtualBus, ATimeThatIsPastChangesNothing) {
+  VirtualBus bus{{}};
+  auto& a = bus.add_port();
+  auto& b = bus.add_port();
+  bus.advance_to(Time{1ms});
+  ASSERT_EQ(a.send(frame_of(1), never), SendResult::queued);
+  bus.advance_to(Time{500us});
+  EXPECT_EQ(bus.now(), Time{1ms});
+  EXPECT_TRUE(drain(b).empty());
+  bus.advance_to(Time{2ms});
+  EXPECT_EQ(drain(b).size(), 1U);
+}
+
 TEST(VirtualBus, RefusesWhatIsNoClassicFrame) {
   VirtualBus bus{{}};
   auto& a = bus.add_port();

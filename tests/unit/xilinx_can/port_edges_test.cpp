@@ -2,54 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 
-#include "breakaway/xilinx_can/port.hpp"
-#include "controller_model.hpp"
+#include "../fixed_registers.hpp"
+#include "port_fixture.hpp"
 
 namespace breakaway::xilinx_can_test {
 namespace {
 
-using namespace std::chrono_literals;
-using breakaway::hal::BusState;
-using breakaway::hal::CanFrame;
-using breakaway::hal::ReceivedFrame;
-using breakaway::hal::SendResult;
-using breakaway::hal::Time;
-using breakaway::xilinx_can::BusSettings;
+using breakaway::testing::FixedRegisters;
 using breakaway::xilinx_can::Counters;
-using breakaway::xilinx_can::Filter;
-using breakaway::xilinx_can_test::ControllerModel;
-using Port = breakaway::xilinx_can::Port<ControllerModel>;
 
-constexpr BusSettings settings{{10, 7, 2}, 1'000'000, {}};
-
-CanFrame frame_of(int id) { return {.id = static_cast<std::uint16_t>(id), .size = 0, .data = {}}; }
-
-class XilinxCanEdgesTest : public testing::Test {
- protected:
-  XilinxCanEdgesTest() {
-    EXPECT_TRUE(port.start(settings, 10));
-    port.poll(now);
-  }
-  bool send(int id) { return port.send(frame_of(id), now + 1ms) == SendResult::queued; }
-
-  ControllerModel controller;
-  Port port{controller};
-  Time now{5s};
-};
-
-// Registers that hold what they are given, whatever is written to them.
-struct FixedRegisters {
-  std::map<std::uint32_t, std::uint32_t> values;
-  std::map<std::uint32_t, int> reads;
-
-  std::uint32_t read(std::uint32_t offset) noexcept {
-    ++reads[offset];
-    return values[offset];
-  }
-  void write(std::uint32_t, std::uint32_t) noexcept {}
-};
+class XilinxCanEdgesTest : public XilinxCanPortTest {};
 
 TEST(XilinxCanRegisterReads, AreAsManyAtTheStartAsWereAllowed) {
   for (const std::uint32_t status : {0U, 1U}) {
@@ -115,6 +78,21 @@ TEST_F(XilinxCanEdgesTest, AStartEndsARecovery) {
   EXPECT_TRUE(send(2));
 }
 
+// A reset would begin the sequence of 128 times 11 recessive bits anew.
+TEST_F(XilinxCanEdgesTest, APurgeLeavesARecoveryAlone) {
+  while (port.bus_state() != BusState::bus_off) {
+    if (controller.waiting() == 0) {
+      ASSERT_TRUE(send(1));
+    }
+    controller.disturb_sending();
+  }
+  port.poll(now);
+  const int resets = controller.resets;
+  port.purge_transmit_queue();
+  EXPECT_EQ(controller.resets, resets);
+  EXPECT_EQ(port.bus_state(), BusState::bus_off);
+}
+
 TEST_F(XilinxCanEdgesTest, AStartForgetsWhatWasToBeSent) {
   ASSERT_TRUE(send(1));
   ASSERT_TRUE(port.start(settings, 10));
@@ -142,7 +120,7 @@ TEST_F(XilinxCanEdgesTest, ReceivesEveryLengthAndEveryByte) {
     port.poll(now);
     ReceivedFrame r;
     ASSERT_TRUE(port.receive(r));
-    CanFrame expected = frame_of(static_cast<int>(0x7F0 | length));
+    CanFrame expected{.id = static_cast<std::uint16_t>(0x7F0 | length), .data = {}};
     expected.size = static_cast<std::uint8_t>(std::min(length, 8U));
     for (std::uint8_t i = 0; i < expected.size; ++i)
       expected.data[i] = static_cast<std::uint8_t>(i + 1 + (i % 4 == 0 ? 0x80 : 0));

@@ -1,58 +1,11 @@
-#include "breakaway/xilinx_can/port.hpp"
-
 #include <gtest/gtest.h>
 
-#include <vector>
+#include "port_fixture.hpp"
 
-#include "controller_model.hpp"
-
+namespace breakaway::xilinx_can_test {
 namespace {
 
-using namespace std::chrono_literals;
-using breakaway::hal::BusState;
-using breakaway::hal::CanFrame;
-using breakaway::hal::ReceivedFrame;
-using breakaway::hal::SendResult;
-using breakaway::hal::Time;
-using breakaway::xilinx_can::BusSettings;
-using breakaway::xilinx_can::Filter;
-using breakaway::xilinx_can_test::ControllerModel;
-using breakaway::xilinx_can_test::RawFrame;
-using Port = breakaway::xilinx_can::Port<ControllerModel>;
 static_assert(breakaway::hal::CanPort<Port>);
-
-constexpr BusSettings settings{{10, 7, 2}, 1'000'000, {}};
-
-CanFrame frame_of(int id) {
-  return {.id = static_cast<std::uint16_t>(id), .size = 2, .data = {0x12, static_cast<std::uint8_t>(id)}};
-}
-
-class XilinxCanPortTest : public testing::Test {
- protected:
-  XilinxCanPortTest() {
-    EXPECT_TRUE(port.start(settings, 10));
-    port.poll(now);
-  }
-  bool send(int id) { return port.send(frame_of(id), now + 1ms) == SendResult::queued; }
-  std::vector<std::uint32_t> all_sent() {
-    std::vector<std::uint32_t> ids;
-    while (controller.waiting() > 0) ids.push_back(controller.send_one().id);
-    return ids;
-  }
-  std::vector<CanFrame> received() {
-    port.poll(now);
-    std::vector<CanFrame> frames;
-    for (ReceivedFrame r; port.receive(r);) frames.push_back(r.frame);
-    return frames;
-  }
-  void pass_until_bus_off() {
-    while (port.bus_state() != BusState::bus_off) controller.disturb_sending();
-  }
-
-  ControllerModel controller;
-  Port port{controller};
-  Time now{5s};
-};
 
 TEST(XilinxCanRegisters, HoldBitTimingAsTheManualLaysItOut) {
   EXPECT_EQ(breakaway::xilinx_can::brpr_value({5, 16, 3}), 4U);
@@ -195,6 +148,14 @@ TEST_F(XilinxCanPortTest, ReceivesEveryBaseFrameAndNoExtendedOne) {
   EXPECT_FALSE(controller.underflowed());
 }
 
+TEST_F(XilinxCanPortTest, AnExtendedFrameThatPassesTheFiltersIsTakenForNoOther) {
+  controller.filters_fail = true;
+  EXPECT_TRUE(controller.receive({0x181U << 18, true, false, 3, {7, 8, 9}}));
+  EXPECT_TRUE(controller.receive({0x182, false, false, 0, {}}));
+  EXPECT_EQ(received(), std::vector<CanFrame>{{.id = 0x182}});
+  EXPECT_EQ(port.counters().overflows, 0U);
+}
+
 TEST_F(XilinxCanPortTest, ReceivesWhatPassesAFilter) {
   BusSettings filtered = settings;
   filtered.accepted = {Filter{0x07F, 1}, {}, {}, Filter{0x7FF, 0x27F}};
@@ -304,3 +265,4 @@ TEST_F(XilinxCanPortTest, MayBeStartedAgain) {
 }
 
 }  // namespace
+}  // namespace breakaway::xilinx_can_test

@@ -89,6 +89,28 @@ enum class DriveState : std::uint8_t {
   homing,       // finds its zero by itself, with force of its own
 };
 
+constexpr std::string_view to_string(DriveState state) noexcept {
+  switch (state) {
+    case DriveState::configuring:
+      return "configuring";
+    case DriveState::disabled:
+      return "disabled";
+    case DriveState::enabling:
+      return "enabling";
+    case DriveState::enabled:
+      return "enabled";
+    case DriveState::stopping:
+      return "stopping";
+    case DriveState::fault:
+      return "fault";
+    case DriveState::unusable:
+      return "unusable";
+    case DriveState::homing:
+      return "homing";
+  }
+  return "unknown state";
+}
+
 template <class Scalar>
 struct DriveFeedback {
   DriveState state = DriveState::configuring;

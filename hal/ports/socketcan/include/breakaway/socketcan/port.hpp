@@ -117,7 +117,7 @@ class Port {
   void pump() noexcept {
     for (; !queue_.empty() && queue_.front().deadline < now_; queue_.pop()) ++counters_.stale;
     jammed_ = jammed_ && socket_->unsent_bytes() > 0;
-    while (!jammed_ && !queue_.empty() && link_ == Link::up) {
+    while (!jammed_ && !queue_.empty()) {  // a lost link empties it
       const Io result = socket_->write(to_kernel(queue_.front().frame));
       jammed_ = result == Io::again;
       if (jammed_) ++counters_.jams;
