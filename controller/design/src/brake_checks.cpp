@@ -56,13 +56,13 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
                          "narrow the uncertainties, or use a drive with a finer step of force"));
   checks.push_back(tolerance_check(axis, design));
   if (!c.move)
-    checks.push_back(
-        below("approach_gets_on",
-              "the force that leads to the greatest speed must exceed all friction, whose rise must not stop the axis",
-              least_approach_speed_m_s(c, design), axis.max_approach_speed_m_s,
-              "the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths "
-              "of [limits] speed_m_s",
-              "raise these, know friction better, or use a finer encoder", Equality::holds));
+    checks.push_back(below(
+        "approach_gets_on",
+        "the force that leads to the greatest speed must exceed all friction, and nothing may stop the axis on its way",
+        least_approach_speed_m_s(c, design), axis.max_approach_speed_m_s,
+        "the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths "
+        "of [limits] speed_m_s",
+        "raise these, know friction better, or use a finer encoder", Equality::holds));
   const double from_m = kicks_begin_m(design);
   const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
   const bool end = most > 0 || axis.position_tolerance_m >= from_m;

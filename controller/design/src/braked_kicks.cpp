@@ -199,16 +199,25 @@ double least_move_speed_m_s(const BrakedDesign<Real>& design) {
 
 // The force is that which leads to the greatest speed V within response_s, from the speed that the plan takes an axis
 // for whose friction is not the least: its readings say too much by what the force ought to have done in the time
-// since. So the axis goes slower than V by what is computed here, and must not stand.
+// since. A reading that is off, by a count or by jitter, lets the plan take the axis for faster still. So the axis goes
+// slower than V by what is computed here, and must not stand. Far below the speed at which the brake takes over
+// friction stops the axis before a force that was planned too low comes back, and an axis that stands again and again
+// looks like one that is driven to and fro. While samples are lost the last force goes on, with all that a reading put
+// into it; in a long approach now and then two are lost in a row.
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
-  constexpr double moving = 1.1;
+  constexpr double moving = 1.25, of_switch_speed = 1.0 / 3, lost_in_a_row = 2;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
   const KickClass kicks{axes};
-  const double response_s = static_cast<double>(plan.response_s);
-  const double unseen_s = axes.period_s * (1 / static_cast<double>(plan.correction) - 0.5 + axes.latency_periods);
-  return std::max(moving * PlannedForce{axes, kicks}.needed_acceleration() * (response_s + unseen_s),
-                  least_steady_speed_m_s(axes, kicks, response_s));
+  const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
+  const double unseen_s = axes.period_s * (1 / correction - 0.5 + axes.latency_periods);
+  const double misread_m_s = correction * unseen_m(axes) / axes.period_s;
+  const double misread_share = correction * axes.jitter_s / axes.period_s;
+  const double lost_s = lost_in_a_row * axes.period_s;
+  const double slower_m_s = PlannedForce{axes, kicks}.needed_acceleration() * (response_s + unseen_s + lost_s) +
+                            misread_m_s * (1 + lost_s / response_s);
+  return std::max({moving * slower_m_s / (1 - misread_share), least_steady_speed_m_s(axes, kicks, response_s),
+                   of_switch_speed * static_cast<double>(plan.switch_speed_m_s)});
 }
 
 // The double S: jerk up and down to the greatest acceleration that the way lets it reach, and the greatest speed.

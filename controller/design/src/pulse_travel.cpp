@@ -1,21 +1,35 @@
 #include "breakaway/design/pulse_travel.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace breakaway::design {
 namespace {
 
-// (1 - e^-z) / z and (z - 1 + e^-z) / z^2 for z >= 0.
-double phi1(double z) { return z == 0 ? 1 : -std::expm1(-z) / z; }
-double phi2(double z) {
-  if (z > 0.5) return (z + std::expm1(-z)) / (z * z);
-  double term = 0.5, sum = 0;
-  for (int k = 3; k < 20; ++k) {
-    sum += term;
-    term *= -z / k;
+constexpr auto reciprocal = [] {
+  std::array<double, 18> of{};
+  for (std::size_t k = 1; k < of.size(); ++k) of[k] = 1 / static_cast<double>(k);
+  return of;
+}();
+
+// A time in units of the lag, and what of a transient is gone by then, which all that follows from them shares: most of
+// a table's making goes into exponentials.
+struct Gone {
+  explicit Gone(double z) : z{z}, less_one{std::expm1(-z)} {}
+
+  // (1 - e^-z) / z and (z - 1 + e^-z) / z^2 for z >= 0.
+  double phi1() const { return z == 0 ? 1 : -less_one / z; }
+  double phi2() const {
+    if (z > 0.5) return (z + less_one) / (z * z);
+    // 1/2 (1 - z/3 (1 - z/4 (1 - ...))): the first term that is left out is below 1e-18 of it.
+    double sum = 1;
+    for (int k = 17; k >= 3; --k) sum = 1 - z * reciprocal[static_cast<std::size_t>(k)] * sum;
+    return sum / 2;
   }
-  return sum + term;
-}
+
+  double z, less_one;  // e^-z - 1
+};
 
 // A unit mass: every travel is in inverse proportion to the mass.
 class Motion {
@@ -38,15 +52,14 @@ class Motion {
     if (lag_s_ == 0) u_ = command_N;
     const double owed = u_ > command_N ? (u_ - command_N) * lag_s_ : 0;
     const double longest_s = (v_ + owed) / (friction_N_ - command_N);
-    advance(command_N, stop_time(command_N, longest_s));
-    stopped_ = true;
+    stop(command_N, longest_s);
   }
 
  private:
-  double z(double t) const { return lag_s_ > 0 ? t / lag_s_ : 0; }
+  Gone gone(double t) const { return Gone{lag_s_ > 0 ? t / lag_s_ : 0}; }
   double transient(double command_N) const { return lag_s_ > 0 ? u_ - command_N : 0; }
-  double speed(double command_N, double t) const {
-    return v_ + (command_N - friction_N_) * t + transient(command_N) * t * phi1(z(t));
+  double speed(double command_N, double t, const Gone& gone) const {
+    return v_ + (command_N - friction_N_) * t + transient(command_N) * t * gone.phi1();
   }
   struct SpeedAndForce {
     double speed, net_N;
@@ -68,7 +81,7 @@ class Motion {
     const bool rises = lag_s_ > 0 && command_N > friction_N_;
     const double after_s = rises ? lag_s_ * std::log1p((friction_N_ - u_) / (command_N - friction_N_)) : duration_s;
     if (after_s >= duration_s) {
-      u_ = command_N + transient(command_N) * std::exp(-z(duration_s));
+      u_ = command_N + transient(command_N) * (1 + gone(duration_s).less_one);
       return 0;
     }
     u_ = friction_N_;
@@ -77,16 +90,22 @@ class Motion {
   }
 
   void move(double command_N, double duration_s) {
-    if (speed(command_N, duration_s) > 0) return advance(command_N, duration_s);
-    advance(command_N, stop_time(command_N, duration_s));
+    const Gone all = gone(duration_s);
+    if (speed(command_N, duration_s, all) > 0) return advance(command_N, duration_s, all);
+    stop(command_N, duration_s);
+  }
+
+  void stop(double command_N, double latest_s) {
+    const double t = stop_time(command_N, latest_s);
+    advance(command_N, t, gone(t));
     stopped_ = true;
   }
 
-  void advance(double command_N, double t) {
+  void advance(double command_N, double t, const Gone& gone) {
     const double transient_N = transient(command_N);
-    x_ += v_ * t + (command_N - friction_N_) * t * t / 2 + transient_N * t * t * phi2(z(t));
-    v_ = speed(command_N, t);
-    if (lag_s_ > 0) u_ = command_N + transient_N * std::exp(-z(t));
+    x_ += v_ * t + (command_N - friction_N_) * t * t / 2 + transient_N * t * t * gone.phi2();
+    v_ = speed(command_N, t, gone);
+    if (lag_s_ > 0) u_ = command_N + transient_N * (1 + gone.less_one);
   }
 
   // The root of the speed in (0, latest], where the speed is not positive at the latest.
@@ -96,8 +115,10 @@ class Motion {
       const auto [v, net_N] = both_after(command_N, t);
       (v > 0 ? before : after) = t;
       double next = t - v / net_N;
+      // Before the ends are asked: where the speed is nothing but rounding they are on either side by chance.
+      const bool rounding = std::fabs(v) <= 2e-16 * (v_ + (friction_N_ - command_N) * t);
+      if (rounding || std::fabs(next - t) <= 4e-16 * t) return next;
       if (!(next > before && next < after)) next = (before + after) / 2;
-      if (std::fabs(next - t) <= 4e-16 * t) return next;
       t = next;
     }
     return t;

@@ -9,6 +9,7 @@
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/kick_promise.hpp"
 #include "breakaway/law/fine_stage.hpp"
+#include "breakaway/law/rest_detector.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "breakaway/stability/attractivity.hpp"
 #include "brief.hpp"
@@ -23,6 +24,7 @@ using detail::below;
 using detail::brief;
 using detail::Equality;
 using detail::error_at_rest_m;
+using detail::range;
 
 void require_in_range(const AxisDesign& axis) {
   require_positive("mass_kg", axis.mass_kg);
@@ -149,6 +151,24 @@ std::vector<Check> loop_checks(const AxisDesign& axis) {
             "state wider bounds" + brake, Equality::holds)};
 }
 
+// At its greatest speed V the spring pulls with k21 V and no more, which must move the axis wherever it stands; and so
+// that it is not taken for stuck, it must show a count within half of the law's patience from rest, and two on its way.
+// Where it stood, far from the target, it would be kicked from there with all that the table and the drive have.
+Check approach_check(const AxisDesign& axis) {
+  constexpr double surely =
+      1.2;  // against what one count makes of the damping force, a twentieth of the least friction
+  const double patience_s = law::RestDetector<float>::patience * axis.period_s, q = axis.encoder_resolution_m;
+  const double seen_N = patience_s > 0 ? axis.mass_kg * 8 * q / (patience_s * patience_s) : 0;
+  const double seen_m_s = patience_s > 0 ? 2 * q / patience_s : 0;
+  return below(
+      "approach_gets_on", "the spring that is limited for the sake of speed must still move the axis",
+      (surely * axis.friction.upper_N + seen_N) / axis.approach_damping_Ns_per_m + seen_m_s,
+      axis.max_approach_speed_m_s,
+      "the speed that an approach must be allowed, friction_upper_N / k21 and what its count asks for, against "
+      "max_approach_speed_m_s, and nine tenths of [limits] speed_m_s",
+      "raise these or k21, or take coast = \"brake\"", Equality::holds);
+}
+
 std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& report) {
   return {
       below("force_breaks_away", "a pulse below the upper friction bound may not move the axis", axis.friction.upper_N,
@@ -164,6 +184,7 @@ std::vector<Check> checks_of_pd(const AxisDesign& axis, const DesignReport& repo
   std::vector<Check> checks = assumption_checks(axis, report);
   checks.push_back(rest_check(axis));
   checks.push_back(table_check(report));
+  if (axis.max_approach_speed_m_s < std::numeric_limits<double>::infinity()) checks.push_back(approach_check(axis));
   if (axis.encoder_resolution_m > 0) checks.push_back(encoder_check(axis));
   if (axis.period_s > 0) {
     for (Check& check : sampling_checks(axis, report)) checks.push_back(std::move(check));
@@ -229,16 +250,13 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
   if (!axis.braked && !axis.work) return checks_of_pd(axis, report);
   std::vector<Check> checks = checks_of_coast(axis, braked, work);
   for (Check& check : checks_of_pd(axis, report)) {
-    if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away") continue;  // of the k3 pulses
+    // Of the k3 pulses, and of an approach by the spring.
+    if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away" || check.name == "approach_gets_on")
+      continue;
     check.required = check.name == "assumption_1";
     checks.push_back(std::move(check));
   }
   return checks;
-}
-
-std::string range(const Interval& interval, const std::string& unit) {
-  return interval.least < interval.most ? "between " + brief(interval.least) + " and " + brief(interval.most) + unit
-                                        : brief(interval.least) + unit;
 }
 
 std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {

@@ -11,7 +11,8 @@ namespace breakaway::design::detail {
 namespace {
 
 // What random axes were drawn from, all of which settled: tests/campaign.
-constexpr double most_ratio = 10, most_unsure = 0.1, most_lag = 0.2, least_friction_ratio = 0.4;
+constexpr double most_ratio = 10, most_unsure = 0.1, most_lag = 0.2, least_friction_ratio = 0.4,
+                 least_friction_share = 0.1;
 constexpr int least_swing_periods = 3;
 
 constexpr const char* tested_of_work = "tested, not proved: what sufficed for all of many axes with a load on a spring";
@@ -20,13 +21,10 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
   const SpringLoad& load = *c.spring_load;
   const double ratio = load.load_kg / load.motor_kg, swings = load.resonance_Hz() * c.period_s;
   const auto unsure = [](const Interval& i) { return (i.most - i.least) / (i.most + i.least); };
+  const double motor_N = load.motor_friction.upper_N, load_N = load.load_friction.upper_N;
   const double friction_ratio = std::min(load.motor_friction.lower_N / load.motor_friction.upper_N,
                                          load.load_friction.lower_N / load.load_friction.upper_N);
   return {
-      {"encoder_is_on_the_motor", true, !load.encoder_on_load, load.encoder_on_load ? -1.0 : 1.0,
-       "the work of a pulse is known where the motor is read",
-       load.encoder_on_load ? "the encoder is on the load; read the motor's, or simulate it"
-                            : "the encoder is on the motor"},
       below("motor_holds_the_load_force", "rest without a force", c.load_N, load.motor_friction.lower_N,
             "the force beside the drive's against the least friction of the motor",
             "feed a known force forward, or narrow its bounds"),
@@ -42,6 +40,9 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
             "[uncertainty] of mass and force_gain against a tenth", "know them better", Equality::holds),
       below("friction_is_known", tested_of_work, least_friction_ratio, friction_ratio,
             "0.4 against the least over the greatest friction of either side", "know it better", Equality::holds),
+      below("friction_is_shared", tested_of_work, least_friction_share, std::min(motor_N, load_N) / (motor_N + load_N),
+            "a tenth against the share that the side which rubs less has in the greatest friction of both",
+            "simulate it", Equality::holds),
       below("work_loop_is_fast", tested_of_work, c.lag_s.most, most_lag * c.period_s,
             "the time constant of the current loop against a fifth of period_s", "take a longer period_s",
             Equality::holds),
@@ -65,6 +66,12 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
   checks.push_back(below("rest_is_seen_in_time", "the mass that is not read may swing on while the other sticks",
                          design.rest_s / c.period_s, 15000, "the periods that prove rest",
                          "use a finer encoder, or a stiffer joint"));
+  checks.push_back(below("swing_is_not_driven", tested_of_work, design.swing_growth, most_swing_growth,
+                         "the share by which the approach, whose feedback acts late, lets a swing grow in a radian",
+                         "shorten period_s or the latency, state the damping_Ns_per_m that the joint has at least, "
+                         "join load and motor more "
+                         "stiffly, or give the motor more mass",
+                         Equality::holds));
   checks.push_back(below("kicks_get_on", "from the floor on each tried kick takes 5 % away", design.floor_m,
                          design.reach_m, "accuracy floor against the reach of a kick",
                          "use a stiffer joint, or know friction and backlash better"));
@@ -97,9 +104,11 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
                 .peak_speed_m_s = design.peak_speed_m_s,
                 .table_bytes = design.table_bytes,
                 .promise = {}};
-  p.promise = "at rest the true error of the motor is at most " + brief(p.error_m) + " m, no kick leads it more than " +
-              brief(p.beyond_m) + " m beyond the target, and the load may rest " + brief(p.unseen_m) +
-              " m from where the motor says";
+  const bool on_load = c.spring_load->encoder_on_load;
+  const std::string read = on_load ? "load" : "motor", unread = on_load ? "motor" : "load";
+  p.promise = "at rest the true error of the " + read + " is at most " + brief(p.error_m) +
+              " m, no kick leads it more than " + brief(p.beyond_m) + " m beyond the target, and the " + unread +
+              " may rest " + brief(p.unseen_m) + " m from where the " + read + " says";
   return p;
 }
 
@@ -109,18 +118,27 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
   const auto bounds = [](const law::FrictionBounds<double>& f) {
     return brief(f.lower_N) + " N and " + brief(f.upper_N) + " N";
   };
-  const char* tested =
-      "tested, not proved: that the axis settles within the kicks that it may have, that the spring never pushes the "
-      "motor on harder in a pulse than it can at rest, which the meter counts with, and that the approach ends near "
-      "the "
-      "target";
+  const std::string metered = load.encoder_on_load
+                                  ? ""
+                                  : "that the spring never pushes the motor on harder in a pulse than it can at "
+                                    "rest, which the meter counts with, ";
+  const std::string tested = "tested, not proved: that the axis settles within the kicks that it may have, " + metered +
+                             "and that the approach ends near the target";
+  // A load that has not moved pulls by no more than its greatest friction, of which each swing of the motor loses 2 A1.
+  const double pull_N = load.load_friction.upper_N - 2 * (load.motor_friction.lower_N - c.load_N);
+  const double back_m = std::max(pull_N, 0.0) / load.stiffness_N_per_m + load.gap_m;
   return {"friction of the motor stays between " + bounds(load.motor_friction) + ", that of the load between " +
               bounds(load.load_friction) + ", at any position, speed and time, as it likes",
-          "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) +
-              " N/m or stiffer and a gap of at most " + brief(load.gap_m) + " m, and by nothing that drives them",
+          "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) + " N/m, or up to " +
+              brief(most_stiffer) + " times as stiff, with damping of at least " + brief(load.damping_Ns_per_m) +
+              " N s/m and a gap of at most " + brief(load.gap_m) + " m, and by nothing that drives them",
+          "motor and load together have a mass of " + range(c.mass_kg, " kg") +
+              ", shared as stated, and the drive gives " + range(c.force_gain, " times the force") +
+              " that is commanded, behind a current loop with a time constant of " + range(c.lag_s, " s"),
           "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
-          "no command is lost; a sample that is lost costs a period",
-          "the axis rests when it is enabled",
+          "a reading is off by half a count at most, and no command is lost; a sample that is lost costs a period",
+          "the axis rests when it is enabled, at least " + brief(back_m) +
+              " m inside its position limits: so far the motor may swing back before the load breaks away",
           tested};
 }
 

@@ -7,7 +7,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 
+#include "breakaway/design/pulse_work.hpp"
 #include "breakaway/law/shaped_move.hpp"
 #include "work_trial.hpp"
 
@@ -46,9 +48,23 @@ struct Jointed {
     const bool on_load = load.encoder_on_load;
     const double hidden_kg = heavier * (on_load ? load.motor_kg : load.load_kg), hidden_N = on_load ? A1 : A2;
     const double swings = 1 + std::ceil(std::max(((on_load ? B2 : B1) / hidden_N - 1) / 2, 0.0));
-    const double unseen_m = axes.encoder_resolution_m + 4 * axes.encoder_noise_m;
-    return std::sqrt(2 * unseen_m * heavier * M / g) + pi * std::sqrt(hidden_kg / K) * swings +
-           std::sqrt(2 * G * hidden_kg / hidden_N) + more_periods * axes.period_s;
+    return std::sqrt(2 * unseen_m() * heavier * M / g) + pi * std::sqrt(hidden_kg / K) * swings +
+           std::sqrt(2 * swings * G * hidden_kg / hidden_N) + rest_within_a_count_s() + more_periods * axes.period_s;
+  }
+
+  double unseen_m() const { return axes.encoder_resolution_m + 4 * axes.encoder_noise_m; }
+
+  // For how long the side that is read may swing within a count: beside the other one, which sticks, or against it.
+  // Each half a swing takes twice the friction over K off its height. A stiffer joint swings more often.
+  double rest_within_a_count_s() const {
+    const bool on_load = load.encoder_on_load;
+    const double read_kg = on_load ? load.load_kg : load.motor_kg, read_N = on_load ? A2 : A1;
+    const double hidden_kg = on_load ? load.motor_kg : load.load_kg, hidden_N = on_load ? A1 : A2;
+    const double stiffest = most_stiffer * K, held_N = unseen_m() * stiffest / 4;
+    const double beside = held_N / read_N * std::sqrt(read_kg);
+    const double against =
+        held_N * M * M / (hidden_kg * (hidden_N * read_kg + read_N * hidden_kg)) * std::sqrt(read_kg * hidden_kg / M);
+    return pi * std::sqrt(heavier / stiffest) * std::max(beside, against);
   }
 
   double swing_s() const { return 1 / load.resonance_Hz(); }
@@ -65,8 +81,8 @@ struct Jointed {
   double force_N(double y_m, int periods) const {
     const double way_m = y_m - spring_m(), t = periods * axes.period_s;
     if (!(way_m > 0)) return 0;
+    if (load.encoder_on_load) return unmetered_force_N(way_m, t) / axes.force_gain.most;
     double force = (g + std::sqrt(g * g + 8 * lighter * M * g * way_m / (t * t))) / 2;
-    if (load.encoder_on_load) return force / axes.force_gain.most;
     force = std::max(force, least_N(periods) * axes.force_gain.most);
     return std::min(force, unseen_force_N(way_m, std::min(periods, blind_periods()))) / axes.force_gain.most;
   }
@@ -80,7 +96,7 @@ struct Jointed {
   double least_travel_m(double y_m, double command_N, int periods, double enough_m) const {
     const double gained_m = std::max(axes.force_gain.most * command_N - held_back_N(), 0.0) * axes.period_s *
                             axes.period_s / (lighter * load.motor_kg);
-    const double unseen_m = axes.encoder_resolution_m + 4 * axes.encoder_noise_m, late = late_periods();
+    const double late = late_periods();
     detail::WorkTrial trial{.motor_kg = heavier * load.motor_kg,
                             .load_kg = heavier * load.load_kg,
                             .stiffness_N_per_m = K,
@@ -92,18 +108,30 @@ struct Jointed {
                             .metered = !load.encoder_on_load,
                             .encoder_on_load = load.encoder_on_load,
                             .most_travel_m = g * (y_m - spring_m()) / (axes.force_gain.most * command_N) -
-                                             unseen_m * (1 + late) - gained_m * (late + late * late) / 2,
+                                             unseen_m() * (1 + late) - gained_m * (late + late * late) / 2,
                             .late_periods = late,
                             .bent_m = 0};
+    double least_m = infinite;
+    const auto stiffer = load.encoder_on_load ? std::span{stiffer_joints} : std::span{stiffer_joints}.first(1);
+    for (const double times : stiffer) {
+      trial.stiffness_N_per_m = times * K;
+      least_m = std::min(least_m, least_of_kicks_m(trial, axes.force_gain.least * command_N, periods, enough_m));
+      if (least_m < enough_m) return least_m;
+    }
+    return least_m;
+  }
+
+  // From either way that the spring may be bent.
+  double least_of_kicks_m(detail::WorkTrial trial, double force_N, int periods, double enough_m) const {
     double least_m = infinite;
     for (const auto [of_motor, of_load] : shares) {
       trial.motor_friction_N = A1 + of_motor * (B1 - A1);
       trial.load_friction_N = A2 + of_load * (B2 - A2);
       const double held_N = std::min(trial.motor_friction_N, trial.load_friction_N);
       for (const double bent : {1.0, -1.0}) {
-        trial.bent_m = bent * (held_N / K + G / 2);
+        trial.bent_m = bent * (held_N / trial.stiffness_N_per_m + G / 2);
         for (int kick = 0; kick < 2; ++kick) {
-          const auto end = trial.run(axes.force_gain.least * command_N, periods);
+          const auto end = trial.run(force_N, periods);
           least_m = std::min(least_m, load.encoder_on_load ? end.load_m : end.motor_m);
           if (least_m < enough_m) return least_m;
           trial.bent_m = end.bent_m;
@@ -125,7 +153,30 @@ struct Jointed {
   struct Shares {
     double of_motor, of_load;
   };
+  // Without a meter a pulse is whole swings of the told stiffness only.
+  static constexpr std::array<double, 3> stiffer_joints{1, 2, 6};
   static constexpr std::array<Shares, 4> shares{{{1, 1}, {0.5, 0.5}, {0, 1}, {1, 0}}};
+
+  // Of the force that acts: whose work is at most what friction takes on the way. More than the drive has is not told
+  // apart.
+  double unmetered_force_N(double way_m, double pulse_s) const {
+    const PulseWork pulse{.motor_kg = lighter * load.motor_kg,
+                          .load_kg = lighter * load.load_kg,
+                          .stiffness_N_per_m = K,
+                          .gap_m = G,
+                          .motor_friction_N = A1,
+                          .load_friction_N = A2,
+                          .held_N = Bs,
+                          .lag_s = axes.lag_s.most};
+    double lawful_N = g, more_N = 1.01 * axes.force_gain.most * axes.max_force_N;
+    if (!(pulse.most_J(lawful_N, pulse_s) <= g * way_m)) return 0;
+    if (pulse.most_J(more_N, pulse_s) <= g * way_m) return more_N;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double between_N = (lawful_N + more_N) / 2;
+      (pulse.most_J(between_N, pulse_s) <= g * way_m ? lawful_N : more_N) = between_N;
+    }
+    return lawful_N;
+  }
 
   // F (F - h) t^2 / (2 m1) = g way
   double unseen_force_N(double way_m, int periods) const {
@@ -228,30 +279,81 @@ class WorkTable {
   Table table_{};
 };
 
+// The force of the feedback at the angular frequency w of a swing, in phase with the speed of the side that is read: a
+// reading is as late as the latency, the hold of a force and the spans of place and speed make it. The load swings
+// against the motor, m1/m2 as far. What pushes along the motor's speed lets the swing grow, and the damping of the
+// joint takes from it.
+template <class Real>
+double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, double w) {
+  const BrakedClass& c = axis.axes;
+  const double T = c.period_s, late_s = (c.latency_periods + 0.5) * T + c.lag_s.most;
+  const double half_span_s = static_cast<double>(a.speed_periods) * T / 2, half_span = w * half_span_s;
+  const double half_mean_s = static_cast<double>(a.mean_periods) * T / 2;
+  const double stiffness = static_cast<double>(a.stiffness_N_per_m) * std::cos(w * half_mean_s);
+  const double damping = static_cast<double>(a.damping_Ns_per_m) * std::sin(half_span) / half_span;
+  const double motor_kg = axis.load.motor_kg, load_kg = axis.load.load_kg, reduced_kg = motor_kg * load_kg / axis.M;
+  const double of_motor = axis.load.encoder_on_load ? -motor_kg / load_kg : 1;
+  const double along = of_motor * (stiffness * std::sin(w * (late_s + half_mean_s)) / w -
+                                   damping * std::cos(w * (late_s + half_span_s)));
+  const double strongest = along > 0 ? c.force_gain.most / axis.lighter : c.force_gain.least / axis.heavier;
+  return along * strongest * load_kg / axis.M / (2 * motor_kg * w) -
+         axis.load.damping_Ns_per_m / (2 * axis.heavier * reduced_kg * w);
+}
+
+template <class Real>
+double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  const double w = 2 * pi * axis.load.resonance_Hz();
+  double worst = -infinite;
+  for (double stiffer = 1; stiffer <= most_stiffer; stiffer *= 1.05)
+    worst = std::max(worst, growth_of_swing(axis, a, w * std::sqrt(stiffer)));
+  return worst;
+}
+
+// Feedback over these spans, as fast as lateness and the swing allow.
+template <class Real>
+double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, law::ShapedApproach<Real>& a) {
+  const BrakedClass& c = axis.axes;
+  const bool on_load = axis.load.encoder_on_load;
+  const double w = 2 * pi * axis.load.resonance_Hz();
+  const double late_s =
+      (c.latency_periods + 1 + std::max(speed_periods, mean_periods) / 2.0) * c.period_s + c.lag_s.most;
+  // Above the resonance the motor moves alone.
+  const double alone = on_load ? 1 : axis.load.motor_kg / axis.M;
+  const double fastest = std::min(0.12 * w, 0.4 * alone / late_s);
+  a.speed_periods = static_cast<std::uint8_t>(speed_periods);
+  a.mean_periods = static_cast<std::uint8_t>(mean_periods);
+  for (double response = fastest;; response *= 0.95) {
+    a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
+    a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
+    if (worst_growth_of_swing(axis, a) <= most_swing_growth) return response;
+    if (response < fastest / 20) return 0;
+  }
+}
+
 template <class Real>
 law::ShapedApproach<Real> approach_of(const Jointed& axis, int swing_periods) {
   const BrakedClass& c = axis.axes;
-  const double A = axis.g, B = axis.B1 + axis.B2, T = c.period_s, w = 2 * pi * axis.load.resonance_Hz();
-  const int n = std::min(swing_periods, static_cast<int>(law::ShapedMove<Real>::most_periods));
-  const bool on_load = axis.load.encoder_on_load;
-  const int speed_periods = on_load ? n : std::clamp(n / 8, 1, 8);
-  const double late_s = (c.latency_periods + 1 + speed_periods / 2.0) * T + c.lag_s.most;
-  // Above the resonance the motor moves alone.
-  const double alone = on_load ? 1 : axis.load.motor_kg / axis.M;
-  const double response = std::min((on_load ? 0.06 : 0.12) * w, 0.4 * alone / late_s);
+  const double A = axis.A1 + axis.A2, B = axis.B1 + axis.B2;
   law::ShapedApproach<Real> a;
   const double sure_N = c.force_gain.least * c.max_force_N - B;
   a.mass_kg = static_cast<Real>(axis.M);
   a.friction_N = static_cast<Real>((A + B) / 2);
   a.acceleration_m_s2 = static_cast<Real>(0.6 * sure_N / (axis.heavier * axis.M));
-  a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
-  a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
-  const double off_m = (B - A) / 2 / (axis.M * response * response);
+  a.swing_periods = static_cast<std::uint8_t>(std::min(swing_periods, longest_pulse_periods));
+  // Short spans damp a swing that is sampled often; over a whole period of it, it cancels.
+  const int n = std::min(swing_periods, static_cast<int>(law::ShapedMove<Real>::most_periods));
+  double response = 0;
+  for (const int speed_periods : {std::clamp(n / 8, 1, 8), n / 4, n / 2, n})
+    for (const int mean_periods : {0, n / 2}) {
+      law::ShapedApproach<Real> tried = a;
+      const double found = set_feedback(axis, std::max(speed_periods, 1), mean_periods, tried);
+      if (a.speed_periods > 0 && !(found > response)) continue;
+      response = found;
+      a = tried;
+    }
+  const double off_m = (B - A) / 2 / static_cast<double>(a.stiffness_N_per_m);
   a.short_of_target_m = static_cast<Real>(off_m);
   a.begin_m = static_cast<Real>(6 * off_m);
-  a.swing_periods = static_cast<std::uint8_t>(std::min(swing_periods, longest_pulse_periods));
-  a.speed_periods = static_cast<std::uint8_t>(speed_periods);
-  a.mean_periods = static_cast<std::uint8_t>(on_load ? n / 2 : 0);
   return a;
 }
 
@@ -285,6 +387,7 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
   k.still_periods = static_cast<std::uint16_t>(std::min(std::ceil(d.rest_s / axes.period_s), 65535.0));
   k.metered = !axis.load.encoder_on_load;
   k.approach = approach_of<Real>(axis, swing);
+  d.swing_growth = worst_growth_of_swing(axis, k.approach);
   k.table = WorkTable<Real>{axis, static_cast<double>(k.begin_m())}.table();
   if (k.table.count == 0) return d;
   d.floor_m = static_cast<double>(k.table.least_m());

@@ -17,9 +17,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double widened = 1 + 1e-9;       // by which bounds that are computed in double are widened
-constexpr std::uint32_t endless = 100000;  // kicks
-constexpr double spared = 0.99;            // of the largest force that is admitted, so that float holds the conditions
+constexpr double widened = 1 + 1e-9;                        // by which bounds that are computed in double are widened
+constexpr std::uint32_t endless = 100000;                   // kicks
+constexpr double rounded_in_float = 1 - 16 * 1.1920929e-7;  // at most, of the forces that the coordinator computes
+constexpr double spared = 0.99;  // of the largest force that is admitted, so that float holds the conditions
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -162,10 +163,13 @@ class Certifier {
     Index worst = 0;
     const VectorXd margin = a_.friction_lower_N - s.lost_N;
     const double least_N = margin.minCoeff(&worst);
+    const double standing_N = static_error_N()[worst], held_N = s.lost_N[worst] - standing_N;
     return require("sampling", settled && least_N > 0, least_N,
-                   axis_name(worst) + text(": samples held for %.4g s cost %.4g N of %.4g N of friction", age_s(),
-                                           s.lost_N[worst], a_.friction_lower_N[worst]),
-                   "take a shorter period, smaller gains, or start nearer to the target") &&
+                   axis_name(worst) + text(": of %.4g N of friction, samples held for %.4g s cost %.4g N, and loads, "
+                                           "counts and steps of force %.4g N",
+                                           a_.friction_lower_N[worst], age_s(), held_N, standing_N),
+                   std::string{standing_N > held_N ? "lower the load, or " : ""} +
+                       "take a shorter period, smaller gains, or start nearer to the target") &&
            stays_below_force_limit();
   }
 
@@ -284,13 +288,21 @@ class Certifier {
     axis.kick_N = admitted_N > 0 ? std::max(least_N, spared * admitted_N) : 0;
     axis.tightest = tightest(a_, box_m_, std::max(axis.kick_N, least_N), i);
     const PairCondition& worst = axis.tightest;
-    return require(
-        "kicks of " + axis_name(i) + " alone", axis.kick_N > 0, worst.margin_N(),
-        n_ == 1
-            ? std::string{"there is no other axis"}
-            : axis_name(worst.held) + text(" must hold %.4g N of %.4g N in the %s, at a kick of %.4g N", worst.needed_N,
-                                           worst.held_N, to_string(worst.phase), std::max(axis.kick_N, least_N)),
-        "kick another way: weaker coupling, more friction on " + axis_name(worst.held) + ", or masses known better");
+    return require("kicks of " + axis_name(i) + " alone", axis.kick_N > 0, worst.margin_N(),
+                   n_ == 1 ? "there is no other axis" : asked_of(worst, std::max(axis.kick_N, least_N)),
+                   worst.phase == KickPhase::hold_off
+                       ? "take a stronger drive for " + axis_name(worst.held)
+                       : "the coupling is too strong for it: state the masses and the friction of " + axis_name(i) +
+                             " more narrowly, or have more friction on " + axis_name(worst.held));
+  }
+
+  static std::string asked_of(const PairCondition& pair, double force_N) {
+    if (pair.phase == KickPhase::hold_off)
+      return "the drive of " + axis_name(pair.held) +
+             text(" must give %.4g N of %.4g N, at a kick of %.4g N", pair.needed_N, pair.held_N, force_N);
+    return "friction on " + axis_name(pair.held) +
+           text(" must hold %.4g N of %.4g N in the %s, at a kick of %.4g N", pair.needed_N, pair.held_N,
+                to_string(pair.phase), force_N);
   }
 
   bool reaches(Index i, AxisPromise& axis) {
@@ -374,7 +386,7 @@ KickPulse kick_pulse(const KickedAxis& axis, double kick_N, double aim_m, double
 
 double sure_travel_m(const KickedAxis& axis, double kick_N, double aim_m, double period_s) {
   const KickPulse pulse = kick_pulse(axis, kick_N, aim_m, period_s);
-  return axis.least_travel_m(pulse.force_N, pulse.periods * period_s);
+  return axis.least_travel_m(pulse.force_N * rounded_in_float, pulse.periods * period_s);
 }
 
 MachineCertificate certify_machine(const CoupledAxes& axes, const SampledApproach& approach,

@@ -193,7 +193,7 @@ Coupling coupling(const CoupledAxes& axes, Index kicked, Index held) {
 const char* to_string(KickPhase phase) {
   switch (phase) {
     case KickPhase::start:
-      return "start";
+      return "start of the pulse";
     case KickPhase::pulse:
       return "pulse";
     case KickPhase::coast:

@@ -1,78 +1,35 @@
-#include "breakaway/law/kick_coordinator.hpp"
-
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <limits>
+#include <random>
 
-namespace breakaway::law {
+#include "coordinator_fixture.hpp"
+
+namespace breakaway::law::coordinator_test {
 namespace {
-
-using Parameters = CoordinatorParameters<double, 4>;
-using Coordinator = KickCoordinator<double, 4>;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-// Two axes of 2 kg with friction 2.5 to 4.5 N; each asks a quarter of its force of the other.
-Parameters two_axes() {
-  Parameters p;
-  p.period_s = 1e-3;
-  p.count = 2;
-  p.settling_periods = 2;
-  p.still_periods = 3;
-  p.release_periods = 5;
-  p.most_kicks = 10;
-  for (std::size_t i = 0; i < 2; ++i)
-    p.axes[i] = {.position_gain_N_per_m = 400,
-                 .velocity_gain_Ns_per_m = 40,
-                 .mass_kg = 2,
-                 .lower_N = 2.5,
-                 .upper_N = 4.5,
-                 .sure_N = 4.51,
-                 .brake_N = 0.5,
-                 .kick_N = 40,
-                 .max_force_N = 50,
-                 .gate_m = 0.02,
-                 .tolerance_m = 1e-5,
-                 .resolution_m = 1e-6};
-  p.hold_off[0][1] = p.hold_off[1][0] = 0.25;
-  return p;
-}
-
-// Feeds readings and keeps the forces.
-struct Bench {
-  explicit Bench(const Parameters& parameters) : coordinator{parameters} {}
-
-  void step(double first_m, double second_m) {
-    outputs[0] = coordinator.update(0, {first_m, 0, true});
-    outputs[1] = coordinator.update(1, {second_m, 0, true});
-  }
-  void steps(int count, double first_m, double second_m) {
-    for (int n = 0; n < count; ++n) step(first_m, second_m);
-  }
-  // To the first period of the next kick.
-  void to_kick(double first_m, double second_m) {
-    bool kicked = false;
-    for (int n = 0; n < 300 && !kicked; ++n) {
-      step(first_m, second_m);
-      kicked = outputs[0].kicked || outputs[1].kicked;
-    }
-  }
-  double force_N(std::size_t axis) const { return outputs[axis].force_N; }
-
-  Coordinator coordinator;
-  std::array<ControlOutput<double>, 2> outputs{};
-};
 
 TEST(KickCoordinator, ApproachesEveryAxisWithItsGains) {
   const Parameters p = two_axes();
   Bench bench{p};
-  bench.step(-0.05, 0.03);
+  bench.steps(2, -0.05, 0.03);
   EXPECT_DOUBLE_EQ(bench.force_N(0), 20);
   EXPECT_DOUBLE_EQ(bench.force_N(1), -12);
   bench.step(-0.049, 0.03);
   EXPECT_NEAR(bench.force_N(0), 400 * 0.049 - 40 * 1.0, 1e-12);
   EXPECT_EQ(bench.outputs[0].mode, Mode::approach);
+  EXPECT_EQ(bench.outputs[0].impulse_Ns, 0);
+  EXPECT_EQ(bench.coordinator.kicks(), 0U);
+}
+
+TEST(KickCoordinator, GivesNoForceBeforeEveryAxisWasAskedInOnePeriod) {
+  const Parameters p = two_axes();
+  Coordinator coordinator{p};
+  for (int n = 0; n < 20; ++n) EXPECT_EQ(coordinator.update(1, {0.03, 0, true}).force_N, 0) << "alone";
+  EXPECT_EQ(coordinator.phase(), CoordinatorPhase::gather);
+  EXPECT_EQ(coordinator.update(0, {-0.05, 0, true}).force_N, 0);
+  EXPECT_EQ(coordinator.update(1, {0.03, 0, true}).force_N, 0);
+  EXPECT_DOUBLE_EQ(coordinator.update(0, {-0.05, 0, true}).force_N, 20);
+  EXPECT_DOUBLE_EQ(coordinator.update(1, {0.03, 0, true}).force_N, -12);
 }
 
 TEST(KickCoordinator, LetsGoOnceEveryAxisIsStillAndWithinItsGate) {
@@ -80,6 +37,8 @@ TEST(KickCoordinator, LetsGoOnceEveryAxisIsStillAndWithinItsGate) {
   Bench bench{p};
   bench.steps(20, 0.03, 0.001);
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach) << "the first is outside its gate";
+  bench.steps(20, -0.03, 0.001);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach) << "on either side";
   bench.step(0.01, 0.001);
   bench.steps(2, 0.01, 0.001);
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
@@ -89,6 +48,7 @@ TEST(KickCoordinator, LetsGoOnceEveryAxisIsStillAndWithinItsGate) {
     bench.step(0.01, 0.001);
     EXPECT_EQ(bench.force_N(0), 0);
     EXPECT_EQ(bench.force_N(1), 0);
+    EXPECT_EQ(bench.outputs[0].impulse_Ns, 0);
   }
   bench.step(0.01, 0.001);
   EXPECT_NE(bench.force_N(0), 0);
@@ -96,24 +56,26 @@ TEST(KickCoordinator, LetsGoOnceEveryAxisIsStillAndWithinItsGate) {
 
 TEST(KickCoordinator, AKickGoesAsFarAsItAimsUnderTheLeastFrictionAndTheOtherAxisIsHeld) {
   const Parameters p = two_axes();
-  Bench bench{p};
-  const double at_m = -3e-4;
-  bench.to_kick(at_m, 5e-6);
-  const double force_N = bench.force_N(0);
-  ASSERT_TRUE(bench.outputs[0].kicked);
-  EXPECT_EQ(bench.outputs[0].mode, Mode::kick);
-  EXPECT_GT(force_N, 4.51);
-  EXPECT_LE(force_N, 40);
-  EXPECT_DOUBLE_EQ(bench.force_N(1), 0.25 * (force_N - 3.5));
-  int periods = 1;
-  for (bench.step(at_m, 5e-6); bench.outputs[0].mode == Mode::kick; bench.step(at_m, 5e-6)) {
-    EXPECT_FALSE(bench.outputs[0].kicked);
-    ++periods;
+  for (const double distance_m : {3e-4, 1.34e-4}) {  // the largest kick of one period goes 1.27e-4
+    Bench bench{p};
+    bench.to_kick(-distance_m, 5e-6);
+    const double force_N = bench.force_N(0);
+    ASSERT_TRUE(bench.outputs[0].kicked);
+    EXPECT_EQ(bench.outputs[0].mode, Mode::kick);
+    EXPECT_GT(force_N, 4.51);
+    EXPECT_LE(force_N, 40);
+    EXPECT_DOUBLE_EQ(bench.force_N(1), 0.25 * (force_N - 3.5));
+    EXPECT_EQ(bench.outputs[1].impulse_Ns, 0);
+    int periods = 1;
+    for (bench.step(-distance_m, 5e-6); bench.outputs[0].mode == Mode::kick; bench.step(-distance_m, 5e-6)) {
+      EXPECT_FALSE(bench.outputs[0].kicked);
+      ++periods;
+    }
+    const double t_s = periods * p.period_s;
+    EXPECT_NEAR((force_N - 2.5) * (force_N + 0.5) * t_s * t_s / (2 * 2 * 3), distance_m - 0.5e-6, 1e-12);
+    EXPECT_DOUBLE_EQ(bench.force_N(0), -0.5);
+    EXPECT_DOUBLE_EQ(bench.force_N(1), -0.25 * (4.5 + 0.5) / 2);
   }
-  const double t_s = periods * p.period_s;
-  EXPECT_NEAR((force_N - 2.5) * (force_N + 0.5) * t_s * t_s / (2 * 2 * 3), 3e-4 - 0.5e-6, 1e-12);
-  EXPECT_DOUBLE_EQ(bench.force_N(0), -0.5);
-  EXPECT_DOUBLE_EQ(bench.force_N(1), -0.25 * (4.5 + 0.5) / 2);
 }
 
 TEST(KickCoordinator, KicksTheOtherWayWithEveryForceTurned) {
@@ -139,6 +101,8 @@ TEST(KickCoordinator, GoesOnWithAnAxisUntilItIsThereAndThenTakesTheNext) {
   EXPECT_EQ(bench.coordinator.kicks(), 3U);
   EXPECT_EQ(bench.force_N(0), 0);
   EXPECT_EQ(bench.outputs[1].mode, Mode::hold);
+  bench.to_kick(5e-6, 3e-4);
+  EXPECT_EQ(bench.coordinator.kicks(), 1U) << "something pushed it: a budget of its own";
 }
 
 TEST(KickCoordinator, AnotherAxisThatMovesIsNamed) {
@@ -150,6 +114,10 @@ TEST(KickCoordinator, AnotherAxisThatMovesIsNamed) {
   EXPECT_EQ(bench.coordinator.moved(), 1U);
   EXPECT_EQ(bench.force_N(0), 0);
   EXPECT_EQ(bench.outputs[0].mode, Mode::fault);
+  Bench back{p};
+  back.to_kick(3e-4, 2e-4);
+  back.steps(200, 1e-4, 1.97e-4);
+  EXPECT_EQ(back.coordinator.moved(), 1U) << "either way";
 }
 
 TEST(KickCoordinator, AKickThatGoesBeyondIsNamed) {
@@ -187,30 +155,121 @@ TEST(KickCoordinator, ADriveThatNoLongerGivesEnoughIsNamed) {
   EXPECT_EQ(bench.coordinator.fault(), ControlFault::jammed);
 }
 
+TEST(KickCoordinator, ADriveThatGivesJustEnoughKicks) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.coordinator.limit_force(0, p.axes[0].sure_N);
+  bench.to_kick(3e-4, 0);
+  EXPECT_EQ(bench.force_N(0), -p.axes[0].sure_N);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+}
+
+TEST(KickCoordinator, ADriveThatNoLongerHoldsItsAxisWhileAnotherOneIsKickedIsNamedBeforeTheKick) {
+  const Parameters p = two_axes();
+  for (const double limit_N : {0.25 * 36.4, 0.25 * 36.6}) {
+    Bench bench{p};
+    bench.coordinator.limit_force(1, limit_N);
+    bench.steps(3000, 3e-4, 5e-6);
+    const bool weak = limit_N < 0.25 * (p.axes[0].kick_N - 3.5);
+    EXPECT_EQ(bench.coordinator.kicks(), weak ? 0U : 10U);
+    EXPECT_EQ(bench.coordinator.fault(), weak ? ControlFault::jammed : ControlFault::hunting);
+    bench.coordinator.reset(1);
+    EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+    bench.steps(3000, 3e-4, 5e-6);
+    EXPECT_EQ(bench.coordinator.fault(), ControlFault::hunting) << "the drive gives all again";
+  }
+}
+
+// In float, with the least mass and friction, from the very edge of a count.
+TEST(KickCoordinator, NoRoundingTakesAKickBeyondItsTarget) {
+  std::mt19937 random{1};  // NOLINT: the same kicks every time
+  const auto share = [&] { return std::uniform_real_distribution<float>{0, 1}(random); };
+  for (int trial = 0; trial < 20000; ++trial) {
+    const float lower_N = 2 + 10 * share(), upper_N = lower_N * (1 + share() * share());
+    CoordinatorParameters<float, 2> p;
+    p.count = 1, p.period_s = 1e-3F, p.still_periods = 1, p.most_kicks = 10;
+    p.axes[0] = {.position_gain_N_per_m = 1,
+                 .velocity_gain_Ns_per_m = 1,
+                 .mass_kg = std::pow(10.0F, 2 * share() - 1),
+                 .lower_N = lower_N,
+                 .upper_N = upper_N,
+                 .sure_N = 1.002F * upper_N,
+                 .brake_N = trial % 2 == 0 ? 0 : lower_N * share() / 2,
+                 .kick_N = upper_N * (1.1F + 20 * share()),
+                 .max_force_N = 1e3,
+                 .gate_m = 1,
+                 .tolerance_m = 1e-6F,
+                 .resolution_m = 1e-6F,
+                 .hold_off = {}};
+    const double counts = std::round(std::pow(10.0F, 5 * share())) + 1, distance_m = (counts - 0.5) * 1e-6;
+    const auto& a = p.axes[0];
+    KickCoordinator<float, 2> coordinator{p};
+    double force_N = 0;
+    int periods = 0;
+    for (int n = 0; n < 300; ++n) {
+      const auto output = coordinator.update(0, {static_cast<float>(-counts) * 1e-6F, 0, true});
+      if (output.mode != Mode::kick && periods > 0) break;
+      if (output.mode == Mode::kick) ++periods, force_N = double{output.force_N};
+    }
+    if (periods == 0) continue;  // below the floor
+    const double t_s = periods * 1e-3, g_N = double{a.lower_N} + double{a.brake_N};
+    const double travel_m =
+        (force_N - double{a.lower_N}) * (force_N + double{a.brake_N}) * t_s * t_s / (2 * double{a.mass_kg} * g_N);
+    ASSERT_LE(travel_m, distance_m) << "trial " << trial;
+  }
+}
+
 TEST(KickCoordinator, ForcesStayWithinTheLimitOfEveryDrive) {
   const Parameters p = two_axes();
   Bench bench{p};
-  bench.step(-10, 10);
+  bench.steps(2, -10, 10);
   EXPECT_EQ(bench.force_N(0), 50);
   EXPECT_EQ(bench.force_N(1), -50);
 }
 
 TEST(KickCoordinator, AReadingThatIsNoNumberStopsAllForces) {
   const Parameters p = two_axes();
-  Bench bench{p};
-  bench.to_kick(3e-4, 2e-4);
-  bench.step(3e-4, nan);
-  bench.step(3e-4, 2e-4);
-  EXPECT_EQ(bench.coordinator.fault(), ControlFault::not_a_number);
-  EXPECT_EQ(bench.force_N(0), 0);
+  Bench far{p}, kicks{p}, holds{p};
+  far.steps(2, 0.05, 0.05);
+  kicks.to_kick(3e-4, 2e-4);
+  holds.steps(50, 5e-6, 5e-6);
+  for (Bench* bench : {&far, &kicks, &holds}) {
+    bench->step(3e-4, nan);
+    EXPECT_EQ(bench->outputs[1].mode, Mode::fault);
+    EXPECT_EQ(bench->force_N(1), 0);
+    bench->step(3e-4, 2e-4);
+    EXPECT_EQ(bench->coordinator.fault(), ControlFault::not_a_number);
+    EXPECT_EQ(bench->force_N(0), 0);
+    bench->coordinator.shift_target(0, 1e-3);
+    EXPECT_EQ(bench->coordinator.phase(), CoordinatorPhase::fault) << "a new target ends no fault";
+  }
 }
 
-TEST(KickCoordinator, AnAxisThatDropsOutTakesAllBackToTheApproach) {
+TEST(KickCoordinator, ItsFirstFaultIsTheOneThatIsNamed) {
   const Parameters p = two_axes();
   Bench bench{p};
   bench.to_kick(3e-4, 2e-4);
-  for (int n = 0; n < 3; ++n) static_cast<void>(bench.coordinator.update(0, {3e-4, 0, true}));
-  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
+  bench.steps(200, 1e-4, 2.03e-4);
+  ASSERT_EQ(bench.coordinator.fault(), ControlFault::contradicted);
+  bench.step(nan, nan);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::contradicted);
+}
+
+TEST(KickCoordinator, WhereOneAxisDropsOutTheOthersHaveNoForceUntilItIsBack) {
+  const Parameters p = two_axes();
+  for (const std::size_t left : {0UL, 1UL}) {
+    Bench bench{p};
+    bench.steps(50, 5e-6, 5e-6);
+    ASSERT_EQ(bench.coordinator.end(), CoordinatorEnd::on_target);
+    bench.to_kick(3e-4, 2e-4);
+    static_cast<void>(bench.coordinator.update(left, {3e-4, 0, true}));
+    for (int n = 0; n < 30; ++n) EXPECT_EQ(bench.coordinator.update(left, {3e-4, 0, true}).force_N, 0) << n;
+    EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::gather);
+    EXPECT_EQ(bench.coordinator.end(), CoordinatorEnd::none);
+    EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+    bench.steps(2, 3e-4, 2e-4);
+    EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
+  }
 }
 
 TEST(KickCoordinator, AnAxisThatRunsBeforeTheFirstOneDoesIsHeldInStepWithTheKick) {
@@ -250,6 +309,201 @@ TEST(KickCoordinator, AMissingSampleIsWaitedForBeforeAKickIsChosen) {
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
 }
 
+TEST(KickCoordinator, ASampleThatIsLostAsAKickStartsIsNoSignOfMotion) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.to_kick(5e-6, 3e-4);
+  ASSERT_EQ(bench.coordinator.kicked(), 1U);
+  for (int n = 0; n < 300 && bench.coordinator.phase() != CoordinatorPhase::rest; ++n) bench.step(5e-6, 1e-4);
+  // The first axis is to be kicked next, while the second one stands elsewhere than at its own kick.
+  bench.coordinator.shift_target(0, -1e-3);
+  bool kicked = false;
+  for (int n = 0; n < 300 && !kicked; ++n) {
+    const bool about_to = bench.coordinator.phase() == CoordinatorPhase::pulse;
+    kicked = bench.coordinator.update(0, {1e-3, 0, true}).kicked;
+    bench.coordinator.update(1, {5e-6, 0, !about_to});
+  }
+  ASSERT_EQ(bench.coordinator.kicked(), 0U);
+  for (int n = 0; n < 300 && bench.coordinator.phase() != CoordinatorPhase::hold; ++n) bench.step(5e-6, 5e-6);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+}
+
+TEST(KickCoordinator, LooksAtOneAxisInAPeriodAndHoldsThoseThatItCannotKick) {
+  Parameters p = two_axes();
+  p.axes[0].tolerance_m = 1e-7;
+  p.axes[0].resolution_m = 1e-8;
+  Bench bench{p};
+  int choices = 0;
+  for (int n = 0; n < 100 && !bench.outputs[1].kicked; ++n) {
+    bench.step(3e-7, 3e-4);
+    if (bench.coordinator.phase() != CoordinatorPhase::choice) continue;
+    ++choices;
+    EXPECT_EQ(bench.force_N(1), 0);
+  }
+  EXPECT_EQ(choices, 1) << "the first axis had its turn";
+  EXPECT_TRUE(bench.outputs[1].kicked);
+  bench.steps(300, 3e-7, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  EXPECT_EQ(bench.coordinator.end(), CoordinatorEnd::below_floor);
+}
+
+TEST(KickCoordinator, AnAxisThatIsThereWhenItsTurnComesIsNotKicked) {
+  Parameters p = two_axes();
+  p.axes[0].tolerance_m = 1e-7;
+  p.axes[0].resolution_m = 1e-8;
+  Bench bench{p};
+  for (int n = 0; n < 100 && bench.coordinator.phase() != CoordinatorPhase::choice; ++n) bench.step(3e-7, 3e-4);
+  bench.steps(20, 3e-7, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  EXPECT_EQ(bench.coordinator.kicks(), 0U);
+}
+
+TEST(KickCoordinator, WhetherAnotherAxisMovedIsSeenFromTheBeginningOfTheKick) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  while (bench.coordinator.phase() != CoordinatorPhase::pulse) bench.step(3e-4, 5e-6);
+  while (bench.coordinator.phase() != CoordinatorPhase::rest) bench.step(3e-4, 8e-6);
+  bench.steps(2, 5e-6, 8e-6);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+}
+
+TEST(KickCoordinator, AnApproachThatBeginsWithALostSampleGivesNoForceOfAnOldOne) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(2, 0.05, 5e-6);
+  ASSERT_NE(bench.force_N(0), 0);
+  bench.steps(100, 5e-6, 5e-6);
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  bench.coordinator.shift_target(1, 0.01);
+  EXPECT_EQ(bench.coordinator.update(0, {nan, 0, false}).force_N, 0);
+}
+
+TEST(KickCoordinator, AKickIsCountedAnewFromEveryRelease) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.to_kick(3e-4, 5e-6);
+  bench.to_kick(2e-4, 5e-6);
+  ASSERT_EQ(bench.coordinator.kicks(), 2U);
+  bench.coordinator.shift_target(0, 1e-3);
+  EXPECT_EQ(bench.coordinator.end(), CoordinatorEnd::none);
+  bench.to_kick(-8e-4, 5e-6);
+  EXPECT_EQ(bench.coordinator.kicks(), 1U);
+}
+
+TEST(KickCoordinator, EveryApproachWaitsUntilTheAxesAreStill) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(50, 5e-6, 5e-6);
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  bench.coordinator.shift_target(0, 1e-3);
+  bench.steps(p.still_periods - 1, 5e-6 - 1e-3, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach) << "its new target is within the gate";
+  bench.step(5e-6 - 1e-3, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::release);
+  bench.coordinator.shift_target(0, 1e-3);
+  bench.steps(p.still_periods - 1, 5e-6 - 2e-3, 5e-6);
+  bench.coordinator.update(0, {nan, 0, false});
+  bench.coordinator.update(1, {5e-6, 0, true});
+  bench.steps(p.still_periods - 1, 5e-6 - 2e-3, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach) << "a lost sample is no sign of standstill";
+  bench.step(5e-6 - 2e-3, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::release);
+  EXPECT_EQ(bench.outputs[0].mode, Mode::approach);
+  bench.step(5e-6 - 2e-3, 5e-6);
+  EXPECT_EQ(bench.outputs[0].mode, Mode::coast);
+}
+
+TEST(KickCoordinator, AnAxisThatDroppedOutOnTheWayDelaysNoStandstillAfterIt) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(2, 0.03, 5e-6);
+  bench.coordinator.update(0, {0.03, 0, true});
+  bench.coordinator.update(0, {0.01, 0, true});
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::gather);
+  bench.coordinator.shift_target(0, 0);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::gather) << "whatever their targets";
+  bench.steps(p.still_periods, 0.01, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
+  bench.step(0.01, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::release);
+}
+
+TEST(KickCoordinator, AResetWithinAPeriodBeginsAWholeOne) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(2, 0.05, 5e-6);
+  bench.coordinator.update(0, {0.05, 0, true});
+  bench.coordinator.reset(0);
+  EXPECT_EQ(bench.coordinator.update(1, {5e-6, 0, true}).force_N, 0);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::gather);
+}
+
+TEST(KickCoordinator, DampsByReadingsOfThisRunOnly) {
+  const Parameters p = two_axes();
+  Bench blind{p};
+  blind.coordinator.update(0, {nan, 0, false});
+  blind.coordinator.update(1, {0.03, 0, true});
+  blind.step(-0.05, 0.03);
+  EXPECT_DOUBLE_EQ(blind.force_N(0), 20) << "its first reading";
+  Bench bench{p};
+  bench.step(-0.05, 0.03);
+  bench.step(-0.049, 0.03);
+  EXPECT_NEAR(bench.force_N(0), 400 * 0.049 - 40 * 1.0, 1e-12) << "by the reading of the gathering, too";
+  bench.coordinator.reset(0);
+  bench.coordinator.update(0, {nan, 0, false});
+  bench.coordinator.update(1, {0.03, 0, true});
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach);
+  bench.step(-0.04, 0.03);
+  EXPECT_DOUBLE_EQ(bench.force_N(0), 16) << "a reset forgets the reading";
+  bench.step(-0.0395, 0.03);
+  EXPECT_NEAR(bench.force_N(0), 400 * 0.0395 - 40 * 0.5, 1e-12);
+}
+
+TEST(KickCoordinator, ALostSampleOfAnApproachLeavesItsForceAsItWas) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(2, -0.05, 0.03);
+  const auto out = bench.coordinator.update(0, {nan, 0, false});
+  EXPECT_DOUBLE_EQ(out.force_N, 20);
+  EXPECT_EQ(out.mode, Mode::approach);
+  EXPECT_EQ(out.impulse_Ns, 0);
+  EXPECT_FALSE(out.kicked);
+}
+
+TEST(KickCoordinator, NoKickIsChosenByASampleFromBeforeTheRelease) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(50, 5e-6, 5e-6);
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  bench.step(-0.03, 5e-6);
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::approach) << "something pushed it";
+  bench.steps(p.still_periods + 1, 1e-3, 5e-6);
+  ASSERT_EQ(bench.coordinator.phase(), CoordinatorPhase::release);
+  for (int n = 0; n < p.release_periods; ++n) {
+    bench.coordinator.update(0, {nan, 0, false});
+    bench.coordinator.update(1, {5e-6, 0, true});
+  }
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  bench.step(1e-3, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::pulse) << "once it was seen";
+}
+
+TEST(KickCoordinator, AKickIsJudgedOnceEveryAxisWasSeen) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.to_kick(3e-4, 5e-6);
+  while (bench.coordinator.phase() != CoordinatorPhase::rest) bench.step(3e-4, 5e-6);
+  bench.step(3e-4, 5e-6);
+  for (int n = 0; n < 10; ++n) {
+    bench.coordinator.update(0, {3e-4, 0, true});
+    bench.coordinator.update(1, {nan, 0, false});
+    EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::rest);
+  }
+  bench.step(3e-4, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::pulse);
+}
+
 TEST(CoordinatedAxis, IsTheLawOfOneAxis) {
   const Parameters p = two_axes();
   Coordinator coordinator{p};
@@ -257,11 +511,28 @@ TEST(CoordinatedAxis, IsTheLawOfOneAxis) {
   EXPECT_EQ(first.period_s(), 1e-3);
   EXPECT_EQ(second.max_force_N(), 50);
   EXPECT_EQ(first.mode(), Mode::approach);
-  for (int n = 0; n < 50; ++n) first.update({5e-6, 0, true}), second.update({0, 0, true});
+  const auto step = [&] { first.update({5e-6, 0, true}), second.update({0, 0, true}); };
+  for (int n = 0; n < 1 + p.still_periods; ++n) {
+    EXPECT_EQ(first.mode(), Mode::approach);
+    step();
+  }
+  EXPECT_EQ(first.mode(), Mode::coast);
+  for (int n = 0; n < 50; ++n) step();
   EXPECT_EQ(first.mode(), Mode::hold);
   second.reset();
   EXPECT_EQ(first.mode(), Mode::approach);
+  EXPECT_EQ(first.encoder_resolution_m(), 1e-6);
+  for (int n = 0; n < 50; ++n) step();
+  ASSERT_EQ(second.mode(), Mode::hold);
+  second.shift_target(0.01);
+  EXPECT_EQ(first.mode(), Mode::approach);
+  second.limit_force(3);
+  first.update({5e-6, 0, true});
+  EXPECT_EQ(second.update({-1, 0, true}).force_N, 3);
+  first.update({nan, 0, true});
+  EXPECT_EQ(second.fault(), ControlFault::not_a_number);
+  EXPECT_EQ(second.mode(), Mode::fault);
 }
 
 }  // namespace
-}  // namespace breakaway::law
+}  // namespace breakaway::law::coordinator_test

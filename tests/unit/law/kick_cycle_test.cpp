@@ -398,5 +398,41 @@ TEST(KickCycle, ScalesExactlyWithForceAndMass) {
   for (std::size_t i = 0; i < reference.size(); ++i) ASSERT_EQ(16 * reference[i], scaled[i]) << i;
 }
 
+// A drive whose limit was lowered may never get to where a pulse is to start from.
+TEST(KickCycle, GivesThePulseAllTheSameOnceItsForceHadTheTimeToSettle) {
+  const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  KickCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.limit_force(0);
+  cycle.see(0);
+  cycle.kick(1, {10, 3, 0});
+  int periods = 0;
+  do {
+    cycle.next_steps(0);
+  } while (++periods < 10000 && !cycle.pulse_starts());
+  EXPECT_EQ(periods, kicks.patient_periods + kicks.settling_periods + 1);
+}
+
+TEST(KickCycle, IsOverdueAfterFourTimesWhatItsRestMayTake) {
+  const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  KickCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.see(0);
+  cycle.release(100);
+  int periods = 0;
+  for (; !cycle.overdue() && periods < 100000; ++periods) EXPECT_EQ(cycle.next_steps(7), 0);
+  EXPECT_EQ(periods, 4 * (100 + kicks.patient_periods + kicks.settling_periods));
+}
+
+TEST(KickTable, WithoutACurveHasNoLeastDistance) {
+  KickTable<float> table;
+  EXPECT_EQ(table.least_m(), 0);
+  EXPECT_EQ(table.reach_m(), 0);
+  table = design::design_braked_kicks<float>(axes_of_the_scenes(0)).kicks.table;
+  EXPECT_GT(table.least_m(), 0);
+  table.count = 1;
+  EXPECT_GT(table.least_m(), 0);
+  table.list = true;
+  EXPECT_EQ(table.least_m(), 0);
+}
+
 }  // namespace
 }  // namespace breakaway::law

@@ -40,5 +40,56 @@ TEST(PidController, LatchesAFaultOnAMeasurementThatIsNoNumber) {
   EXPECT_EQ(pid.update({0.1}).mode, Mode::approach);
 }
 
+TEST(PidController, HoldsItsForceWhileASampleIsLostAndSeesNoJumpAfterIt) {
+  PidController<double> pid{gains()};
+  double x = -0.05;
+  for (int i = 0; i < 200; ++i) {
+    if (i == 150) {
+      const double before_N = pid.update({x, 0, false}).force_N;
+      EXPECT_EQ(pid.update({0, 0, false}).force_N, before_N);
+      x += 1e-4, ++i;
+    } else {
+      EXPECT_EQ(pid.update({x}).mode, Mode::approach);
+      if (i > 100) {
+        EXPECT_NEAR(pid.velocity_m_s(), 0.1, 1e-3) << i;
+      }
+    }
+    x += 1e-4;
+  }
+  EXPECT_NEAR(pid.velocity_m_s(), 0.1, 1e-3);
+  EXPECT_EQ(pid.update({std::nan("")}).force_N, 0);
+  EXPECT_EQ(pid.update({0, 0, false}).force_N, 0) << "a fault has no force to hold";
+  pid.reset();
+  EXPECT_EQ(pid.velocity_m_s(), 0);
+  EXPECT_EQ(pid.update({0, 0, false}).force_N, 0) << "nothing is left of the force";
+  EXPECT_EQ(pid.update({-0.01}).force_N, PidController<double>{gains()}.update({-0.01}).force_N);
+  EXPECT_EQ(pid.velocity_m_s(), 0) << "the first reading tells no speed";
+}
+
+TEST(PidController, TakesAMovedTargetForNoMotion) {
+  PidController<double> pid{gains()};
+  for (int i = 0; i < 10; ++i) pid.update({-0.01});
+  pid.shift_target(0.02);
+  pid.update({-0.03});
+  EXPECT_EQ(pid.velocity_m_s(), 0);
+}
+
+TEST(PidController, LimitsTheSpeedOfItsApproachEitherWayAndKeepsToALowerForce) {
+  auto p = gains();
+  p.max_approach_speed_m_s = 0.5;
+  for (const double side : {1.0, -1.0}) {
+    PidController<double> pid{p};
+    EXPECT_DOUBLE_EQ(pid.update({-side * 0.1}).force_N, side * 5) << "10 Ns/m times 0.5 m/s";
+    pid.limit_force(3);
+    EXPECT_DOUBLE_EQ(pid.update({-side * 0.1}).force_N, side * 3);
+    pid.limit_force(100);
+    EXPECT_EQ(pid.max_force_N(), 3) << "a limit is never raised";
+  }
+  const PidController<double> pid{p};
+  EXPECT_EQ(pid.period_s(), 1e-3);
+  EXPECT_EQ(pid.encoder_resolution_m(), 1e-6);
+  EXPECT_EQ(pid.kicks(), 0U);
+}
+
 }  // namespace
 }  // namespace breakaway::law

@@ -2,6 +2,7 @@
 // leaves nothing swinging, and the names with which a run ends.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -97,6 +98,63 @@ TEST(WorkMeter, GivesNoPeriodWhoseWorkFrictionMayNotTake) {
   }
 }
 
+// What the spring may have pushed the motor by is more than the force, so that the meter expects no more speed.
+TEST(WorkMeter, ExpectsNoSpeedOfAForceThatTheSpringMayHoldBack) {
+  WorkKicks<double> kicks = design::design_work_kicks<double>(belt()).kicks;
+  kicks.held_back_N = 20;
+  kicks.late_periods = 1;
+  const double distance_m = kicks.spring_m + 1e-4, q = 1e-6;
+  WorkCycle<double> cycle{kicks, q, 50, 0};
+  cycle.set_period(1e-3);
+  cycle.see(0);
+  cycle.kick(1, distance_m, {10, 100, 0});
+  const double most_m = kicks.friction_per_gain_N * 1e-4 / cycle.pulse_N() - 2 * q, step_m = most_m / 20.5;
+  ASSERT_LT(step_m, kicks.speeding_s_per_kg * 1e-3) << "else a newton more would not be noticed";
+  int given = 0;
+  for (int k = 1; k < 100 && cycle.next_steps(0) > 0; ++k) {
+    ++given;
+    cycle.see(k * step_m);
+  }
+  EXPECT_EQ(given, 20) << "with the twenty-first step it would be beyond";
+}
+
+// A motor that speeds up without a load, as far as the meter lets it, while these readings are lost.
+double travel_m(const WorkKicks<double>& kicks, const std::vector<int>& lost, double distance_m) {
+  const double T = 1e-3;
+  WorkCycle<double> cycle{kicks, 1e-6, 50, 1};
+  cycle.set_period(T);
+  std::vector<double> x(10, 0.0);
+  cycle.see(0);
+  cycle.kick(1, distance_m, {10, 100, 0});
+  double v = 0;
+  for (int k = 1; k < 100; ++k) {
+    const double force_N = cycle.next_steps(0) * kicks.force_step_N;
+    if (!(force_N > 0)) break;
+    const double a = (force_N - kicks.held_back_N) / 0.4;
+    x.push_back(x.back() + v * T + a * T * T / 2);
+    v += a * T;
+    if (std::ranges::find(lost, k) == lost.end())
+      cycle.see(x[x.size() - 2]);
+    else
+      cycle.skip();
+  }
+  return x.back();
+}
+
+TEST(WorkMeter, GivesNoPeriodWhoseWorkFrictionMayNotTakeWhileReadingsAreLost) {
+  auto kicks = design::design_work_kicks<double>(belt()).kicks;
+  const double distance_m = 1e-3, most_m = kicks.friction_per_gain_N * (distance_m - kicks.spring_m) / 10;
+  for (int first = 1; first < 30; ++first)
+    for (int last = first; last < first + 5; ++last) {
+      std::vector<int> lost;
+      for (int k = first; k <= last; ++k) lost.push_back(k);
+      EXPECT_LE(travel_m(kicks, lost, distance_m), most_m) << first << " to " << last;
+    }
+  EXPECT_GT(travel_m(kicks, {2}, distance_m), 0.4 * most_m) << "a pulse goes on with what is left of it";
+  kicks.metered = false;
+  EXPECT_GT(travel_m(kicks, {2}, distance_m), 10 * most_m) << "nothing measures this pulse";
+}
+
 TEST(WorkMeter, LeavesAPulseAloneWhereTheEncoderIsOnTheLoad) {
   auto kicks = design::design_work_kicks<float>(belt()).kicks;
   kicks.metered = false;
@@ -125,6 +183,141 @@ TEST(WorkCycle, TakesAnAxisForRestingOnlyAfterTheOtherMassCanHaveSwungOut) {
   EXPECT_GE(kicks.still_periods * 1e-3, std::numbers::pi * std::sqrt(0.6 / belt().spring_load->stiffness_N_per_m));
   cycle.see(1e-6F);
   EXPECT_FALSE(cycle.at_rest()) << "a count starts the wait anew";
+}
+
+// A motor that is let go half a count from where a load that sticks would have it.
+double swings_within_a_count_s(const design::BrakedClass& c) {
+  const design::SpringLoad& load = *c.spring_load;
+  const double K = design::most_stiffer * load.stiffness_N_per_m, A = load.motor_friction.lower_N, h = 1e-6;
+  double x = c.encoder_resolution_m / 2, v = 0, time_s = 0, last_s = 0;
+  while (time_s - last_s < 0.01) {
+    const double free_m_s = v - K * x * h / load.motor_kg, most_m_s = A * h / load.motor_kg;
+    v = free_m_s - std::clamp(free_m_s, -most_m_s, most_m_s);
+    x += v * h;
+    time_s += h;
+    if (v != 0) last_s = time_s;
+  }
+  return last_s;
+}
+
+TEST(WorkCycle, WaitsForASwingThatTheCountDoesNotShow) {
+  for (const double q : {1e-6, 2e-4, 2e-3, 2e-2}) {
+    design::BrakedClass c = belt();
+    c.encoder_resolution_m = q;
+    EXPECT_GE(design::design_work_kicks<double>(c).rest_s, swings_within_a_count_s(c)) << q;
+  }
+}
+
+TEST(WorkCycle, LosesItsPatienceSoManyPeriodsAfterTheFirstReading) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  for (const float at_m : {0.0F, 0.3F}) {
+    WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+    int readings = 0;
+    for (; !cycle.patient() && readings < 100000; ++readings) cycle.see(at_m);
+    EXPECT_EQ(readings, kicks.patient_periods + 1) << at_m;
+  }
+}
+
+TEST(WorkCycle, TakesReadingsWithinTheNoiseForNoMotion) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 5e-6F, 50, 1};  // a count, and one of noise
+  for (int k = 0; k <= kicks.patient_periods; ++k) cycle.see(k % 2 == 0 ? 0 : 2e-6F);
+  EXPECT_TRUE(cycle.patient());
+  cycle.see(3e-6F);
+  EXPECT_FALSE(cycle.patient());
+}
+
+TEST(WorkCycle, AReadingAtTheEdgeOfTheNoiseIsNoMotion) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  for (const float side : {1.0F, -1.0F}) {
+    WorkCycle<float> cycle{kicks, 0x1p-19F, 50, 1};
+    cycle.see(side * 0x1p-20F);
+    for (int k = 0; k < kicks.patient_periods; ++k) cycle.see(0);
+    EXPECT_TRUE(cycle.patient());
+  }
+}
+
+TEST(WorkCycle, IsOverdueAfterFourTimesWhatItsRestMayTake) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  for (const bool seen : {false, true}) {
+    cycle = {kicks, 1e-6F, 50, 1};
+    if (seen) cycle.see(0);
+    cycle.release(100);
+    int periods = 0;
+    for (; !cycle.overdue() && periods < 100000; ++periods) EXPECT_EQ(cycle.next_steps(7), 0);
+    EXPECT_EQ(periods, 4 * (100 + kicks.still_periods));
+  }
+  cycle.kick(-1, 1e-3F, {10, 3, 0});
+  EXPECT_NEAR(cycle.pulse_N(), 10, 1e-5);
+}
+
+TEST(WorkCycle, BeginsAnewWhereItIsRestarted) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  for (int k = 0; k < 5; ++k) cycle.see(0);
+  cycle.release(10);
+  cycle.restart();
+  EXPECT_EQ(cycle.next_steps(7), 7) << "the force comes from elsewhere";
+  int readings = 0;
+  for (; !cycle.patient() && readings < 100000; ++readings) cycle.see(0);
+  EXPECT_EQ(readings, kicks.patient_periods + 1);
+  cycle.release(10);
+  EXPECT_EQ(cycle.next_steps(7), 0);
+  cycle.set_free();
+  EXPECT_EQ(cycle.next_steps(7), 7);
+}
+
+// Eight metres away a float steps by about a count.
+TEST(WorkCycle, TakesTheLastDigitOfANumberForNoMotion) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  for (const float side : {1.0F, -1.0F}) {
+    WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+    const float at_m = side * 8, next_m = std::nextafter(at_m, side * 9);
+    for (int k = 0; k <= kicks.patient_periods; ++k) cycle.see(k % 2 == 0 ? at_m : next_m);
+    EXPECT_TRUE(cycle.patient());
+    cycle.see(std::nextafter(next_m, side * 9));
+    EXPECT_FALSE(cycle.patient());
+  }
+}
+
+TEST(WorkCycle, GivesOnePeriodAtLeastAndNoMoreForceThanThereIs) {
+  auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  kicks.metered = false;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.set_period(1e-3F);
+  cycle.see(0);
+  cycle.kick(1, 1e-3F, {10, 0, 0});
+  EXPECT_GT(cycle.next_steps(0), 0);
+  EXPECT_EQ(cycle.next_steps(0), 0);
+  cycle.kick(1, 1e-3F, {-10, 3, 0});
+  EXPECT_EQ(cycle.pulse_N(), 0);
+  cycle.limit_force(5);
+  cycle.kick(1, 1e-3F, {10, 3, 0});
+  EXPECT_NEAR(cycle.pulse_N(), 5, 1e-5);
+}
+
+TEST(WorkAim, RefusesAtItsFloorNothingAndWhatTheSpringMayAddAll) {
+  const auto design = design::design_work_kicks<float>(belt());
+  const WorkAim<float> aim{design.kicks, parameters_of<float>(belt(), design.least_tolerance_m)};
+  EXPECT_EQ(aim.refusal(design.kicks.spring_m), ControlFault::spring_limit);
+  EXPECT_EQ(aim.refusal(-design.kicks.table.least_m()), ControlFault::none);
+  EXPECT_EQ(aim.refusal(std::nextafter(design.kicks.table.least_m(), 0.0F)), ControlFault::below_floor);
+}
+
+TEST(WorkAim, GivesSixtyFourKicksToATarget) {
+  const auto design = design::design_work_kicks<float>(belt());
+  const auto p = parameters_of<float>(belt(), design.least_tolerance_m);
+  WorkAim<float> aim{design.kicks, p};
+  const auto far_m = static_cast<float>(3 * design.floor_m);
+  for (int round = 0; round < 2; ++round) {
+    for (int kick = 0; kick < WorkAim<float>::most_kicks; ++kick) {
+      EXPECT_EQ(aim.refusal(far_m), ControlFault::none) << kick;
+      static_cast<void>(aim.pulse(far_m));
+    }
+    EXPECT_EQ(aim.refusal(-far_m), ControlFault::hunting);
+    aim.restart();
+  }
 }
 
 // The force of a plan that nothing feeds back to, at this frequency.
@@ -166,6 +359,42 @@ TEST(ShapedMove, GoesAsFarAsItPlansAndKeepsItsLimits) {
       EXPECT_NEAR(std::abs(x), approach.short_of_target_m, 1e-12) << start_m;
       EXPECT_NEAR(v, 0, 1e-12) << start_m;
     }
+  }
+}
+
+TEST(ShapedMove, SaysWhichWayItGoesAndForHowManyPeriods) {
+  const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  for (const double side : {1.0, -1.0}) {
+    ShapedMove<double> move{approach, 1e-3, 10, 1};
+    move.see(-side * 0.1, 0, 0);
+    EXPECT_EQ(move.heading(), side);
+    int periods = 0;
+    for (; !move.see(-side * 0.1, 0, 0); ++periods) static_cast<void>(move.force_N());
+    EXPECT_NEAR(move.braking_periods(), periods, 1);
+  }
+}
+
+// Thirty thousand periods of speeding up are the most that it counts.
+TEST(ShapedMove, CountsThePeriodsOfTheLongestWayAndTheHighestSpeed) {
+  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  approach.short_of_target_m = 0;
+  approach.acceleration_m_s2 = 1;
+  ShapedMove<double> move{approach, 1e-3, 1e9, 1};
+  move.see(-1e-6 * 30000.0 * 40000.0, 0, 0);
+  EXPECT_EQ(move.braking_periods(), 2 * 30000 + (40000 + 1 - 30000) + approach.swing_periods);
+}
+
+TEST(ShapedMove, BeginsAnewFromWhereTheAxisIsWhenItsTargetMoves) {
+  const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  ShapedMove<double> move{approach, 1e-3, 10, 1}, begun_there{approach, 1e-3, 10, 1};
+  for (int k = 0; k < 20; ++k) {
+    move.see(-0.1, 0, 0);
+    static_cast<void>(move.force_N());
+  }
+  move.retarget(0.05);
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_EQ(move.see(-0.15, 0, 0), begun_there.see(-0.15, 0, 0)) << k;
+    EXPECT_EQ(move.force_N(), begun_there.force_N()) << k;
   }
 }
 

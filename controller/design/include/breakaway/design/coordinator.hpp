@@ -47,10 +47,11 @@ law::CoordinatorParameters<Real, Axes> coordinator_parameters(const stability::C
                      .max_force_N = real(axes.max_force_N[i]),
                      .gate_m = real(promise.gate_m),
                      .tolerance_m = real(tolerance_m[i]),
-                     .resolution_m = real(approach.resolution_m[i])};
+                     .resolution_m = real(approach.resolution_m[i]),
+                     .hold_off = {}};
     for (std::size_t other = 0; other < p.count; ++other) {
       const auto j = static_cast<Eigen::Index>(other);
-      if (j != i && axes.actuated(j)) p.hold_off[place][other] = real(stability::coupling(axes, i, j).hold_off);
+      if (j != i && axes.actuated(j)) p.axes[place].hold_off[other] = real(stability::coupling(axes, i, j).hold_off);
     }
   }
   return p;

@@ -59,10 +59,10 @@ struct BrakedPromise {
 struct WorkPromise {
   double floor_m;            // nearer than this an axis is not kicked
   double least_tolerance_m;  // that can be certified
-  double error_m;            // true error of the motor at rest, at most
-  double beyond_m;           // true distance of the motor beyond the target that a kick may reach, at most
+  double error_m;            // true error of the side with the encoder at rest, at most
+  double beyond_m;           // true distance of that side beyond the target that a kick may reach, at most
   double spring_m;           // what the spring may add to a kick, by which each aims short
-  double unseen_m;           // that the load may rest off where the motor says, whatever the law
+  double unseen_m;           // that the other side may rest off where this one says, whatever the law
   double resonance_Hz;       // at the least stiffness
   double reach_m;            // the distance up to which a kick aims at the target
   double hand_over_m;        // an axis that rests further away is approached, not kicked

@@ -30,7 +30,8 @@ struct SpringLoad {
   law::FrictionBounds<double> motor_friction{};
   law::FrictionBounds<double> load_friction{};
   bool encoder_on_load = false;
-  double gap_m = 0;  // of a backlash between them, at most; only the coast "work" is made for one
+  double gap_m = 0;             // of a backlash between them, at most; only the coast "work" is made for one
+  double damping_Ns_per_m = 0;  // of the spring, at least; only the coast "work" asks for it
 
   double resonance_Hz() const;
   // The side that the encoder does not see may rest so far from where it seems to, while a force of at most load_N acts

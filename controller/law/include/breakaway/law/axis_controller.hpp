@@ -345,6 +345,7 @@ class AxisController {
 
   ControlOutput<Scalar> braked_without_sample() noexcept {
     if (mode_ == Mode::approach) plan_.skip(cycle_.interval().middle_N(), last_force_N_);
+    if constexpr (Parts::by_work) cycle_.skip();
     return give(cycle_.whole_steps(last_force_N_ + braked_->force_step_N / 2));
   }
 

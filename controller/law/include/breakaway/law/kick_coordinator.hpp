@@ -1,22 +1,29 @@
 // KickCoordinator: axes that push each other are brought near their targets together, let go, and kicked to them one
 // after another.
 //
+//   gather    u = 0, until every axis was asked in one period
 //   approach  every axis: u = -P z - D (z - z before)/T, until none of them moves and each is within its gate
 //   release   u = 0, until the machine is sure to rest
+//   choice    u = 0; of the axes that are off their targets one is looked at in a period, each in its turn
 //   pulse     the kicked axis: a force towards its target for whole periods; every other one: k (F - (A + B)/2), which
 //             takes the middle of what the kick asks of it off its friction
 //   coast     the kicked axis: its brake; every other one: -k (B + b)/2
 //   rest      u = 0, until the readings are of the machine at rest
 //   hold      every axis is within its tolerance: u = 0
 //
+// The axes move together or not at all: where one of them is not asked in its turn, because it was stopped, or has a
+// fault of its own, the others get no force from then on, until all are asked again.
+//
 // What breakaway::stability::certify_machine() certifies is this, with these numbers. No kick looks at a measurement
 // after its start. What is chosen once the last axis was asked acts from the next period on, for all axes alike: a
-// hold-off force that came a period before its kick would itself move the axis. The work of a period is bounded;
-// nothing is allocated.
+// hold-off force that came a period before its kick would itself move the axis. The work of a period is bounded: each
+// axis does its own in its own turn, and closing the period takes as long for eight axes as for one. Nothing is
+// allocated.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +35,7 @@ namespace breakaway::law {
 
 // One axis of a machine. SI units; A, B and b as in Theorem S: least and greatest friction with all that acts beside
 // it.
-template <class Scalar>
+template <class Scalar, std::size_t Axes>
 struct CoordinatedAxisParameters {
   Scalar position_gain_N_per_m{};   // P
   Scalar velocity_gain_Ns_per_m{};  // D
@@ -42,9 +49,10 @@ struct CoordinatedAxisParameters {
   Scalar gate_m{};       // a reading within it lets the release begin
   Scalar tolerance_m{};  // of the reading
   Scalar resolution_m{};
+  std::array<Scalar, Axes> hold_off{};  // k_j for every axis j, while this one is kicked
 };
 
-// The first `count` of the axes are there. hold_off[i][j] is k_j of a kick of axis i.
+// The first `count` of the axes are there.
 template <class Scalar, std::size_t Axes>
 struct CoordinatorParameters {
   Scalar period_s{};
@@ -53,11 +61,57 @@ struct CoordinatorParameters {
   std::uint8_t still_periods = 8;
   std::uint16_t release_periods = 0;
   std::uint32_t most_kicks = 0;  // from one release to the hold
-  std::array<CoordinatedAxisParameters<Scalar>, Axes> axes{};
-  std::array<std::array<Scalar, Axes>, Axes> hold_off{};
+  std::array<CoordinatedAxisParameters<Scalar, Axes>, Axes> axes{};
 };
 
-enum class CoordinatorPhase : std::uint8_t { approach, release, pulse, coast, rest, hold, fault };
+namespace internal {
+
+template <class Scalar>
+constexpr bool is_within(Scalar value, Scalar least, Scalar most) noexcept {
+  return value >= least && value <= most;
+}
+
+// The force that each other drive must give while this axis is kicked, for each unit of k: the most of pulse and coast.
+template <class Scalar, std::size_t Axes>
+constexpr Scalar largest_hold_off_N(const CoordinatedAxisParameters<Scalar, Axes>& a) noexcept {
+  return std::max(a.kick_N - (a.lower_N + a.upper_N) / 2, (a.upper_N + a.brake_N) / 2);
+}
+
+template <class Scalar, std::size_t Axes>
+constexpr bool is_usable(const CoordinatorParameters<Scalar, Axes>& p, std::size_t i) noexcept {
+  constexpr Scalar most = std::numeric_limits<Scalar>::max(), least = std::numeric_limits<Scalar>::min();
+  const auto& a = p.axes[i];
+  const bool bounded = is_within(a.mass_kg, least, most) && is_within(a.brake_N, Scalar{0}, most) &&
+                       a.lower_N > a.brake_N && is_within(a.upper_N, a.lower_N, most) &&
+                       is_within(a.sure_N, a.upper_N, most) && is_within(a.max_force_N, least, most) &&
+                       is_within(a.position_gain_N_per_m, Scalar{0}, most) &&
+                       is_within(a.velocity_gain_Ns_per_m, Scalar{0}, most) && is_within(a.gate_m, least, most) &&
+                       is_within(a.tolerance_m, least, most) && is_within(a.resolution_m, least, most);
+  if (!bounded || !(is_within(a.kick_N, a.sure_N, a.max_force_N) || a.kick_N == 0)) return false;
+  for (std::size_t j = 0; j < p.count; ++j) {
+    const Scalar share = a.hold_off[j] < 0 ? -a.hold_off[j] : a.hold_off[j];
+    // But for the rounding of the scalar type.
+    const Scalar most_N = p.axes[j].max_force_N * (1 + 8 * std::numeric_limits<Scalar>::epsilon());
+    if (!(j == i ? share <= 0 : share * largest_hold_off_N(a) <= most_N || a.kick_N == 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace internal
+
+// Whether all numbers are in their ranges, and every drive gives the forces that kicks of the others ask of it.
+template <class Scalar, std::size_t Axes>
+constexpr bool are_usable(const CoordinatorParameters<Scalar, Axes>& p) noexcept {
+  const bool whole = p.period_s > 0 && p.period_s <= std::numeric_limits<Scalar>::max() && p.count >= 1 &&
+                     p.count <= Axes && p.settling_periods >= 1 && p.still_periods >= 1;
+  if (!whole) return false;
+  for (std::size_t i = 0; i < p.count; ++i) {
+    if (!internal::is_usable(p, i)) return false;
+  }
+  return true;
+}
+
+enum class CoordinatorPhase : std::uint8_t { gather, approach, release, choice, pulse, coast, rest, hold, fault };
 
 // How a hold was reached.
 enum class CoordinatorEnd : std::uint8_t {
@@ -70,12 +124,13 @@ template <class Scalar, std::size_t Axes>
 class KickCoordinator {
  public:
   using Parameters = CoordinatorParameters<Scalar, Axes>;
+  static_assert(Axes >= 1 && Axes <= 32, "each axis has a bit of a word");
 
   // `parameters` must outlive it.
   explicit KickCoordinator(const Parameters& parameters) noexcept
       : p_{&parameters},
         count_{std::min<std::size_t>(parameters.count, Axes)},
-        all_{count_ < 32 ? (std::uint32_t{1} << count_) - 1 : ~std::uint32_t{0}} {
+        all_{count_ < 32 ? bit(count_) - 1 : ~Word{0}} {
     for (std::size_t i = 0; i < count_; ++i) prepare(i);
   }
 
@@ -83,35 +138,36 @@ class KickCoordinator {
   // in their order.
   ControlOutput<Scalar> update(std::size_t axis, const Measurement<Scalar>& z) noexcept {
     if (axis >= count_) return {};
-    take_turn(axis);
-    see(axis, z);
-    const ControlOutput<Scalar> output = output_of(axis);
-    if (seen_ == all_) {
-      decide();
-      seen_ = 0;
-      fresh_ = true;
-    }
+    const Word before = bit(axis) - 1;
+    if (seen_ != before) lose_step();
+    if (seen_ == before) seen_ |= bit(axis);
+    const ControlOutput<Scalar> output = own_step(axis, z);
+    if (seen_ == all_) close_period();
     return output;
   }
 
   void shift_target(std::size_t axis, Scalar shift_m) noexcept {
     if (axis >= count_) return;
     state_[axis].reading_m -= shift_m;
-    if (fault_ == ControlFault::none) approach();
+    if (fault_ == ControlFault::none && phase_ != CoordinatorPhase::gather) approach();
   }
 
   void reset(std::size_t axis) noexcept {
     if (axis >= count_) return;
-    state_[axis].primed = false;
-    state_[axis].force_N = 0;
+    primed_ &= ~bit(axis);
+    weak_ &= ~bit(axis);
     state_[axis].limit_N = p_->axes[axis].max_force_N;
     fault_ = ControlFault::none;
-    approach();
-    start_again();
+    gather();
   }
 
   void limit_force(std::size_t axis, Scalar force_N) noexcept {
-    if (axis < count_) state_[axis].limit_N = std::min(state_[axis].limit_N, force_N);
+    if (axis >= count_) return;
+    state_[axis].limit_N = std::min(state_[axis].limit_N, force_N);
+    for (std::size_t kicked = 0; kicked < count_; ++kicked) {
+      const auto& a = p_->axes[kicked];
+      if (a.kick_N > 0 && std::abs(a.hold_off[axis]) * internal::largest_hold_off_N(a) > force_N) weak_ |= bit(axis);
+    }
   }
 
   CoordinatorPhase phase() const noexcept { return phase_; }
@@ -124,73 +180,160 @@ class KickCoordinator {
   const Parameters& parameters() const noexcept { return *p_; }
 
  private:
+  using Word = std::uint32_t;  // bit i is of axis i
+
+  // Of an axis, in every period.
   struct State {
     Scalar reading_m{};
-    Scalar change_m{};
-    Scalar force_N{};  // of the last period in the approach, and of the next one in all that follows
+    Scalar force_N{};  // of the approach
     Scalar limit_N{};
     Scalar at_kick_m{};
-    Scalar per_one_period_m{};  // 1 / the way of the largest kick of one period
-    bool primed = false;
+    Scalar stiffness_N_per_m{};  // P
+    Scalar damping_N_per_m{};    // D/T
+    Scalar gate_m{};
+    Scalar count_m{};    // another count may show at the edge of one; this is less than two
+    Scalar allowed_m{};  // the tolerance; none where the axis is never kicked
   };
+
+  // What was rounded on the way to a force is less than this, so that no kick goes further than it aims.
+  static constexpr Scalar rounded_down = 1 - 8 * std::numeric_limits<Scalar>::epsilon();
+
+  // What its kicks need of an axis' parameters, once for all.
+  struct Prepared {
+    Scalar per_one_period_m{};  // 1 / the way of the largest kick of one period
+    Scalar half_N{};            // (A - b)/2
+    Scalar square_N2{};         // (g/2)^2, g = A + b
+    Scalar per_metre_N2{};      // 2 m g/T^2
+    Scalar per_g_N{};           // 1/g
+    Scalar middle_N{};          // (A + B)/2
+    Scalar coast_N{};           // -(B + b)/2
+  };
+
+  static constexpr Word bit(std::size_t axis) noexcept { return Word{1} << axis; }
+  static void mark(Word& word, Word mine, bool marked) noexcept { word = marked ? word | mine : word & ~mine; }
 
   void prepare(std::size_t i) noexcept {
     const auto& a = p_->axes[i];
+    const Scalar period_s = p_->period_s, g = a.lower_N + a.brake_N;
+    const Scalar way_m = (a.kick_N - a.lower_N) * (a.kick_N + a.brake_N) * period_s * period_s / (2 * a.mass_kg * g);
     State& s = state_[i];
     s.limit_N = a.max_force_N;
-    const Scalar way_m = (a.kick_N - a.lower_N) * (a.kick_N + a.brake_N) * p_->period_s * p_->period_s /
-                         (2 * a.mass_kg * (a.lower_N + a.brake_N));
-    s.per_one_period_m = way_m > 0 ? 1 / way_m : Scalar{0};
+    s.stiffness_N_per_m = a.position_gain_N_per_m;
+    s.damping_N_per_m = a.velocity_gain_Ns_per_m / period_s;
+    s.gate_m = a.gate_m;
+    s.count_m = a.resolution_m * Scalar(1.5);
+    s.allowed_m = a.kick_N > 0 ? a.tolerance_m : std::numeric_limits<Scalar>::max();
+    prepared_[i] = {.per_one_period_m = way_m > 0 ? 1 / way_m : Scalar{0},
+                    .half_N = (a.lower_N - a.brake_N) / 2,
+                    .square_N2 = g * g / 4,
+                    .per_metre_N2 = 2 * a.mass_kg * g / (period_s * period_s),
+                    .per_g_N = 1 / g,
+                    .middle_N = (a.lower_N + a.upper_N) / 2,
+                    .coast_N = -(a.upper_N + a.brake_N) / 2};
   }
 
   // A period begins with the first axis. Where one is left out, or asked before those in front of it, it does not run
-  // with the others, and all go back to the approach.
-  void take_turn(std::size_t axis) noexcept {
-    const std::uint32_t bit = std::uint32_t{1} << axis;
-    if (seen_ != bit - 1) start_again();
-    if (seen_ == bit - 1) seen_ |= bit;
+  // with the others, and none of them has force.
+  void lose_step() noexcept {
+    if (fault_ == ControlFault::none) gather();
+    seen_ = 0;
   }
 
-  void see(std::size_t axis, const Measurement<Scalar>& z) noexcept {
-    State& s = state_[axis];
+  // What an axis does in its own turn.
+
+  static bool is_number(Scalar reading_m) noexcept { return std::abs(reading_m) <= std::numeric_limits<Scalar>::max(); }
+
+  ControlOutput<Scalar> draw_near(State& s, Word mine, const Measurement<Scalar>& z) noexcept {
     if (!z.fresh) {
       fresh_ = false;
-      return;
+      return {(driven_ & mine) != 0 ? s.force_N : Scalar{0}, Scalar{0}, Mode::approach, false};
     }
-    if (!(std::abs(z.position_error_m) <= std::numeric_limits<Scalar>::max())) return fail(ControlFault::not_a_number);
-    s.change_m = s.primed ? z.position_error_m - s.reading_m : Scalar{0};
+    if (!is_number(z.position_error_m)) return failed(ControlFault::not_a_number);
+    const Scalar change_m = (primed_ & mine) != 0 ? z.position_error_m - s.reading_m : Scalar{0};
     s.reading_m = z.position_error_m;
-    s.primed = true;
-    if (phase_ != CoordinatorPhase::approach) return;
-    const auto& a = p_->axes[axis];
-    s.force_N = limited(-a.position_gain_N_per_m * s.reading_m - a.velocity_gain_Ns_per_m * s.change_m / p_->period_s,
-                        s.limit_N);
-    // Another count may show at the edge of one; two do not.
-    const bool still = std::abs(s.change_m) <= a.resolution_m * Scalar(1.5) && std::abs(s.reading_m) <= a.gate_m;
-    all_still_ = all_still_ && still;
+    s.force_N = limited(-s.stiffness_N_per_m * s.reading_m - s.damping_N_per_m * change_m, s.limit_N);
+    primed_ |= mine;
+    driven_ |= mine;
+    if (!(std::abs(change_m) <= s.count_m && std::abs(s.reading_m) <= s.gate_m)) all_still_ = false;
+    return {s.force_N, Scalar{0}, Mode::approach, false};
   }
 
-  ControlOutput<Scalar> output_of(std::size_t axis) const noexcept {
-    if (fault_ != ControlFault::none) return {Scalar{0}, Scalar{0}, Mode::fault, false};
-    const bool pulse = phase_ == CoordinatorPhase::pulse && axis == kicked_;
-    return {state_[axis].force_N, Scalar{0}, mode_of(pulse), pulse && pulse_starts_};
+  // While a kick is under way no sample changes what happens.
+  ControlOutput<Scalar> take_part(State& s, std::size_t axis, const Measurement<Scalar>& z) noexcept {
+    if (z.fresh) {
+      if (!is_number(z.position_error_m)) return failed(ControlFault::not_a_number);
+      s.reading_m = z.position_error_m;
+    } else {
+      fresh_ = false;
+    }
+    if (pulse_starts_) s.at_kick_m = s.reading_m;
+    if (axis != kicked_)
+      return {limited(held_N_ * p_->axes[kicked_].hold_off[axis], s.limit_N), Scalar{0}, Mode::coast, false};
+    return {force_N_, Scalar{0}, phase_ == CoordinatorPhase::pulse ? Mode::kick : Mode::coast, pulse_starts_};
   }
 
-  Mode mode_of(bool pulse) const noexcept {
-    if (phase_ == CoordinatorPhase::approach) return Mode::approach;
+  ControlOutput<Scalar> stand(State& s, std::size_t axis, const Measurement<Scalar>& z) noexcept {
+    if (!z.fresh)
+      fresh_ = false;
+    else if (!is_number(z.position_error_m))
+      return failed(ControlFault::not_a_number);
+    else
+      look(s, axis, z.position_error_m);
+    return {Scalar{0}, Scalar{0}, standing_mode(), false};
+  }
+
+  void look(State& s, std::size_t axis, Scalar reading_m) noexcept {
+    const Word mine = bit(axis);
+    s.reading_m = reading_m;
+    primed_ |= mine;
+    mark(outside_, mine, std::abs(reading_m) > s.allowed_m);
+    if (phase_ == CoordinatorPhase::rest) mark(unlawful_, mine, !is_lawful(s, axis));
+    if (phase_ == CoordinatorPhase::hold) mark(far_, mine, std::abs(reading_m) > s.gate_m);
+  }
+
+  // After a kick: no other axis moved, and the kicked one did not go beyond. Else the machine is not what was
+  // certified.
+  bool is_lawful(const State& s, std::size_t axis) const noexcept {
+    return axis == kicked_ ? s.reading_m * direction_ <= s.count_m : std::abs(s.reading_m - s.at_kick_m) <= s.count_m;
+  }
+
+  Mode standing_mode() const noexcept {
     if (phase_ == CoordinatorPhase::hold) return Mode::hold;
-    return pulse ? Mode::kick : Mode::coast;
+    if (phase_ == CoordinatorPhase::fault) return Mode::fault;
+    return phase_ == CoordinatorPhase::gather ? Mode::approach : Mode::coast;
   }
 
-  // Of the next period, once every axis was seen.
-  void decide() noexcept {
+  ControlOutput<Scalar> failed(ControlFault fault) noexcept {
+    fail(fault);
+    return {Scalar{0}, Scalar{0}, Mode::fault, false};
+  }
+
+  ControlOutput<Scalar> own_step(std::size_t axis, const Measurement<Scalar>& z) noexcept {
+    State& s = state_[axis];
+    if (phase_ == CoordinatorPhase::approach) return draw_near(s, bit(axis), z);
+    if (phase_ == CoordinatorPhase::pulse || phase_ == CoordinatorPhase::coast) return take_part(s, axis, z);
+    return stand(s, axis, z);
+  }
+
+  // Every axis was seen: what the next period is.
+  void close_period() noexcept {
+    seen_ = 0;
     pulse_starts_ = false;
+    decide();
+    fresh_ = true;
+  }
+
+  void decide() noexcept {
     switch (phase_) {
+      case CoordinatorPhase::gather:
+        return approach();
       case CoordinatorPhase::approach:
         return watch_approach();
       case CoordinatorPhase::release:
-        if (elapsed()) choose();
+        if (elapsed()) begin_choice();
         return;
+      case CoordinatorPhase::choice:
+        return choose();
       case CoordinatorPhase::pulse:
         if (elapsed()) coast();
         return;
@@ -213,139 +356,118 @@ class KickCoordinator {
     return left_ == 0;
   }
 
+  void gather() noexcept {
+    phase_ = CoordinatorPhase::gather;
+    end_ = CoordinatorEnd::none;
+    seen_ = 0;
+    fresh_ = true;
+    pulse_starts_ = false;
+  }
+
   void approach() noexcept {
     phase_ = CoordinatorPhase::approach;
     end_ = CoordinatorEnd::none;
     still_ = 0;
     all_still_ = true;
     pulse_starts_ = false;
-  }
-
-  void start_again() noexcept {
-    seen_ = 0;
-    fresh_ = true;
-    if (fault_ == ControlFault::none && phase_ != CoordinatorPhase::approach) approach();
-    still_ = 0;
-    all_still_ = true;
+    driven_ = 0;
   }
 
   void watch_approach() noexcept {
     still_ = all_still_ && fresh_ ? still_ + 1 : 0;
     all_still_ = true;
     if (still_ < p_->still_periods) return;
-    let_go();
     kicks_ = 0;
+    outside_ = 0;
     left_ = std::max<std::uint32_t>(p_->release_periods, 1);
     phase_ = CoordinatorPhase::release;
   }
 
-  void let_go() noexcept {
-    for (std::size_t i = 0; i < count_; ++i) state_[i].force_N = 0;
-  }
-
-  bool outside_tolerance(std::size_t i) const noexcept {
-    return p_->axes[i].kick_N > 0 && std::abs(state_[i].reading_m) > p_->axes[i].tolerance_m;
-  }
-
-  // Something pushed an axis that was held.
+  // Something may have pushed an axis that was held.
   void watch_hold() noexcept {
-    bool outside = false, far = false;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const bool out = outside_tolerance(i) && end_ == CoordinatorEnd::on_target;
-      outside = outside || out;
-      far = far || std::abs(state_[i].reading_m) > p_->axes[i].gate_m;
-    }
-    if (far) return approach();
-    if (!outside) return;
+    if (far_ != 0) return approach();
+    if (outside_ == 0 || end_ != CoordinatorEnd::on_target) return;
     kicks_ = 0;
+    begin_choice();
+  }
+
+  void begin_choice() noexcept {
+    end_ = CoordinatorEnd::on_target;
+    candidates_ = outside_;
     choose();
   }
 
   // The axis that was kicked goes on until it is there, and then the next one has its turn.
   void choose() noexcept {
-    end_ = CoordinatorEnd::on_target;
-    for (std::size_t turn = 0; turn < count_; ++turn) {
-      const std::size_t i = kicked_ + turn < count_ ? kicked_ + turn : kicked_ + turn - count_;
-      if (outside_tolerance(i) && kick(i)) return;
-      if (fault_ != ControlFault::none) return;
+    phase_ = CoordinatorPhase::choice;
+    candidates_ &= outside_;
+    if (candidates_ == 0) {
+      phase_ = CoordinatorPhase::hold;
+      far_ = 0;
+      return;
     }
-    let_go();
-    phase_ = CoordinatorPhase::hold;
+    const Word ahead = candidates_ >> kicked_;
+    const std::size_t next = ahead != 0 ? kicked_ + first_of(ahead) : first_of(candidates_);
+    candidates_ &= ~bit(next);
+    kick(next);
   }
 
-  // False where no force that is sure to move the axis goes as little.
-  bool kick(std::size_t i) noexcept {
+  static std::size_t first_of(Word word) noexcept { return static_cast<std::size_t>(std::countr_zero(word)); }
+
+  // Starts a kick, but where no force that is sure to move the axis goes as little.
+  void kick(std::size_t i) noexcept {
     const auto& a = p_->axes[i];
+    const Prepared& c = prepared_[i];
     const Scalar aim_m = std::abs(state_[i].reading_m) - a.resolution_m / 2;
-    std::uint8_t n = periods_for(std::sqrt(aim_m * state_[i].per_one_period_m));
-    const Scalar g = a.lower_N + a.brake_N, time_s = n * p_->period_s;
-    Scalar wanted_N = ((a.lower_N - a.brake_N) + std::sqrt(g * g + 8 * a.mass_kg * g * aim_m / (time_s * time_s))) / 2;
+    std::uint8_t n = periods_for(std::sqrt(aim_m * c.per_one_period_m));
+    Scalar wanted_N =
+        (c.half_N + std::sqrt(c.square_N2 + c.per_metre_N2 * aim_m / static_cast<Scalar>(n * n))) * rounded_down;
     // So many periods need less force than is sure to move the axis: one less with all that there is stops short.
     if (wanted_N < a.sure_N && n > 1) {
       --n;
-      wanted_N = a.kick_N;
+      wanted_N = std::max(a.kick_N * rounded_down, a.sure_N);
     }
     const Scalar force_N = std::min({wanted_N, a.kick_N, state_[i].limit_N});
-    if (!(force_N >= a.sure_N)) {
-      if (!(wanted_N >= a.sure_N)) end_ = CoordinatorEnd::below_floor;
-      if (wanted_N >= a.sure_N) fail(ControlFault::jammed);  // the drive no longer gives what moves the axis
-      return false;
+    if (!(wanted_N >= a.sure_N)) {
+      end_ = CoordinatorEnd::below_floor;
+      return;
     }
-    if (kicks_ >= p_->most_kicks) {
-      fail(ControlFault::hunting);
-      return false;
-    }
+    // A drive no longer gives what moves its axis, or what holds it while another one is kicked.
+    if (!(force_N >= a.sure_N) || (weak_ & ~bit(i)) != 0) return fail(ControlFault::jammed);
+    if (kicks_ >= p_->most_kicks) return fail(ControlFault::hunting);
     ++kicks_;
     kicked_ = i;
     direction_ = state_[i].reading_m > 0 ? Scalar{-1} : Scalar{1};
-    coast_periods_ = whole((force_N - a.lower_N) * n / g) + p_->settling_periods;
-    push(force_N, force_N - (a.lower_N + a.upper_N) / 2);
+    coast_periods_ = whole((force_N - a.lower_N) * n * c.per_g_N) + p_->settling_periods;
+    force_N_ = direction_ * force_N;
+    held_N_ = direction_ * (force_N - c.middle_N);
     left_ = n;
     pulse_starts_ = true;
     phase_ = CoordinatorPhase::pulse;
-    return true;
-  }
-
-  // The force of the kicked axis, and of the others for each unit of k.
-  void push(Scalar force_N, Scalar held_N) noexcept {
-    for (std::size_t j = 0; j < count_; ++j) {
-      state_[j].force_N = limited(direction_ * held_N * p_->hold_off[kicked_][j], state_[j].limit_N);
-      if (phase_ != CoordinatorPhase::coast) state_[j].at_kick_m = state_[j].reading_m;
-    }
-    state_[kicked_].force_N = direction_ * force_N;
   }
 
   void coast() noexcept {
-    const auto& a = p_->axes[kicked_];
-    phase_ = CoordinatorPhase::coast;
+    force_N_ = -direction_ * p_->axes[kicked_].brake_N;
+    held_N_ = direction_ * prepared_[kicked_].coast_N;
     left_ = coast_periods_;
-    push(-a.brake_N, -(a.upper_N + a.brake_N) / 2);
+    phase_ = CoordinatorPhase::coast;
   }
 
   void rest() noexcept {
-    let_go();
     left_ = p_->settling_periods;
+    unlawful_ = 0;
     phase_ = CoordinatorPhase::rest;
   }
 
-  // No other axis moved, and none went beyond: else the machine is not what was certified.
   void judge_kick() noexcept {
-    for (std::size_t j = 0; j < count_; ++j) {
-      const State& s = state_[j];
-      const Scalar most_m = p_->axes[j].resolution_m * Scalar(1.5);
-      const bool held = std::abs(s.reading_m - s.at_kick_m) <= most_m;
-      const bool lawful = j == kicked_ ? s.reading_m * direction_ <= most_m : held;
-      if (lawful) continue;
-      moved_ = j;
-      return fail(ControlFault::contradicted);
-    }
-    choose();
+    if (unlawful_ == 0) return begin_choice();
+    moved_ = first_of(unlawful_);
+    fail(ControlFault::contradicted);
   }
 
   void fail(ControlFault fault) noexcept {
     if (fault_ == ControlFault::none) fault_ = fault;
     phase_ = CoordinatorPhase::fault;
-    let_go();
   }
 
   static std::uint8_t periods_for(Scalar exact) noexcept {
@@ -363,14 +485,24 @@ class KickCoordinator {
 
   const Parameters* p_;
   std::size_t count_;
-  std::uint32_t all_;
-  std::uint32_t seen_ = 0;  // bit i: axis i was asked in this period, and all in front of it
+  Word all_;
+  Word seen_ = 0;        // asked in this period, and all in front of it
+  Word primed_ = 0;      // gave a reading
+  Word driven_ = 0;      // got a force of this approach
+  Word outside_ = 0;     // off their targets
+  Word far_ = 0;         // beyond their gates, in the hold
+  Word unlawful_ = 0;    // did what no kick may make them do
+  Word weak_ = 0;        // their drives give less than kicks of another axis may ask of them
+  Word candidates_ = 0;  // still to be looked at in this choice
   std::array<State, Axes> state_{};
-  CoordinatorPhase phase_ = CoordinatorPhase::approach;
+  std::array<Prepared, Axes> prepared_{};
+  CoordinatorPhase phase_ = CoordinatorPhase::gather;
   CoordinatorEnd end_ = CoordinatorEnd::none;
   ControlFault fault_ = ControlFault::none;
   std::size_t kicked_ = 0, moved_ = 0;
   Scalar direction_ = 1;
+  Scalar force_N_{};  // of the kicked axis
+  Scalar held_N_{};   // of the others for each unit of k
   std::uint32_t left_ = 0, coast_periods_ = 0, kicks_ = 0, still_ = 0;
   bool all_still_ = true, fresh_ = true, pulse_starts_ = false;
 };
@@ -397,12 +529,15 @@ class CoordinatedAxis {
     if (fault() != ControlFault::none) return Mode::fault;
     const CoordinatorPhase phase = coordinator_->phase();
     if (phase == CoordinatorPhase::hold) return Mode::hold;
-    return phase == CoordinatorPhase::approach ? Mode::approach : Mode::coast;
+    const bool comes = phase == CoordinatorPhase::gather || phase == CoordinatorPhase::approach;
+    return comes ? Mode::approach : Mode::coast;
   }
   const Coordinator& coordinator() const noexcept { return *coordinator_; }
 
  private:
-  const CoordinatedAxisParameters<Scalar>& mine() const noexcept { return coordinator_->parameters().axes[axis_]; }
+  const CoordinatedAxisParameters<Scalar, Axes>& mine() const noexcept {
+    return coordinator_->parameters().axes[axis_];
+  }
 
   Coordinator* coordinator_;
   std::size_t axis_;

@@ -27,6 +27,7 @@
 
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/force_interval.hpp"
+#include "breakaway/law/force_steps.hpp"
 
 namespace breakaway::law {
 
@@ -57,9 +58,7 @@ class KickCycle {
 
   void limit_force(Scalar force_N) noexcept {
     reduced_ = true;
-    // A limit that is a whole number of steps must not lose one to the rounding of the quotient.
-    const Scalar steps = force_N / kicks_->force_step_N * (1 + Scalar(1e-6));
-    most_steps_ = steps < Scalar(32767) ? static_cast<std::int32_t>(steps) : 32767;
+    most_steps_ = force_limit_steps(force_N, kicks_->force_step_N);
   }
 
   // Lets the force come from elsewhere, at rest. From now on an axis that shows another count is not still.
@@ -177,14 +176,7 @@ class KickCycle {
   bool pulsed() const noexcept { return pulsed_; }
   const ForceInterval<Scalar>& interval() const noexcept { return interval_; }
 
-  // Rounds down. NaN becomes zero, because a force that nobody computed must not act.
-  std::int32_t whole_steps(Scalar force_N) const noexcept {
-    const Scalar steps = force_N / kicks_->force_step_N;
-    if (!(steps > Scalar(-32767))) return steps <= Scalar(-32767) ? -32767 : 0;
-    if (!(steps < Scalar(32767))) return 32767;
-    const auto truncated = static_cast<std::int32_t>(steps);
-    return static_cast<Scalar>(truncated) > steps ? truncated - 1 : truncated;
-  }
+  std::int32_t whole_steps(Scalar force_N) const noexcept { return whole_force_steps(force_N, kicks_->force_step_N); }
   std::int32_t within_limit(std::int32_t steps) const noexcept { return std::clamp(steps, -most_steps_, most_steps_); }
 
  private:

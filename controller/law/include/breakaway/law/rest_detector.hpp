@@ -50,8 +50,6 @@ class RestDetector {
     return periods * periods * (friction_lower_N_ - largest_force_N_) >= required_ || unchanged_ >= patience;
   }
 
-  constexpr void shift_origin(Scalar shift_m) noexcept { anchor_m_ -= shift_m; }
-
   static constexpr std::int16_t patience = 20;
 
  private:

@@ -3,10 +3,10 @@
 // The plan accelerates by +a for N periods, goes on for C, and by -a for N, which takes it a T^2 N (N + C) far. What is
 // commanded is the mean of that over the last n periods, a whole period of the resonance: the mean of a swing over its
 // period is nothing, so that what such a force starts it also ends. Friction is fed forward by the same mean. What
-// friction does otherwise is mended by a feedback far slower than the resonance; for an encoder on the load, place and
-// speed are read over spans in which the swing cancels.
+// friction does otherwise is mended by a feedback far slower than the resonance. Where the swing is sampled seldom,
+// place and speed are read over spans in which it cancels.
 //
-// The plan is for speed, not for safety: kicks mend whatever it leaves.
+// Kicks mend what the plan leaves; that its feedback does not drive the swing is certified (`swing_is_not_driven`).
 #pragma once
 
 #include <algorithm>

@@ -18,7 +18,7 @@ class WorkAim {
 
   constexpr explicit WorkAim(Scalar asked_m) noexcept : tolerance_m_{asked_m} {}
   constexpr WorkAim(const WorkKicks<Scalar>& kicks, const AxisParameters<Scalar>& p) noexcept
-      : kicks_{&kicks}, tolerance_m_{p.position_tolerance_m} {}
+      : kicks_{&kicks}, tolerance_m_{p.position_tolerance_m}, least_m_{kicks.table.least_m()} {}
 
   constexpr void restart() noexcept { count_ = 0; }
   constexpr Scalar tolerance_m() const noexcept { return tolerance_m_; }
@@ -28,7 +28,7 @@ class WorkAim {
   ControlFault refusal(Scalar x) const noexcept {
     const Scalar y = std::abs(x);
     if (!(y > kicks_->spring_m)) return ControlFault::spring_limit;
-    if (!(y >= kicks_->table.least_m())) return ControlFault::below_floor;
+    if (!(y >= least_m_)) return ControlFault::below_floor;
     return count_ >= most_kicks ? ControlFault::hunting : ControlFault::none;
   }
 
@@ -40,6 +40,7 @@ class WorkAim {
  private:
   const WorkKicks<Scalar>* kicks_ = nullptr;
   Scalar tolerance_m_{};
+  Scalar least_m_{};
   std::uint8_t count_ = 0;
 };
 

@@ -5,7 +5,8 @@
 // The meter looks at the motor's travel D1 as it is read, adds what the motor may travel until the pulse can end, and
 // gives the next period only while F D1 stays within what friction is sure to take up to the target. The motor gains
 // at most a = (F - h)/m1 of speed, where h is what the spring cannot have pushed it by; so from the mean speed w of the
-// last period, with a count q, it goes at most (w + q/T + a T/2) t + a t^2/2 within t.
+// last period, with a count q, it goes at most (w + q/T + a T/2) t + a t^2/2 within t. Each reading that is
+// lost in a pulse makes t a period longer.
 //
 // Rest: the mass that the encoder does not see may swing on while the other sticks, and break it away again. So no
 // count may change for as long as that can last (WorkKicks::still_periods).
@@ -18,6 +19,7 @@
 #include <utility>
 
 #include "breakaway/law/force_interval.hpp"
+#include "breakaway/law/force_steps.hpp"
 #include "breakaway/law/work_kicks.hpp"
 
 namespace breakaway::law {
@@ -31,11 +33,7 @@ class WorkCycle {
     limit_force(max_force_N);
   }
 
-  void limit_force(Scalar force_N) noexcept {
-    // A limit that is a whole number of steps must not lose one to the rounding of the quotient.
-    const Scalar steps = force_N / kicks_->force_step_N * (1 + Scalar(1e-6));
-    most_steps_ = steps < Scalar(32767) ? static_cast<std::int32_t>(steps) : 32767;
-  }
+  void limit_force(Scalar force_N) noexcept { most_steps_ = force_limit_steps(force_N, kicks_->force_step_N); }
 
   void set_free() noexcept { phase_ = Phase::free; }
   void restart() noexcept {
@@ -62,23 +60,25 @@ class WorkCycle {
     }
   }
 
+  // A period without a reading. Until the pulse ends the meter takes what it reads for that much older.
+  void skip() noexcept {
+    if (phase_ != Phase::pulse || !kicks_->metered) return;
+    late_ += 1;
+    set_meter();
+  }
+
   // Starts a kick along `direction`, +1 or -1, from rest at the distance_m from the target.
   void kick(Scalar direction, Scalar distance_m, const Pulse<Scalar>& pulse) noexcept {
-    const WorkKicks<Scalar>& k = *kicks_;
     direction_ = direction;
+    distance_m_ = distance_m;
     pulse_steps_ = std::clamp(whole_steps(pulse.force_N), std::int32_t{0}, most_steps_);
     pulse_periods_ = left_ = std::max(pulse.periods, std::uint8_t{1});
-    const Scalar force_N = static_cast<Scalar>(pulse_steps_) * k.force_step_N;
-    const Scalar gained_m_s = std::max(force_N - k.held_back_N, Scalar{0}) * k.speeding_s_per_kg;  // in a period
-    const Scalar late = k.late_periods;
-    const Scalar most_m = k.friction_per_gain_N * (distance_m - k.spring_m) / force_N;
-    // Of w t + travel, where w t is the last period's travel times `late`, the rest is known beforehand.
-    most_travel_m_ = most_m - unseen_m_ * (1 + late) - gained_m_s * period_s_ * (late + late * late) / 2;
     start_m_ = newest_m_ * direction;
+    late_ = kicks_->late_periods;
     given_ = 0;
     phase_ = Phase::pulse;
     starts_ = true;
-    expect_rest_within(pulse_periods_ + k.longest_coast_periods);
+    expect_rest_within(pulse_periods_ + kicks_->longest_coast_periods);
   }
   void set_period(Scalar period_s) noexcept { period_s_ = period_s; }
 
@@ -94,7 +94,10 @@ class WorkCycle {
     pulse_starts_ = pulsed_ = false;
     if (phase_ == Phase::free) return within_limit(free_steps);
     if (overdue_in_ > 0) --overdue_in_;
-    if (phase_ == Phase::pulse && spent()) coast();
+    if (phase_ == Phase::pulse && kicks_->metered) {
+      if (given_ == 1) set_meter();
+      if (spent()) coast();
+    }
     if (phase_ != Phase::pulse) return 0;
     pulse_starts_ = std::exchange(starts_, false);
     pulsed_ = true;
@@ -113,14 +116,7 @@ class WorkCycle {
   bool pulsed() const noexcept { return pulsed_; }
   const ForceInterval<Scalar>& interval() const noexcept { return no_interval_; }
 
-  // Rounds down. NaN becomes zero, because a force that nobody computed must not act.
-  std::int32_t whole_steps(Scalar force_N) const noexcept {
-    const Scalar steps = force_N / kicks_->force_step_N;
-    if (!(steps > Scalar(-32767))) return steps <= Scalar(-32767) ? -32767 : 0;
-    if (!(steps < Scalar(32767))) return 32767;
-    const auto truncated = static_cast<std::int32_t>(steps);
-    return static_cast<Scalar>(truncated) > steps ? truncated - 1 : truncated;
-  }
+  std::int32_t whole_steps(Scalar force_N) const noexcept { return whole_force_steps(force_N, kicks_->force_step_N); }
   std::int32_t within_limit(std::int32_t steps) const noexcept { return std::clamp(steps, -most_steps_, most_steps_); }
 
  private:
@@ -133,11 +129,21 @@ class WorkCycle {
     blind_ = latency_ + 2;
   }
 
+  // In the period after the first of the pulse, which has work enough with the choice of it.
+  void set_meter() noexcept {
+    const WorkKicks<Scalar>& k = *kicks_;
+    const Scalar force_N = pulse_N(), late = late_;
+    const Scalar gained_m_s = std::max(force_N - k.held_back_N, Scalar{0}) * k.speeding_s_per_kg;  // in a period
+    const Scalar most_m = k.friction_per_gain_N * (distance_m_ - k.spring_m) / force_N;
+    // Of w t + travel, where w t is the last period's travel times `late`, the rest is known beforehand.
+    most_travel_m_ = most_m - unseen_m_ * (1 + late) - gained_m_s * period_s_ * (late + late * late) / 2;
+  }
+
   // Another period might take more work than friction is sure to have.
   bool spent() const noexcept {
-    if (!kicks_->metered || given_ <= latency_) return false;
+    if (given_ <= latency_) return false;
     const Scalar travel_m = newest_m_ * direction_ - start_m_;
-    return travel_m + (newest_m_ - before_m_) * direction_ * kicks_->late_periods > most_travel_m_;
+    return travel_m + (newest_m_ - before_m_) * direction_ * late_ > most_travel_m_;
   }
 
   // With the proof of rest, and four times as long because mass and friction may be off by as much as that.
@@ -151,6 +157,8 @@ class WorkCycle {
   Scalar unseen_m_{};
   Scalar newest_m_{}, before_m_{}, anchor_m_{};
   Scalar start_m_{};        // along the kick
+  Scalar distance_m_{};     // to the target, at the start
+  Scalar late_{};           // periods, from taking the newest sample until the force of the next period has ended
   Scalar most_travel_m_{};  // of the motor, with what it may go on until the pulse can end
   Scalar direction_ = 1;
   std::int32_t most_steps_ = 0;

@@ -48,7 +48,6 @@ struct WorkKicks {
   KickTable<Scalar> table{};
 
   constexpr Scalar begin_m() const noexcept { return approach.begin_m; }
-  // A kick from nearer than this is not sure to move the load.
 };
 
 // Says whether the numbers can be those of an axis; written so that a NaN is refused.

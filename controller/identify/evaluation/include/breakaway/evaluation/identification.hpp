@@ -1,0 +1,71 @@
+// What the record of an experiment says of its axis: mass, friction, latency and the lag of the current loop.
+//
+// Mass and friction are in units of the force that was commanded: a drive that gives a tenth more than it says makes
+// both a tenth too small, and every force that a design computes from them comes out right again.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "breakaway/evaluation/record.hpp"
+
+namespace breakaway::evaluation {
+
+struct Interval {
+  double least = 0, most = 0;
+};
+
+// Friction as it was seen once. At rest it is what a ramp took to break away.
+struct FrictionSample {
+  double position_m = 0;
+  double speed_m_s = 0;    // 0: it broke away here
+  int direction = 1;       // of the motion
+  Interval friction_N;     // the true value lies between, as far as count, step of force and period let one see
+  std::size_t motion = 0;  // samples of one motion, from rest to rest, share a number
+};
+
+struct MassEstimate {
+  double mass_kg = 0;
+  Interval seen_kg;  // of the single switches of force
+  std::size_t switches = 0;
+};
+
+struct LatencyEstimate {
+  int periods = 0;           // from a sample to the first force computed from it
+  double lag_s = 0;          // time constant of the current loop
+  double lag_error_s = 0;    // half of what half of the switches differ by
+  bool lag_is_seen = false;  // it is above a twentieth of a period and three times its error
+  double delay_s = 0;        // of both together
+  Interval delay_seen_s;
+};
+
+// What is added to what was seen.
+struct Margins {
+  double friction = 0.1;  // share of the least and of the greatest friction
+  double mass = 0.01;     // least relative uncertainty of the mass
+};
+
+struct Identification {
+  MassEstimate mass;
+  LatencyEstimate latency;
+  std::vector<FrictionSample> friction;
+  Interval friction_seen_N;                    // the least and the greatest of all samples
+  Interval bounds_N;                           // with the margin
+  double mass_uncertainty = 0;                 // relative, either way
+  Interval travel_seen_m;                      // where friction was seen
+  std::size_t motions = 0;                     // n, from rest to rest
+  std::optional<double> presliding_N_per_m{};  // where the axis bends before it slides
+  double duration_s = 0;
+  Margins margins{};  // that bounds_N and mass_uncertainty have
+
+  // No more likely is the friction of the next motion outside what was seen, whatever its distribution, if motions
+  // come in no order: 2 / (n + 1).
+  double chance_outside() const { return 2.0 / (static_cast<double>(motions) + 1); }
+};
+
+// Throws InputError with the remedy where the record does not show what is needed: too short, no motion, no switch of
+// the force in motion.
+Identification evaluate(const Record& record, const Margins& margins = {});
+
+}  // namespace breakaway::evaluation

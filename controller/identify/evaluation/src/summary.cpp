@@ -1,0 +1,43 @@
+#include "breakaway/evaluation/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+
+namespace breakaway::evaluation {
+namespace {
+
+std::string lag_text(const Identification& found) {
+  const LatencyEstimate& latency = found.latency;
+  if (!latency.lag_is_seen) return "a current loop too fast to be seen";
+  return fmt::format("a current loop of {:.2g} ms", 1e3 * latency.lag_s);
+}
+
+}  // namespace
+
+std::string summary(const Identification& found) {
+  const MassEstimate& mass = found.mass;
+  const Margins& margins = found.margins;
+  return fmt::format(
+             "  mass           {:.4g} kg +- {:.1f} %: {:.4g} to {:.4g} kg in {} switches of the force; the uncertainty "
+             "is "
+             "twice their spread, and {:g} % at least\n"
+             "  friction seen  {:.4g} to {:.4g} N in {} motions, from {:.4g} to {:.4g} m\n"
+             "  bounds         {:.4g} to {:.4g} N, with a margin of {:g} % on either side\n",
+             mass.mass_kg, 100 * found.mass_uncertainty, mass.seen_kg.least, mass.seen_kg.most, mass.switches,
+             100 * margins.mass, found.friction_seen_N.least, found.friction_seen_N.most, found.motions,
+             found.travel_seen_m.least, found.travel_seen_m.most, found.bounds_N.least, found.bounds_N.most,
+             100 * margins.friction) +
+         (found.presliding_N_per_m
+              ? fmt::format("  before sliding it bends: {:.2g} N/m at least\n", *found.presliding_N_per_m)
+              : std::string{}) +
+         fmt::format(
+             "  latency        {} period{}, and {}\n"
+             "  confidence     whatever its distribution, the friction of another motion is outside what was seen with "
+             "a "
+             "chance of at most {:.2g} %\n",
+             found.latency.periods, found.latency.periods == 1 ? "" : "s", lag_text(found),
+             100 * found.chance_outside());
+}
+
+}  // namespace breakaway::evaluation

@@ -1,0 +1,109 @@
+#include "switches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace breakaway::evaluation {
+namespace {
+
+constexpr std::size_t least_readings = 16, most_readings = 60;
+constexpr int most_latency_periods = 8;
+
+Interval range_of(const std::vector<double>& values) {
+  const auto [least, most] = std::ranges::minmax(values);
+  return {least, most};
+}
+
+std::optional<Switch> switch_between(const Record& record, const Stretch& a, const Stretch& b,
+                                     const Settling& settling) {
+  if (a.last != b.first || a.first + settling.all + least_readings > a.last) return {};
+  const Motion before = motion_in(record, a.first + settling.all, a.last);
+  const Motion after = motion_in(record, b.first + settling.all, b.last);
+  if (before.last + 2 < a.last || after.first > b.first + settling.all + 2) return {};
+  if (before.direction == 0 || before.direction != after.direction) return {};
+  const std::size_t n_before = a.last - before.first, n_after = after.last - after.first;
+  if (n_before < least_readings || n_after < least_readings) return {};
+  const auto with = [&](std::size_t n) {
+    return Switch{.at = b.first,
+                  .readings = std::min({n, n_before, n_after}),
+                  .change_N = b.command_N - a.command_N,
+                  .before = fit(record, a.last - std::min(n_before, n), a.last),
+                  .after = fit(record, after.first, after.first + std::min(n_after, n))};
+  };
+  const Switch found = with(most_readings);
+  if (!(found.change_N * found.change_m_s2() > 0 && std::abs(found.change_m_s2()) > 50 * found.error_m_s2())) return {};
+  // Shorter parabolas leave friction less room to change; longer ones see past the counts.
+  const auto enough = static_cast<std::size_t>(readings_for(5e-4 * std::abs(found.change_m_s2()), record));
+  return with(std::clamp(enough, least_readings, most_readings));
+}
+
+std::vector<Switch> greatest(const std::vector<Switch>& switches) {
+  double most_N = 0;
+  for (const Switch& s : switches) most_N = std::max(most_N, std::abs(s.change_N));
+  std::vector<Switch> kept;
+  for (const Switch& s : switches)
+    if (std::abs(s.change_N) > 0.7 * most_N) kept.push_back(s);
+  return kept;
+}
+
+// Behind a loop of first order the new parabola goes through a speed of the old one a lag late, and through a place
+// that is off by (a2 - a1) lag^2 / 2 there.
+struct Meeting {
+  double delay_s, lag_squared_s2;
+};
+Meeting meeting_of(const Switch& s, double T) {
+  const double change_m_s2 = s.change_m_s2();
+  const double at = static_cast<double>(s.at);
+  const double late_s = (s.before.speed_at(at, T) - s.after.speed_at(at, T)) / change_m_s2;
+  const double meeting = at + late_s / T;
+  const double off_m = s.after.position_at(meeting, T) - s.before.position_at(meeting, T);
+  return {late_s, 2 * off_m / change_m_s2};
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Settling& settling) {
+  std::vector<Switch> found;
+  for (std::size_t i = 1; i < stretches.size(); ++i)
+    if (const auto one = switch_between(record, stretches[i - 1], stretches[i], settling)) found.push_back(*one);
+  return found;
+}
+
+MassEstimate mass_of(const std::vector<Switch>& switches) {
+  std::vector<double> masses;
+  for (const Switch& s : greatest(switches)) masses.push_back(s.mass_kg());
+  return {median(masses), range_of(masses), masses.size()};
+}
+
+LatencyEstimate latency_of(const std::vector<Switch>& switches, double period_s) {
+  std::vector<double> delays, lags;
+  for (const Switch& s : greatest(switches)) {
+    const Meeting meeting = meeting_of(s, period_s);
+    delays.push_back(meeting.delay_s), lags.push_back(meeting.lag_squared_s2);
+  }
+  LatencyEstimate latency{.delay_s = median(delays), .delay_seen_s = range_of(delays)};
+  const double lag_squared_s2 = median(lags);
+  double least = INFINITY;
+  for (int periods = 0; periods <= most_latency_periods; ++periods) {
+    const double lag_s = latency.delay_s - periods * period_s;
+    if (lag_s < -0.35 * period_s) break;
+    const double off = std::abs(lag_s * std::abs(lag_s) - lag_squared_s2);
+    if (!(off < least)) continue;
+    least = off;
+    latency.periods = periods;
+    latency.lag_s = std::max(lag_s, 0.0);
+  }
+  for (double& delay_s : delays) delay_s = std::abs(delay_s - latency.delay_s);
+  latency.lag_error_s = median(delays);
+  latency.lag_is_seen = latency.lag_s > std::max(0.05 * period_s, 3 * latency.lag_error_s);
+  return latency;
+}
+
+}  // namespace breakaway::evaluation

@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "../../unknown_axis.hpp"
+#include "breakaway/evaluation/identification.hpp"
+#include "breakaway/evaluation/summary.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::evaluation {
+namespace {
+
+using testing::run_experiment;
+using testing::UnknownAxis;
+
+std::string refusal(const Record& record) {
+  try {
+    static_cast<void>(evaluate(record));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Evaluation, FindsTheLagOfTheCurrentLoopApartFromWholePeriodsOfLatency) {
+  for (const double lag_s : {0.0, 0.3e-3, 1e-3, 3e-3}) {
+    for (const int latency : {1, 2, 3}) {
+      UnknownAxis axis;
+      axis.lag_s = lag_s;
+      axis.latency_periods = latency;
+      const Identification found = evaluate(run_experiment(axis).record);
+      EXPECT_EQ(found.latency.periods, latency) << lag_s;
+      EXPECT_NEAR(found.latency.lag_s, lag_s, 0.05e-3);
+      EXPECT_EQ(found.latency.lag_is_seen, lag_s > 0);
+    }
+  }
+}
+
+TEST(Evaluation, FindsWhereFrictionIsHigh) {
+  UnknownAxis axis;
+  axis.wave = 0.15, axis.tilt = 0;
+  int seen = 0;
+  for (const FrictionSample& sample : evaluate(run_experiment(axis).record).friction) {
+    const double truth_N = axis.friction_at(sample.position_m, sample.direction, sample.speed_m_s);
+    EXPECT_GE(truth_N, 0.93 * sample.friction_N.least);
+    EXPECT_LE(truth_N, 1.07 * sample.friction_N.most);
+    ++seen;
+  }
+  EXPECT_GT(seen, 100);
+}
+
+TEST(Evaluation, PromisesNoMoreThanTheNumberOfMotionsAllows) {
+  const Identification found = evaluate(run_experiment(UnknownAxis{}).record);
+  EXPECT_GE(found.motions, 20U);
+  EXPECT_DOUBLE_EQ(found.chance_outside(), 2.0 / (static_cast<double>(found.motions) + 1));
+  EXPECT_LE(found.motions, found.friction.back().motion);
+  EXPECT_NE(summary(found).find("margin of 10 %"), std::string::npos);
+}
+
+TEST(Evaluation, WidensTheBoundsByItsMargins) {
+  const Record record = run_experiment(UnknownAxis{}).record;
+  const Identification found = evaluate(record, {.friction = 0.25, .mass = 0.05});
+  EXPECT_DOUBLE_EQ(found.bounds_N.least, 0.75 * found.friction_seen_N.least);
+  EXPECT_DOUBLE_EQ(found.bounds_N.most, 1.25 * found.friction_seen_N.most);
+  EXPECT_GE(found.mass_uncertainty, 0.05);
+}
+
+TEST(Evaluation, SaysWhatARecordDoesNotShow) {
+  Record record{1e-3, 1e-6, 0.025, {}};
+  EXPECT_NE(refusal(record).find("fewer than 200 readings"), std::string::npos);
+  record.readings.resize(1000);
+  EXPECT_NE(refusal(record).find("nothing tells the mass"), std::string::npos);
+  // Without the ramps, which stay below what sets the axis in motion at once.
+  record = run_experiment(UnknownAxis{}).record;
+  for (Reading& reading : record.readings)
+    if (std::abs(reading.command_N) < 1.3 * UnknownAxis{}.friction_N) reading.command_N = 0;
+  EXPECT_NE(refusal(record).find("friction at rest"), std::string::npos) << refusal(record);
+}
+
+TEST(Evaluation, RefusesAnAxisThatSwings) {
+  Record record = run_experiment(UnknownAxis{}).record;
+  double phase = 0;
+  for (Reading& reading : record.readings) reading.position_m += 1e-4 * std::sin(phase += 0.4);
+  EXPECT_NE(refusal(record).find("no single mass"), std::string::npos) << refusal(record);
+}
+
+}  // namespace
+}  // namespace breakaway::evaluation

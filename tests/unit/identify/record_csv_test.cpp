@@ -1,0 +1,60 @@
+#include "breakaway/evaluation/record_csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::evaluation {
+namespace {
+
+const RecordUnits units{.period_s = 1e-3, .resolution_m = 1e-6, .force_step_N = 0.025, .axis = "x"};
+
+std::string refusal(const std::string& text) {
+  try {
+    static_cast<void>(record_of_csv(text, units));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(RecordCsv, GivesBackWhatItWrote) {
+  Record record{1e-3, 1e-6, 0.025, {}};
+  for (int i = 0; i < 50; ++i) record.readings.push_back({1e-6 * i * i, 0.025 * i, i % 7 != 3});
+  const Record again = record_of_csv(to_csv(record), units);
+  ASSERT_EQ(again.readings.size(), record.readings.size());
+  for (std::size_t i = 0; i < record.readings.size(); ++i) {
+    EXPECT_EQ(again.readings[i].fresh, record.readings[i].fresh) << i;
+    if (!record.readings[i].fresh) continue;
+    EXPECT_DOUBLE_EQ(again.readings[i].position_m, record.readings[i].position_m);
+    EXPECT_DOUBLE_EQ(again.readings[i].command_N, record.readings[i].command_N);
+  }
+}
+
+TEST(RecordCsv, TakesItsColumnsWhereverTheyStandAndOneAxisOfSeveral) {
+  const Record record = record_of_csv(
+      "mode,command_N,time_s,axis,position_m\r\nhold,1.5,7.000,x,0.25\r\nhold,9,7.000,y,1\r\nhold,2,7.001,x,0.5\r\n",
+      units);
+  ASSERT_EQ(record.readings.size(), 2U);
+  EXPECT_EQ(record.readings[1].position_m, 0.5);
+  EXPECT_EQ(record.readings[1].command_N, 2);
+}
+
+TEST(RecordCsv, TakesTheLastOfSeveralRuns) {
+  const Record record = record_of_csv("time_s,position_m,command_N\n1,5,0\n1.001,5,0\n900,6,0\n", units);
+  ASSERT_EQ(record.readings.size(), 1000U);
+  EXPECT_EQ(record.readings.back().position_m, 6);
+}
+
+TEST(RecordCsv, NamesTheLineThatIsWrong) {
+  EXPECT_NE(refusal("time_s,position_m,force_N\n").find("no column command_N"), std::string::npos);
+  EXPECT_NE(refusal("time_s,position_m,command_N\n0,0,0\n0.001,0\n").find("line 3: column 3"), std::string::npos);
+  EXPECT_NE(refusal("time_s,position_m,command_N\n0,zero,0\n").find("line 2: column 2"), std::string::npos);
+  EXPECT_NE(refusal("time_s,position_m,command_N\n1,0,0\n0.5,0,0\n").find("does not grow"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace breakaway::evaluation
