@@ -10,6 +10,7 @@
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/shell_word.hpp"
 #include "surroundings.hpp"
 
 namespace breakaway::config {
@@ -116,7 +117,7 @@ void require_certified(const Node& node, const std::vector<design::DesignReport>
   for (std::size_t i = 0; i < reports.size(); ++i) {
     if (reports[i].certified) continue;
     throw InputError{fmt::format("{}not certified: {}; `breakaway design {}` shows every check",
-                                 place(node, node.axes[i]), reports[i].reasons.front(), node.file)}
+                                 place(node, node.axes[i]), reports[i].reasons.front(), shell_word(node.file))}
         .in_file(node.file);
   }
 }

@@ -26,13 +26,12 @@ std::optional<design::SpringLoad> spring_load(const Axis& axis) {
   return load;
 }
 
-// The supervisor stops an axis beyond its speed limit. Moves have a margin of their own; any other approach, but
-// under the coast "pd", goes as fast as its force lets it.
+// The supervisor stops an axis beyond its speed limit. A move has a margin of its own; any other approach goes as fast
+// as its force allows, or its spring under the coast "pd".
 double approach_speed_m_s(const Axis& axis) {
   constexpr double share_of_limit = 0.9;
   const double asked_m_s = axis.controller.max_approach_speed_m_s;
-  const bool goes_all_out = axis.controller.impulsive->coast != law::Coast::pd && !axis.move;
-  return goes_all_out ? std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s) : asked_m_s;
+  return axis.move ? asked_m_s : std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s);
 }
 
 }  // namespace
@@ -131,14 +130,16 @@ law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis) {
   return p;
 }
 
+bool is_counted(double distance_m, const Axis& axis) {
+  return !axis.drive || std::abs(std::round(distance_m / axis.drive->encoder_resolution_m)) < 0x1p31;
+}
+
 std::string target_problem(double position_m, const Axis& axis) {
   const Limits& l = axis.limits;
   if (position_m < l.position_min_m || position_m > l.position_max_m)
     return fmt::format("is beyond its [limits], position_m = {:g} to {:g}; choose one inside", l.position_min_m,
                        l.position_max_m);
-  // The loop counts in 32 bits.
-  if (axis.drive && !(std::abs(std::round(position_m / axis.drive->encoder_resolution_m)) < 0x1p31))
-    return "is beyond the encoder's range; choose one inside";
+  if (!is_counted(position_m, axis)) return "is beyond the encoder's range; choose one inside";
   return {};
 }
 

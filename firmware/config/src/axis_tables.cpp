@@ -86,7 +86,7 @@ std::vector<Key> gain_keys(PidGains& gains) {
 // its own.
 ImpulsiveGains usual_gains(const Section& section, bool sampled, bool driven) {
   ImpulsiveGains gains{.kick = sampled ? Kick::two_phase : Kick::ideal};
-  section.read(kick_key(gains));
+  section.read_alone(kick_key(gains));
   if (sampled && driven && gains.kick != Kick::naive) gains.coast = law::Coast::brake;
   return gains;
 }
@@ -95,11 +95,14 @@ Controller read_controller(const Section& section, bool sampled, bool driven, st
   Controller controller;
   bool is_pid = false;
   const Key kind = optional("kind", choice(is_pid, {{"impulsive", false}, {"pid", true}}));
-  section.read(kind);
+  section.read_alone(kind);
   if (is_pid) controller.pid.emplace();
   if (!is_pid) controller.impulsive = usual_gains(section, sampled, driven);
+  // Once it is decided, a `kind` that is there can be one only.
+  const Key decided = is_pid ? required("kind", choice(is_pid, {{"pid", true}}))
+                             : optional("kind", choice(is_pid, {{"impulsive", false}}));
   const std::vector<Key> common{
-      kind,
+      decided,
       optional("max_force_N", number(controller.max_force_N, "N", positive)),
       optional("max_approach_speed_m_s", number(controller.max_approach_speed_m_s, "m/s", positive)),
       optional("position_tolerance_m", number(controller.position_tolerance_m, "m", not_negative)),
@@ -281,6 +284,21 @@ Limits read_limits(const Section& section) {
   return limits;
 }
 
+// Between limits that are counted, so is every error of position.
+void check_counted(const Section& section, const Axis& axis) {
+  const auto finite = [](double position_m) { return std::isfinite(position_m) ? position_m : 0; };
+  const double least_m = finite(axis.limits.position_min_m), most_m = finite(axis.limits.position_max_m);
+  const double widest_m = std::max({std::abs(least_m), std::abs(most_m), most_m - least_m});
+  if (is_counted(widest_m, axis)) return;
+  const char* key = section.has("position_m")       ? "position_m"
+                    : section.has("position_max_m") ? "position_max_m"
+                                                    : "position_min_m";
+  const double count_m = axis.drive->encoder_resolution_m;
+  section.fail(key, fmt::format("makes a range of {:g} m, and 32 bits count less than {:.4g} m of encoder_resolution_m "
+                                "= {:g}; narrow the range, or take a unit above {:.3g} m",
+                                widest_m, 0x1p31 * count_m, count_m, widest_m / 0x1p31));
+}
+
 // What a lawful motion needs must not stop the axis.
 void check_limits(const Section& section, const Axis& axis, const Node& node) {
   const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
@@ -290,6 +308,7 @@ void check_limits(const Section& section, const Axis& axis, const Node& node) {
                                "other",
                                limit, what, least));
   };
+  check_counted(section, axis);
   const Limits& l = axis.limits;
   const Controller& c = axis.controller;
   const double force_N = max_force_N(axis);
@@ -325,7 +344,17 @@ void check_targets(const Section& section, const Axis& axis) {
       section.fail(key, fmt::format("= {} m {}", position_m, problem));
   };
   require("target_m", axis.controller.target_m);
-  for (const TargetChange& change : axis.controller.targets) require("targets", change.position_m);
+  double least_m = axis.controller.target_m, most_m = least_m;
+  for (const TargetChange& change : axis.controller.targets) {
+    require("targets", change.position_m);
+    least_m = std::min(least_m, change.position_m);
+    most_m = std::max(most_m, change.position_m);
+  }
+  if (!is_counted(most_m - least_m, axis))
+    section.fail("targets",
+                 fmt::format("are {:g} m apart, more than 32 bits count of encoder_resolution_m; choose them "
+                             "closer together, or take a larger unit",
+                             most_m - least_m));
 }
 
 // The drive must give what the law may ask for.
@@ -374,15 +403,18 @@ void check_in_node(const Section& section, const Drive& drive, const Node& node)
 }  // namespace
 
 std::vector<Key> AxisTables::rows() {
-  const auto keep = [](std::optional<Section>& to) { return table([&to](const Section& part) { to = part; }); };
-  return {optional("plant", keep(plant_)),
-          optional("friction", keep(friction_)),
-          optional("controller", keep(controller_)),
-          optional("drive", keep(drive_)),
-          optional("limits", keep(limits_)),
-          optional("told", keep(told_)),
-          optional("uncertainty", keep(uncertainty_)),
-          optional("move", keep(move_))};
+  // They are the same tables at the top of a file and in an entry of [[axis]].
+  const auto keep = [](const char* name, std::optional<Section>& to) {
+    return table([&to](const Section& part) { to = part; }, name);
+  };
+  return {required_later("plant", keep("plant", plant_)),
+          required_later("friction", keep("friction", friction_)),
+          required_later("controller", keep("controller", controller_)),
+          optional("drive", keep("drive", drive_)),
+          optional("limits", keep("limits", limits_)),
+          optional("told", keep("told", told_)),
+          optional("uncertainty", keep("uncertainty", uncertainty_)),
+          optional("move", keep("move", move_))};
 }
 
 void AxisTables::look_around(Surroundings& surroundings) const {

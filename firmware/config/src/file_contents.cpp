@@ -5,24 +5,54 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::config {
+namespace {
 
-std::string file_contents(const std::filesystem::path& file) {
-  constexpr std::size_t most = std::size_t{1} << 20;  // far above any scenario, far below the machine's memory
+bool is_standard_input(const std::filesystem::path& file) { return file == "-"; }
+
+// One byte more than `most` where there are more.
+std::string read_from(std::istream& in, std::size_t most) {
+  std::string text(most + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+// A process reads one input there, so that the bound of the first call is that of all.
+const std::string& standard_input(std::size_t most) {
+  static const std::string text = read_from(std::cin, most);
+  return text;
+}
+
+std::string contents_of(const std::filesystem::path& file, std::size_t most) {
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(file, ignored);
   errno = 0;
   std::ifstream in{file, std::ios::binary};
-  std::string text(most + 1, '\0');
-  if (folder || !in || (!in.read(text.data(), static_cast<std::streamsize>(text.size())) && in.bad())) {
-    throw InputError{fmt::format("{}: cannot be read: {}; check the path", file.string(),
-                                 folder ? "it is a folder" : std::strerror(errno))};
-  }
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > most) throw InputError{fmt::format("{}: is larger than 1 MiB; give a scenario", file.string())};
+  std::string text = folder || !in ? std::string{} : read_from(in, most);
+  if (folder || !in.is_open() || in.bad())
+    throw InputError{
+        fmt::format("cannot be read: {}; check the path", folder ? "it is a folder" : std::strerror(errno))}
+        .in_file(file.string());
+  return text;
+}
+
+}  // namespace
+
+std::string shown_name(const std::filesystem::path& file) {
+  return is_standard_input(file) ? "standard input" : file.string();
+}
+
+std::string file_contents(const std::filesystem::path& file, std::size_t most) {
+  std::string text = is_standard_input(file) ? standard_input(most) : contents_of(file, most);
+  if (text.size() > most)
+    throw InputError{fmt::format("is larger than {} MiB; give {}", most >> 20U,
+                                 most == most_of_a_scenario ? "a scenario" : "less of it")}
+        .in_file(shown_name(file));
   return text;
 }
 

@@ -22,11 +22,6 @@ void require_flashable(const Node& node) {
   };
   if (!node.loop)
     throw InputError{"[loop] is missing: what runs on a controller needs its period_s"}.in_file(node.file);
-  if (node.coupling)
-    throw InputError{
-        "[coupling] is of axes that one coordinator moves, which `simulate` runs; what is flashed does not hold "
-        "its numbers yet: leave the table out, and each axis is a law of its own"}
-        .in_file(node.file);
   for (const Axis& axis : node.axes) {
     if (!axis.drive) refuse(axis, "[drive] is missing: what runs on a controller needs one");
     if (!axis.controller.impulsive) refuse(axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
@@ -148,6 +143,9 @@ AnyNode<Real, Kicks> flashed_with(const Node& node) try {
 template <class Kicks>
 AnyNode<float, Kicks> certified_with(const Node& node, const std::vector<design::DesignReport>& reports) {
   require_flashable(node);
+  if (node.coupling)
+    throw InputError{"[coupling] is of axes that one coordinator moves, and these are laws of single ones"}.in_file(
+        node.file);
   require_certified(node, reports);
   auto result = flashed_with<float, Kicks>(node);
   for (std::size_t i = 0; i < result.count; ++i) result.axes[i].certified = true;

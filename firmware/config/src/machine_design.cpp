@@ -35,6 +35,21 @@ double farthest_target_m(const Axis& axis) {
   return farthest_m;
 }
 
+// The targets of the file that are not near the one before.
+std::string too_far_a_target(const Axis& axis, double start_m) {
+  double from_m = axis.controller.target_m;
+  for (const TargetChange& change : axis.controller.targets) {
+    const double to_m = change.position_m, allowed_m = start_m + axis.drive->encoder_resolution_m;
+    if (std::abs(to_m - from_m) > allowed_m)
+      return fmt::format(
+          "axis {}: [controller] targets go from {:g} m to {:g} m at once, and [coupling] start_m is {:g}; name places "
+          "between, or raise start_m",
+          axis.name, from_m, to_m, start_m);
+    from_m = to_m;
+  }
+  return {};
+}
+
 // Of the keys that no certificate of an axis takes in, the machine is what this one is about.
 std::string uncertified(const Axis& axis) {
   if (axis.surroundings.encoder_error_m > 0)
@@ -74,6 +89,21 @@ std::string too_slow_a_limit(const Node& node, const stability::MachineCertifica
   return {};
 }
 
+// No axis has force before all of them run, so that friction must hold the machine where an approach may begin.
+std::string moves_at_start(const Node& node) {
+  const stability::CoupledAxes axes = coupled_axes(node);
+  const VectorXd pushed_N = axes.load_N + axes.stiffness.cwiseAbs() * sampled_approach(node).start_m;
+  for (std::size_t i = 0; i < node.axes.size(); ++i) {
+    const double push_N = pushed_N[static_cast<Index>(i)], held_N = node.axes[i].friction.bounds.lower_N;
+    if (push_N < held_N) continue;
+    return fmt::format(
+        "axis {}: springs and loads of [coupling] may push it with {:.4g} N as far as start_m from its target, where "
+        "{:g} N of friction are sure to hold it until all axes run; lower start_m or the loads",
+        node.axes[i].name, push_N, held_N);
+  }
+  return {};
+}
+
 // What the theorem takes for granted, and the file says otherwise; nothing where it does not.
 std::string outside_theorem(const Node& node) {
   if (node.bus_surroundings.loss_probability > 0)
@@ -84,6 +114,7 @@ std::string outside_theorem(const Node& node) {
     return "[bus] delay_max_s is above delay_min_s, so that a kick may be longer than its periods; make them equal";
   for (const Axis& axis : node.axes) {
     if (std::string also = uncertified(axis); !also.empty()) return also;
+    if (std::string far = too_far_a_target(axis, node.coupling->start_m); !far.empty()) return far;
     const Uncertainty& u = axis.uncertainty;
     if (lag_s(axis) != lag_s(node.axes.front()))
       return fmt::format(
@@ -153,6 +184,7 @@ stability::MachineCertificate examine_machine(const Node& node) try {
   stability::MachineCertificate certificate =
       stability::certify_machine(coupled_axes(node), sampled_approach(node), tolerances_m(node));
   std::string outside = outside_theorem(node);
+  if (outside.empty()) outside = moves_at_start(node);
   if (outside.empty() && certificate.certified) outside = too_slow_a_limit(node, certificate);
   if (!outside.empty()) {
     certificate.certified = false;
@@ -168,18 +200,65 @@ stability::MachineCertificate examine_machine(const Node& node) try {
   throw error.in_file(node.file);
 }
 
+std::string machine_promise(const Node& node, const stability::MachineCertificate& certificate) {
+  return fmt::format(
+      "from rest within {:.4g} m of its targets it approaches them, is let go, and reaches them after {} kicks at "
+      "most, of one axis after another; no kick moves another axis, and none goes beyond",
+      node.coupling->start_m, certificate.most_kicks);
+}
+
+std::vector<std::string> machine_conditions(const Node& node) {
+  std::vector<std::string> conditions;
+  for (const Axis& axis : node.axes)
+    conditions.push_back(
+        fmt::format("the friction of axis {} stays between {:g} N and {:g} N at any position, speed and time, as it "
+                    "likes",
+                    axis.name, axis.friction.bounds.lower_N, axis.friction.bounds.upper_N));
+  const Coupling& c = *node.coupling;
+  conditions.push_back(fmt::format("every mass of [coupling] is within {:g} % of what is told{}", 100 * c.mass_error,
+                                   c.range_m < unlimited ? fmt::format(", {:g} m around the targets", c.range_m) : ""));
+  conditions.push_back("springs, dampers and loads are those of [coupling], and the mechanism is rigid but for them");
+  conditions.push_back(fmt::format("each target is given at rest, {:g} m away at most", c.start_m));
+  conditions.push_back(
+      fmt::format("every drive gives the force that is commanded, in whole periods, behind a current "
+                  "loop of {:g} s, all at one instant",
+                  lag_s(node.axes.front())));
+  conditions.push_back("a reading is off by half a count at most, and no sample or command is lost");
+  return conditions;
+}
+
 template <class Real>
-law::CoordinatorParameters<Real, most_axes> coordinator_parameters(const Node& node) {
-  const stability::MachineCertificate certificate = examine_machine(node);
+MachineNode<Real> flashed_machine(const Node& node, const stability::MachineCertificate& certificate) {
+  require_flashable(node);
   if (!certificate.certified)
     throw InputError{"the machine of its axes is not certified, and its kicks are made from the certificate: " +
                      certificate.reason}
         .in_file(node.file);
-  return design::coordinator_parameters<Real, most_axes>(coupled_axes(node), sampled_approach(node), tolerances_m(node),
-                                                         certificate);
+  MachineNode<Real> flashed{.loop = loop_config(node),
+                            .wiring = node.wiring,
+                            .count = static_cast<std::uint8_t>(node.axes.size()),
+                            .axes = {},
+                            .coordinator = design::coordinator_parameters<Real, most_axes>(
+                                coupled_axes(node), sampled_approach(node), tolerances_m(node), certificate),
+                            .certified = true};
+  for (std::size_t i = 0; i < node.axes.size(); ++i) {
+    const Axis& axis = node.axes[i];
+    flashed.axes[i] = {.name = {}, .drive = drive_config<Real>(axis), .limits = axis_limits<Real>(axis)};
+    std::ranges::copy(axis.name, flashed.axes[i].name.characters.begin());
+  }
+  flashed.checksum = checksum_of(flashed);
+  return flashed;
 }
 
-template law::CoordinatorParameters<float, most_axes> coordinator_parameters(const Node&);
-template law::CoordinatorParameters<double, most_axes> coordinator_parameters(const Node&);
+template MachineNode<float> flashed_machine(const Node&, const stability::MachineCertificate&);
+template MachineNode<double> flashed_machine(const Node&, const stability::MachineCertificate&);
+
+MachineNode<float> certified_machine(const Node& node, const stability::MachineCertificate& certificate) {
+  const auto flashed = flashed_machine<float>(node, certificate);
+  if (const firmware::NodeVerdict verdict = firmware::verify(flashed); !verdict.ok())
+    throw InputError{fmt::format("axis {}, in float: {}", node.axes[verdict.axis].name, to_string(verdict.error))}
+        .in_file(node.file);
+  return flashed;
+}
 
 }  // namespace breakaway::config

@@ -19,6 +19,11 @@ bool take_row(const Entry& entry, std::vector<std::vector<double>>& rows) {
   return numbers(rows.emplace_back(), "").take(entry) && rows.back().size() == rows.front().size();
 }
 
+Form matrix_form() {
+  const Form row{.type = Form::Type::array, .parts = {{.type = Form::Type::number}}, .most_entries = most_coordinates};
+  return {.type = Form::Type::array, .parts = {row}, .least_entries = 1, .most_entries = most_coordinates};
+}
+
 }  // namespace
 
 Value matrix(MatrixXd& to, std::string_view unit) {
@@ -40,7 +45,7 @@ Value matrix(MatrixXd& to, std::string_view unit) {
                 }
                 return true;
               },
-          .takes_arrays = true};
+          .form = matrix_form()};
 }
 
 Value vector(VectorXd& to, std::string_view unit, Range range) {

@@ -3,44 +3,101 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 
+#include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::config {
 namespace {
 
 constexpr std::string_view name = "the new file";
+constexpr std::uint32_t bit_rate = 1'000'000;
 
 // What the file is given beside what is known.
 struct Chosen {
   double tolerance_m, settle_tolerance_m, approach_speed_m_s, speed_limit_m_s, duration_s;
 };
 
-// To so many significant digits. A value that has no more stays, in spite of the roundings here.
-double rounded(double value, int digits, double (*to_whole)(double), double slack) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
-  return std::stod(fmt::format("{:.{}e}", to_whole(value / unit * slack) * unit, digits - 1));
+// The range is that of the key it is written to, or of what follows from it.
+void require_number(double value, std::string_view what, std::string_view unit, double least, double most) {
+  if (!(std::isfinite(value) && value > 0))
+    throw InputError{fmt::format("{} is {:g}, which is not a finite number above 0", what, value)};
+  if (value < least || value > most)
+    throw InputError{
+        fmt::format("{} is {:g} {}, outside {:g} to {:g} {}: check its unit", what, value, unit, least, most, unit)};
 }
-double rounded_up(double value, int digits) { return rounded(value, digits, std::ceil, 1 - 1e-9); }
-double rounded_down(double value, int digits) { return rounded(value, digits, std::floor, 1 + 1e-9); }
 
-void require_number(double value, std::string_view what) {
-  if (std::isfinite(value) && value > 0) return;
-  throw InputError{fmt::format("{} is {:g}, which is not a finite number above 0", what, value)};
+// Of the encoder's zero, either way.
+double travel_m(const KnownAxis& known) { return rounded_up(1.25 * known.longest_move_m, 2); }
+
+void require_counted(const KnownAxis& known) {
+  const double range_m = 2 * travel_m(known), counted_m = 0x1p31 * known.encoder_resolution_m;
+  if (range_m < counted_m) return;
+  throw InputError{fmt::format(
+      "the longest move, {:g} m, needs a travel of {:g} m, and 32 bits count less than {:.4g} m with the encoder's "
+      "{:g} m a count; let the drive scale its position to a count of {:.2g} m at least, or give a shorter move",
+      known.longest_move_m, range_m, counted_m, known.encoder_resolution_m, rounded_up(1.01 * range_m / 0x1p31, 2))};
+}
+
+bool can_be_told(hal::Duration period) { return cia402::interpolation_period(period).has_value(); }
+
+hal::Duration period_of(double rate_Hz) { return hal::Duration{std::llround(1e9 / rate_Hz)}; }
+
+// The next rate of few digits, below or above, whose period drives can be told, and which the bus carries; 0: there is
+// none, which is never so below one of 10 Hz and more.
+double next_rate_Hz(double rate_Hz, bool above, double most_Hz) {
+  constexpr std::array digits{1.0, 1.25, 1.5625, 2.0, 2.5, 3.125, 4.0, 5.0, 6.25, 8.0};
+  const auto works = [&](double candidate_Hz) {
+    return candidate_Hz >= 1 && candidate_Hz <= most_Hz && can_be_told(period_of(candidate_Hz)) &&
+           (above ? candidate_Hz > rate_Hz : candidate_Hz < rate_Hz);
+  };
+  double best_Hz = 0;
+  for (double decade = 1; decade <= 1e5; decade *= 10) {
+    for (const double digit : digits) {
+      const double candidate_Hz = digit * decade;
+      const bool nearer = best_Hz == 0 || (above ? candidate_Hz < best_Hz : candidate_Hz > best_Hz);
+      if (works(candidate_Hz) && nearer) best_Hz = candidate_Hz;
+    }
+  }
+  return best_Hz;
+}
+
+void require_rate(const KnownAxis& known) {
+  constexpr double least_Hz = 10;  // with the heartbeats of every other period that a drive waits 0.25 s for
+  if (known.rate_Hz < least_Hz)
+    throw InputError{
+        fmt::format("the rate is {:g} Hz, and a file begins with {:g} Hz at least; raise it", known.rate_Hz, least_Hz)};
+  const auto budget = canopen::bus_budget(1, std::chrono::seconds{1}, bit_rate);
+  const double most_Hz = 1e9 / static_cast<double>(budget.least_period.count());
+  if (known.rate_Hz > most_Hz)
+    throw InputError{fmt::format("the rate, {:g} Hz, does not fit a [bus] of {} bit/s; take {:g} Hz or less",
+                                 known.rate_Hz, bit_rate, next_rate_Hz(most_Hz, false, most_Hz))};
+  if (can_be_told(period_of(known.rate_Hz))) return;
+  const double above_Hz = next_rate_Hz(known.rate_Hz, true, most_Hz);
+  throw InputError{fmt::format(
+      "the rate, {:g} Hz, makes a period that drives cannot be told (60C2h: 1 to 255 times 1 s, 0.1 s, ... or 1 us); "
+      "take {:g}{} Hz",
+      known.rate_Hz, next_rate_Hz(known.rate_Hz, false, most_Hz),
+      above_Hz > 0 ? fmt::format(" or {:g}", above_Hz) : "")};
 }
 
 void require_possible(const KnownAxis& known) {
-  require_number(known.mass_kg, "the mass");
-  require_number(known.friction_lower_N, "the lower bound of friction");
-  require_number(known.friction_upper_N, "the upper bound of friction");
-  require_number(known.encoder_resolution_m, "the count of the encoder");
-  require_number(known.rate_Hz, "the rate");
-  require_number(known.max_force_N, "the force");
-  require_number(known.longest_move_m, "the longest move");
+  require_number(known.mass_kg, "the mass", "kg", 1e-9, 1e9);
+  require_number(known.friction_lower_N, "the lower bound of friction", "N", 1e-9, 1e9);
+  require_number(known.friction_upper_N, "the upper bound of friction", "N", 1e-9, 1e9);
+  require_number(known.encoder_resolution_m, "the count of the encoder", "m", 1e-12, 1);
+  require_number(known.rate_Hz, "the rate", "Hz", 1e-3, 1e6);
+  require_number(known.max_force_N, "the force", "N", 1e-9, 1e9);
+  require_number(known.longest_move_m, "the longest move", "m", 1e-9, 1e6);
   if (known.friction_lower_N >= known.friction_upper_N)
     throw InputError{fmt::format("the bounds of friction are {:g} and {:g} N; the lower one must be below the upper",
                                  known.friction_lower_N, known.friction_upper_N)};
@@ -49,6 +106,24 @@ void require_possible(const KnownAxis& known) {
         fmt::format("the force, {:g} N, does not exceed the upper bound of friction, {:g} N, so that "
                     "nothing would move; take a stronger drive or a gear",
                     known.max_force_N, known.friction_upper_N)};
+  require_counted(known);
+  require_rate(known);
+}
+
+// The drive's force as it is written, of so many digits, and the force of a newton metre of its motor: torques are
+// stated in thousandths, which a force below 1 N would lose digits to.
+struct WrittenForce {
+  double force_N, torque_Nm, per_torque = 1;
+};
+
+WrittenForce written(double force_N) {
+  constexpr int digits = 4;
+  WrittenForce w{rounded_down(force_N, digits), 0};
+  constexpr double most_Nm = 1e6;
+  while (w.force_N < w.per_torque) w.per_torque /= 10;
+  while (w.force_N > most_Nm * w.per_torque) w.per_torque *= 10;
+  w.torque_Nm = rounded_down(w.force_N / w.per_torque, digits);
+  return w;
 }
 
 // The greatest speed of the longest move, half of it with all force and half braking.
@@ -58,6 +133,7 @@ double greatest_speed_m_s(const KnownAxis& known) {
 
 std::string file_text(const KnownAxis& known, const Chosen& chosen) {
   const double omega = 20;  // 1/s of k1; the dampings are 0.8 and 1.5 of the critical one
+  const WrittenForce force = written(known.max_force_N);
   const double k1 = known.mass_kg * omega * omega, critical = 2 * known.mass_kg * omega;
   return fmt::format(
       R"(# An axis with dry friction, as `breakaway new` wrote it. SI units; the unit stands in each name. Try it with
@@ -96,15 +172,15 @@ current_loop_time_constant = 0.2
 period_s = {period}
 
 [drive] # of its data sheet. Here one per mille of the rated torque makes a thousandth of the force
-rated_torque_Nm = {force}
+rated_torque_Nm = {torque}
 rated_current_A = 1
 max_torque_per_mille = 1000
-force_per_torque_N_per_Nm = 1 # 1 for a linear motor; 1 / radius for a drum or a pulley; 2 pi / lead for a screw
+force_per_torque_N_per_Nm = {per_torque} # 1 for a linear motor; 1 / radius for a drum or a pulley; 2 pi / lead for a screw
 encoder_resolution_m = {count}
 current_loop_time_constant_s = {lag}
 
 [bus]
-bit_rate = 1_000_000
+bit_rate = {bit_rate}
 
 [limits]
 position_m = {travel} # from the encoder's zero, either way
@@ -117,12 +193,13 @@ settle_time_s = 0.2
 )",
       fmt::arg("mass", known.mass_kg), fmt::arg("start", -known.longest_move_m),
       fmt::arg("lower", known.friction_lower_N), fmt::arg("upper", known.friction_upper_N), fmt::arg("k1", k1),
-      fmt::arg("k21", 0.8 * critical), fmt::arg("k22", 1.5 * critical),
-      fmt::arg("force", rounded_down(known.max_force_N, 4)), fmt::arg("speed", chosen.approach_speed_m_s),
-      fmt::arg("tolerance", chosen.tolerance_m), fmt::arg("period", 1 / known.rate_Hz),
-      fmt::arg("count", known.encoder_resolution_m), fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)),
-      fmt::arg("travel", rounded_up(1.25 * known.longest_move_m, 2)), fmt::arg("speed_limit", chosen.speed_limit_m_s),
-      fmt::arg("duration", chosen.duration_s), fmt::arg("settle", chosen.settle_tolerance_m));
+      fmt::arg("k21", 0.8 * critical), fmt::arg("k22", 1.5 * critical), fmt::arg("force", force.force_N),
+      fmt::arg("torque", force.torque_Nm), fmt::arg("per_torque", force.per_torque), fmt::arg("bit_rate", bit_rate),
+      fmt::arg("speed", chosen.approach_speed_m_s), fmt::arg("tolerance", chosen.tolerance_m),
+      fmt::arg("period", 1 / known.rate_Hz), fmt::arg("count", known.encoder_resolution_m),
+      fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)), fmt::arg("travel", travel_m(known)),
+      fmt::arg("speed_limit", chosen.speed_limit_m_s), fmt::arg("duration", chosen.duration_s),
+      fmt::arg("settle", chosen.settle_tolerance_m));
 }
 
 NewNode examined(const KnownAxis& known, const Chosen& chosen) {
@@ -130,6 +207,12 @@ NewNode examined(const KnownAxis& known, const Chosen& chosen) {
   made.node = parse_node(made.text, std::string{name});
   made.report = examine(made.node).front();
   return made;
+}
+
+// There is no file yet to look into.
+void require_certified(const NewNode& made) {
+  if (made.report.certified) return;
+  throw InputError{"no accuracy can be certified with these numbers: " + made.report.reasons.front()};
 }
 
 }  // namespace
@@ -141,14 +224,14 @@ NewNode new_node(const KnownAxis& known) {
   const double wide_m = known.longest_move_m;
   Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, speed_m_s, 1e6, 1};
   const NewNode first = examined(known, chosen);
-  require_certified(first.node, {first.report});
+  require_certified(first);
   const design::BrakedPromise& wide = *first.report.braked;
   chosen.tolerance_m = rounded_up(wide.least_tolerance_m, 2);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
   chosen.speed_limit_m_s = rounded_up(2 * std::max(speed_m_s, wide.peak_speed_m_s), 2);
   chosen.duration_s = 60;
   const NewNode second = examined(known, chosen);
-  require_certified(second.node, {second.report});
+  require_certified(second);
   chosen.duration_s = rounded_up(1 + 10 * known.longest_move_m / speed_m_s + second.report.braked->kicks_s, 2);
   return examined(known, chosen);
 }

@@ -65,13 +65,13 @@ void check_period(const Section& section, const Loop& loop) {
 // [[axis]] entries, or the file itself as one axis.
 void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRows& others) {
   if (!root.has("axis")) return node.axes.push_back(alone.read(root, "axis", node, others));
-  root.read(optional("axis", tables([&](const Section& entry) {
-                       AxisTables tables;
-                       std::string name;
-                       entry.read(tables.rows() + std::vector<Key>{required("name", text(name))});
-                       name = read_name(entry, std::move(name), node.axes);
-                       node.axes.push_back(tables.read(entry, std::move(name), node, others));
-                     })));
+  root.read_alone(optional("axis", tables([&](const Section& entry) {
+                             AxisTables tables;
+                             std::string name;
+                             entry.read(tables.rows() + std::vector<Key>{required("name", text(name))});
+                             name = read_name(entry, std::move(name), node.axes);
+                             node.axes.push_back(tables.read(entry, std::move(name), node, others));
+                           })));
   if (node.axes.size() > most_axes)
     root.fail("axis",
               fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
@@ -126,8 +126,8 @@ bool has_axes(const toml::table& document) {
   return std::ranges::any_of(keys, [&](const char* key) { return document.contains(key); });
 }
 
-Node read_node(const toml::table& document, const std::string& name, const FileRows& others) {
-  const Section root{document, name, ""};
+Node read_node(const toml::table& document, const std::string& name, const FileRows& others, KnownTables* known) {
+  const Section root{document, name, "", known};
   if (root.has("machine") && !has_axes(document))
     throw InputError{
         "describes a [machine] alone, and an axis is asked for: take `simulate`, `attract` or `basin`, or give a file "
@@ -143,7 +143,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
                                 keep_table("run", run),
                                 keep_table("target", target),
                                 keep_table("coupling", coupling)};
-  const Key entries = optional("axis", tables([](const Section&) {}));
+  const Key entries = required("axis", tables([](const Section&) {}));
   for (const char* part : {"plant", "friction", "controller", "drive", "limits", "told", "uncertainty", "move"})
     if (root.has("axis") && root.has(part))
       root.fail(part, "stands beside [[axis]]; put it into the axis that it is of");
@@ -169,7 +169,7 @@ Node parse_node(std::string_view text, const std::string& name) {
                        [&](const toml::table& document) { return read_node(document, name, passed_over()); });
 }
 
-Node read_node(const std::filesystem::path& file) { return parse_node(file_contents(file), file.string()); }
+Node read_node(const std::filesystem::path& file) { return parse_node(file_contents(file), shown_name(file)); }
 
 FileRows passed_over() {
   const auto named = [](std::initializer_list<std::string_view> names) {

@@ -11,6 +11,7 @@
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/certificate_keys.hpp"
+#include "breakaway/config/read_node.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -93,6 +94,23 @@ Slope slope_of(const Section& law) {
   return {unlimited, unlimited};
 }
 
+// What the law and its certificate are made of is read to the letter.
+design::SpringLoad read_load(const Section& section) {
+  design::SpringLoad load;
+  auto& [lower_N, upper_N] = load.load_friction;
+  section.read({
+      required("mass_kg", number(load.load_kg, "kg", positive)),
+      required("stiffness_N_per_m", number(load.stiffness_N_per_m, "N/m", spring)),
+      optional("damping_Ns_per_m", number(load.damping_Ns_per_m, "N s/m", damping)),
+      optional("friction_lower_N", number(lower_N, "N", positive)),
+      optional("friction_upper_N", number(upper_N, "N", positive)),
+      optional("law", config::table([](const Section& /*of the simulation*/) {}, "law")),
+      optional("encoder", choice(load.encoder_on_load, {{"motor", false}, {"load", true}})),
+  });
+  require_load_friction(section, lower_N, upper_N);
+  return load;
+}
+
 void look_at_bounded(const Section& section, std::string_view table, std::string_view key, Surroundings& to) {
   if (key == "force_N") to.force_N = section.number_at(key).value_or(0);
   if (key == "cogging") to.cogging_N = nested_magnitude(section, key, "amplitude_N");
@@ -101,14 +119,12 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
     to.presliding_stiffness_N_per_m = nested_magnitude(section, key, "stiffness_N_per_m");
     to.presliding_damping_Ns_per_m = nested_magnitude(section, key, "damping_Ns_per_m");
   }
-  if (const auto load = section.table_at(key); key == "load" && load) {
-    to.load.emplace();
-    to.load->load_kg = magnitude(*load, "mass_kg");
-    to.load->stiffness_N_per_m = magnitude(*load, "stiffness_N_per_m");
-    to.load->load_friction = {magnitude(*load, "friction_lower_N"), magnitude(*load, "friction_upper_N")};
-    to.load->encoder_on_load = load->word("encoder").value_or("motor") == "load";
-  }
-  if (key == "backlash") to.gap_m = nested_magnitude(section, key, "gap_m");
+  if (key == "load")
+    section.read_alone(required(key, config::table([&](const Section& load) { to.load = read_load(load); })));
+  if (key == "backlash")
+    section.read_alone(required(key, config::table([&](const Section& backlash) {
+                                  backlash.read({required("gap_m", number(to.gap_m, "m", {0, 1}))});
+                                })));
   if (key == "drift") to.drift = nested_magnitude(section, key, "share");
   if (key == "encoder_error")
     to.encoder_error_m =
@@ -332,6 +348,15 @@ class Outside {
 };
 
 }  // namespace
+
+void require_load_friction(const Section& load, double lower_N, double upper_N) {
+  const bool lower = lower_N > 0, upper = upper_N > 0;
+  if (lower != upper || (!lower && load.has("law")))
+    load.fail(lower ? "friction_upper_N" : "friction_lower_N", "is missing; give both bounds of the load's friction");
+  if (lower_N > upper_N)
+    load.fail("friction_lower_N",
+              fmt::format("is {} and exceeds friction_upper_N = {}; swap or correct them", lower_N, upper_N));
+}
 
 void look_at(const Section& section, std::string_view table, Surroundings& to) {
   look_at_keys(

@@ -31,11 +31,13 @@ std::string listed(std::span<const Pin> pins) {
 }
 
 Key pin_key(std::string_view name, Pin& to) {
-  return optional(name, {"a pin as \"PB8\", of the ports A to G", [&to](const Entry& entry) {
+  return optional(name, {"a pin as \"PB8\", of the ports A to G",
+                         [&to](const Entry& entry) {
                            const auto named = pin_named(entry.node.value_exact<std::string_view>().value_or(""));
                            if (named) to = *named;
                            return named.has_value();
-                         }});
+                         },
+                         {.type = Form::Type::text, .pattern = "^P[A-G]([0-9]|1[0-5])$"}});
 }
 
 void require_one_of(const Section& section, std::string_view key, Pin given, std::span<const Pin> able,

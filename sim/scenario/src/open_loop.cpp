@@ -57,7 +57,7 @@ OpenLoop parse_open_loop(std::string_view text, const std::string& name) {
 }
 
 OpenLoop read_open_loop(const std::filesystem::path& file) {
-  return parse_open_loop(file_contents(file), file.string());
+  return parse_open_loop(file_contents(file), shown_name(file));
 }
 
 std::string with_gains(const OpenLoop& open, const Eigen::MatrixXd& position_gain_N_per_m,

@@ -25,7 +25,10 @@ Value place_value(const std::function<PushedOrRead&()>& to) {
                 if (integer([&](std::int64_t n) { place.coordinate = n; }, 1, INT64_MAX).take(entry)) return true;
                 return numbers(place.row, "", {-largest_share, largest_share}).take(entry);
               },
-          .takes_arrays = true};
+          .form = {.type = Form::Type::either,
+                   .parts = {{.type = Form::Type::integer, .range = {1}},
+                             {.type = Form::Type::array,
+                              .parts = {{.type = Form::Type::number, .range = {-largest_share, largest_share}}}}}}};
 }
 
 Eigen::VectorXd vector_of(const PushedOrRead& place, Eigen::Index coordinates, const char* key,
@@ -86,6 +89,24 @@ void require_told_friction(const Scenario& s, std::size_t i) {
                     friction_N, s.node.axes[i].name, bounds.lower_N, bounds.upper_N)};
 }
 
+// From where the first approach begins.
+void require_told_start(const Scenario& s, std::size_t i) {
+  const config::Axis& axis = s.node.axes[i];
+  const Eigen::VectorXd &q = s.machine->start.q, &v = s.machine->start.v;
+  const auto row = static_cast<Eigen::Index>(i);
+  const double away_m = std::abs(q[row] - axis.controller.target_m), most_m = s.node.coupling->start_m;
+  if (away_m > most_m * (1 + rounding))
+    throw InputError{
+        fmt::format("[start] q has {:g} for axis {}, {:g} m from its target, and [coupling] start_m is {:g}; "
+                    "make one hold the other",
+                    q[row], axis.name, away_m, most_m)};
+  if (v[row] != 0)
+    throw InputError{
+        fmt::format("[start] v has {:g} for axis {}, and a [coupling] is of axes that rest when they start; "
+                    "leave it out",
+                    v[row], axis.name)};
+}
+
 }  // namespace
 
 void require_told(const Scenario& s) try {
@@ -105,7 +126,8 @@ void require_told(const Scenario& s) try {
   require_within("damping", m.damping, told.damping, none);
   require_within("stiffness", m.stiffness, told.stiffness, none);
   require_within("force_N", stability::constant_force(m), Eigen::VectorXd::Zero(m.coordinates()), told.load_N);
-  for (std::size_t i = 0; i < s.axes(); ++i) require_own_place(s, i), require_told_friction(s, i);
+  for (std::size_t i = 0; i < s.axes(); ++i)
+    require_own_place(s, i), require_told_friction(s, i), require_told_start(s, i);
 } catch (const InputError& error) {
   throw error.in_file(s.node.file);
 }

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "breakaway/model/shapes.hpp"
 
@@ -20,15 +21,15 @@ constexpr Range frequency{0, 1e5, true};
 constexpr Range wavelength{1e-5, 1e12};
 constexpr Range dwell{1e-5, 1e12};
 
-// Reads the keys that one kind has, beside the key `kind` itself.
+// Reads the keys that one kind has, beside the key `kind` itself, which is read.
 void read_keys(const Section& section, std::vector<Key> keys) {
-  std::string kind;
-  keys.push_back(required("kind", text(kind)));
+  bool is_that = true;
+  keys.push_back(required("kind", choice(is_that, {{section.word("kind").value_or(""), true}})));
   section.read(keys);
 }
 
 Value shapes(std::vector<ShapePtr>& to) {
-  return tables([&to](const Section& part) { to.push_back(read_shape(part)); });
+  return tables([&to](const Section& part) { to.push_back(read_shape(part)); }, "law");
 }
 
 ShapePtr read_constant(const Section& section) {
@@ -96,7 +97,7 @@ std::vector<ShapePtr> read_parts(const Section& section) {
 
 ShapePtr read_complement(const Section& section) {
   ShapePtr part;
-  read_keys(section, {required("part", table([&](const Section& inner) { part = read_shape(inner); }))});
+  read_keys(section, {required("part", shape_value(part))});
   return model::shape::complement(std::move(part));
 }
 
@@ -130,27 +131,27 @@ void require_ordered(const Section& section, std::string_view lower, double low,
 }  // namespace
 
 ShapePtr read_shape(const Section& section) {
-  const auto kind = section.word("kind");
-  std::string names;
-  for (const Kind& known : kinds) {
-    if (kind == known.name) try {
-        return known.read(section);
-      } catch (const InputError& error) {
-        if (!error.file().empty()) throw;  // it names its place already
-        section.fail("kind", fmt::format("= \"{}\": {}", *kind, error.what()));
-      }
-    names += (names.empty() ? "" : ", ") + std::string{known.name};
+  const Kind* known = nullptr;
+  std::vector<std::pair<std::string_view, const Kind*>> names;
+  for (const Kind& kind : kinds) names.emplace_back(kind.name, &kind);
+  section.read_alone(required("kind", choice(known, std::move(names))));
+  try {
+    return known->read(section);
+  } catch (const InputError& error) {
+    if (!error.file().empty()) throw;  // it names its place already
+    section.fail("kind", fmt::format("= \"{}\": {}", known->name, error.what()));
   }
-  const char* given = section.has("kind") ? "is not text," : "is missing,";
-  section.fail("kind", fmt::format("{} must be one of {}", kind ? fmt::format("is \"{}\",", *kind) : given, names));
+}
+
+Value shape_value(ShapePtr& to) {
+  return table([&to](const Section& law) { to = read_shape(law); }, "law");
 }
 
 model::FrictionLaw read_friction_law(const Section& section) {
   double lower_N = 0, upper_N = 0;
   ShapePtr shape = model::shape::constant(1);
   section.read({required("lower_N", number(lower_N, "N", positive)),
-                required("upper_N", number(upper_N, "N", positive)),
-                optional("law", table([&](const Section& law) { shape = read_shape(law); }))});
+                required("upper_N", number(upper_N, "N", positive)), optional("law", shape_value(shape))});
   require_ordered(section, "lower_N", lower_N, "upper_N", upper_N);
   return {{lower_N, upper_N}, std::move(shape)};
 }

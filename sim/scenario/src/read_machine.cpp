@@ -24,6 +24,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double longest_s = 1e9;
+
 // The error with the place of its key in the file; an entry of an array stands where the array does.
 void require_valid(const Section& section, const stability::LinearMachine<>& machine) {
   try {
@@ -37,10 +39,10 @@ void require_valid(const Section& section, const stability::LinearMachine<>& mac
 // One for each direction. Only where a law is named do they stay; else friction is constant, at its upper bound.
 void read_frictions(const Section& section, MachineScenario& s) {
   bool varies = false;
-  section.read(optional("friction", tables([&](const Section& entry) {
-                          varies |= entry.has("law");
-                          s.laws.push_back(read_friction_law(entry));
-                        })));
+  section.read_alone(optional("friction", tables([&](const Section& entry) {
+                                varies |= entry.has("law");
+                                s.laws.push_back(read_friction_law(entry));
+                              })));
   const auto m = static_cast<Index>(s.laws.size());
   if (m != s.machine.directions.cols()) {
     section.fail("friction", fmt::format("has {} entries, must have {}: one for each column of directions", m,
@@ -114,7 +116,7 @@ DampingSweep read_sweep(const Section& section, Index coordinates) {
 
 void read_run(const Section& section, MachineScenario& s) {
   const std::vector<Key> known{
-      optional("duration_s", number(s.duration_s, "s", {0, 1e9, true})),
+      optional("duration_s", number(s.duration_s, "s", {0, longest_s, true})),
       optional("integrator", choice(s.integrator, {{"event_driven", Integrator::event_driven},
                                                    {"time_stepping", Integrator::time_stepping},
                                                    {"adaptive", Integrator::adaptive}})),
@@ -148,17 +150,20 @@ void read_run(const Section& section, MachineScenario& s) {
 
 void read_impulse(const Section& section, MachineScenario& s) {
   MachineImpulse impulse;
-  section.read({required("time_s", number(impulse.time_s, "s", {0, s.duration_s})),
+  section.read({required("time_s", number(impulse.time_s, "s", {0, longest_s})),
                 required("impulse_Ns", vector(impulse.impulse_Ns, "N s"))});
   require_size(section, "impulse_Ns", impulse.impulse_Ns, s.machine.coordinates(), 1);
+  if (impulse.time_s > s.duration_s)
+    section.fail("time_s", fmt::format("is {}, after the end at duration_s = {}; give an earlier one or raise that",
+                                       impulse.time_s, s.duration_s));
   if (!s.impulses.empty() && impulse.time_s < s.impulses.back().time_s) {
     section.fail("time_s", fmt::format("is {}, before that of the entry above; put them in order", impulse.time_s));
   }
   s.impulses.push_back(std::move(impulse));
 }
 
-MachineScenario read_machine_document(const toml::table& document, const std::string& name) {
-  const Section root{document, name, ""};
+MachineScenario read_machine_document(const toml::table& document, const std::string& name, KnownTables* known_tables) {
+  const Section root{document, name, "", known_tables};
   MachineScenario s;
   s.file = name;
   if (has_axes(document) && root.has("machine"))
@@ -190,7 +195,7 @@ MachineScenario read_machine_document(const toml::table& document, const std::st
   if (!s.laws.empty()) s.integrator = Integrator::adaptive;
   if (sweep) s.sweep = read_sweep(*sweep, s.machine.coordinates());
   if (run) read_run(*run, s);
-  root.read(optional("impulse", tables([&](const Section& part) { read_impulse(part, s); })));
+  root.read_alone(optional("impulse", tables([&](const Section& part) { read_impulse(part, s); })));
   return s;
 }
 
@@ -225,23 +230,25 @@ const char* to_string(Integrator integrator) {
   return "";
 }
 
-MachineScenario parse_machine_scenario(std::string_view text, const std::string& name) {
-  return with_document(text, name, [&](const toml::table& document) { return read_machine_document(document, name); });
+MachineScenario parse_machine_scenario(std::string_view text, const std::string& name, KnownTables* known) {
+  return with_document(text, name,
+                       [&](const toml::table& document) { return read_machine_document(document, name, known); });
 }
 
 MachineScenario read_machine_scenario(const std::filesystem::path& file) {
-  return parse_machine_scenario(file_contents(file), file.string());
+  return parse_machine_scenario(file_contents(file), shown_name(file));
 }
 
-std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name) {
+std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name,
+                                                           KnownTables* known) {
   const bool machine = with_document(
       text, name, [](const toml::table& document) { return document.contains("machine") && !has_axes(document); });
-  if (machine) return parse_machine_scenario(text, name);
-  return parse_scenario(text, name);
+  if (machine) return parse_machine_scenario(text, name, known);
+  return parse_scenario(text, name, known);
 }
 
 std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file) {
-  return parse_any_scenario(file_contents(file), file.string());
+  return parse_any_scenario(file_contents(file), shown_name(file));
 }
 
 }  // namespace breakaway::scenario

@@ -1,10 +1,9 @@
 #include "read_plant.hpp"
 
-#include <fmt/format.h>
-
 #include <optional>
 #include <utility>
 
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "read_friction.hpp"
 
@@ -13,26 +12,10 @@ namespace breakaway::scenario {
 using namespace config;
 namespace {
 
-constexpr Range spring{1, 1e10};
-constexpr Range damping{0, 1e10};
 constexpr Range along_travel{1e-6, 1e6};
 
 Key period(model::PositionSine& sine) { return required("period_m", number(sine.period_m, "m", along_travel)); }
 Key phase(model::PositionSine& sine) { return optional("phase_rad", number(sine.phase_rad, "rad", {-1e3, 1e3})); }
-
-// Friction of the load, where the file gives it any.
-void read_load_friction(const Section& section, double lower_N, double upper_N, model::ShapePtr shape,
-                        model::FlexibleLoad& load) {
-  const bool lower = section.has("friction_lower_N"), upper = section.has("friction_upper_N");
-  if (!lower && !upper && !section.has("law")) return;
-  if (!lower || !upper)
-    section.fail(lower ? "friction_upper_N" : "friction_lower_N",
-                 "is missing; give both bounds of the load's friction");
-  if (lower_N > upper_N)
-    section.fail("friction_lower_N",
-                 fmt::format("is {} and exceeds friction_upper_N = {}; swap or correct them", lower_N, upper_N));
-  load.friction.emplace(model::FrictionBounds{lower_N, upper_N}, std::move(shape));
-}
 
 }  // namespace
 
@@ -58,10 +41,11 @@ void read_load(const Section& section, AxisWorld& world) {
       optional("damping_Ns_per_m", number(load.coupling.damping_Ns_per_m, "N s/m", damping)),
       optional("friction_lower_N", number(lower_N, "N", positive)),
       optional("friction_upper_N", number(upper_N, "N", positive)),
-      optional("law", table([&](const Section& law) { shape = read_shape(law); })),
+      optional("law", shape_value(shape)),
       optional("encoder", choice(world.encoder_on_load, {{"motor", false}, {"load", true}})),
   });
-  read_load_friction(section, lower_N, upper_N, std::move(shape), load);
+  require_load_friction(section, lower_N, upper_N);
+  if (lower_N > 0) load.friction.emplace(model::FrictionBounds{lower_N, upper_N}, std::move(shape));
 }
 
 void read_backlash(const Section& section, AxisWorld& world) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/config/read_node.hpp"
@@ -58,6 +59,14 @@ void require_sound_plant(const Node& node, const Axis& axis, const AxisWorld& wo
                     fast_rad_s, fastest_rad_s, mass_kg * fastest_rad_s * fastest_rad_s));
 }
 
+void require_start_within_limits(const Node& node, const Axis& axis, const AxisWorld& world) {
+  if (const std::string problem = start_problem(axis, world, world.position_m); !problem.empty())
+    throw InputError{fmt::format("{}[plant] position_m = {:g} {}",
+                                 node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ", world.position_m,
+                                 problem)}
+        .in_file(node.file);
+}
+
 // A rigid axis at its start. What makes it more than that, a [machine] has itself.
 bool says_nothing_of_motion(const AxisWorld& world) {
   return world.plant.rigid() && world.plant.force_N == 0 && world.gap_m == 0 && !world.drift && world.position_m == 0 &&
@@ -103,6 +112,8 @@ class WorldReader {
       if (node.axes[i].drive) world.drive = emulator(node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
+      require_counted_start(node, node.axes[i], world.position_m);
+      require_start_within_limits(node, node.axes[i], world);
       world.place = place_of(node, i, s.machine);
       s.worlds.push_back(std::move(world));
     }
@@ -119,6 +130,19 @@ class WorldReader {
   }
 
  private:
+  // The error of an axis that limits its position is counted by these, if it begins between them.
+  static void require_counted_start(const Node& node, const Axis& axis, double start_m) {
+    double farthest_m = std::max(std::abs(start_m), std::abs(start_m - axis.controller.target_m));
+    for (const TargetChange& change : axis.controller.targets)
+      farthest_m = std::max(farthest_m, std::abs(start_m - change.position_m));
+    if (is_counted(farthest_m, axis)) return;
+    throw InputError{fmt::format("[plant] position_m = {:g} is {:g} m from the encoder's zero or from a target, more "
+                                 "than 32 bits count of encoder_resolution_m = {:g}; begin nearer, or take a larger "
+                                 "unit",
+                                 start_m, farthest_m, axis.drive->encoder_resolution_m)}
+        .in_file(node.file);
+  }
+
   struct ReadAxis {
     AxisWorld world;
     std::optional<PlaceInFile> place;
@@ -137,10 +161,12 @@ class WorldReader {
     return {.plant = plant_rows(a.world) + std::vector<Key>{optional("machine", table([&a](const Section& section) {
                                                                        read_place(section, a.place.emplace());
                                                                      }))},
-            .friction = {optional("law", table([&a](const Section& law) {
-                                    a.shape = read_shape(law);
-                                    a.has_law = true;
-                                  }))},
+            .friction = {optional("law", table(
+                                             [&a](const Section& law) {
+                                               a.shape = read_shape(law);
+                                               a.has_law = true;
+                                             },
+                                             "law"))},
             .controller = {optional(
                 "scalar", choice(a.scalar, {{"float", ScalarType::float32}, {"double", ScalarType::float64}}))},
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
@@ -248,18 +274,31 @@ class WorldReader {
   bool has_run_ = false;
 };
 
-Scenario read_document(const toml::table& document, const std::string& name) {
+Scenario read_document(const toml::table& document, const std::string& name, KnownTables* known) {
   WorldReader world;
-  return world.finish(config::read_node(document, name, world.rows()));
+  return world.finish(config::read_node(document, name, world.rows(), known));
 }
 
 }  // namespace
 
-Scenario parse_scenario(std::string_view text, const std::string& name) {
-  return with_document(text, name, [&](const toml::table& document) { return read_document(document, name); });
+Scenario parse_scenario(std::string_view text, const std::string& name, KnownTables* known) {
+  return with_document(text, name, [&](const toml::table& document) { return read_document(document, name, known); });
 }
 
-Scenario read_scenario(const std::filesystem::path& file) { return parse_scenario(file_contents(file), file.string()); }
+Scenario read_scenario(const std::filesystem::path& file) {
+  return parse_scenario(file_contents(file), shown_name(file));
+}
+
+std::string start_problem(const Axis& axis, const AxisWorld& world, double position_m) {
+  const bool reads_the_truth =
+      axis.drive && axis.drive->homing.home == cia402::Home::none && !world.drive->quirks.counts_from_power_on;
+  const Limits& limits = axis.limits;
+  if (!reads_the_truth || (position_m >= limits.position_min_m && position_m <= limits.position_max_m)) return {};
+  return fmt::format(
+      "is outside the [limits], {:g} to {:g} m, where the axis is stopped at once; begin between them, "
+      "or widen them",
+      limits.position_min_m, limits.position_max_m);
+}
 
 Scenario only_axis(const Scenario& scenario, const std::string& name) {
   const auto& axes = scenario.node.axes;

@@ -47,6 +47,17 @@ TEST(Coupling, TheReasonNamesThePairByTheNamesOfTheFile) {
   EXPECT_EQ(why_not_certified(parse_node(gantry(), ""), parse_node(gantry(), "").axes[0]), "");
 }
 
+TEST(Coupling, IsHeldAgainstTheStartOfItsMachine) {
+  const auto said_of = [](const std::string& from, const std::string& to) {
+    return refusal([&] { scenario::parse_scenario(with(gantry(), from, to), "gantry.toml"); });
+  };
+  const std::string start = "q = [-0.03, -0.028]";
+  const std::string far = said_of(start, "q = [-0.03, 0.06]"), moving = said_of(start, start + "\nv = [0, 0.1]");
+  EXPECT_NE(far.find("0.06 for axis right, 0.06 m from its target, and [coupling] start_m is 0.03"), std::string::npos)
+      << far;
+  EXPECT_NE(moving.find("[start] v has 0.1 for axis right"), std::string::npos) << moving;
+}
+
 TEST(Coupling, ItsDiagonalIsTheMassOfTheAxes) {
   const std::string said = refusal([] { certificate(with(gantry(), "mass_kg = 3.6666666666666667", "mass_kg = 4")); });
   EXPECT_NE(said.find("axis left has [plant] mass_kg = 4"), std::string::npos) << said;
@@ -70,12 +81,42 @@ TEST(Coupling, WhatTheTheoremDoesNotTakeInIsRefusedInASentence) {
   EXPECT_NE(reason("max_force_N = 100", "feedforward_N = 5, max_force_N = 100").find("feedforward_N"),
             std::string::npos);
   EXPECT_NE(reason("speed_m_s = 5", "speed_m_s = 0.01").find("speed_m_s is 0.01"), std::string::npos);
+  EXPECT_NE(
+      reason("position_tolerance_m = 1e-5", "position_tolerance_m = 1e-5, targets = [{ time_s = 1, position_m = 0.1 }]")
+          .find("from 0 m to 0.1 m at once"),
+      std::string::npos);
   EXPECT_NE(reason("[loop]", "[bus]\nloss_probability = 0.1\n[loop]").find("loss_probability"), std::string::npos);
 }
 
-TEST(Coupling, IsNotFlashedYetAndSaysSo) {
-  const std::string said = refusal([] { require_flashable(parse_node(gantry(), "gantry.toml")); });
-  EXPECT_NE(said.find("[coupling]"), std::string::npos) << said;
+TEST(Coupling, IsFlashedAsOneMachineUnderOneChecksum) {
+  for (const char* name : {"coupled_gantry.toml", "two_link_arm.toml"}) {
+    const Node node = parse_node(scene(name), name);
+    const stability::MachineCertificate c = examine_machine(node);
+    const MachineNode<float> flashed = certified_machine(node, c);
+    EXPECT_TRUE(verify(flashed).ok()) << name;
+    EXPECT_EQ(flashed.checksum, checksum_of(flashed)) << name;
+    EXPECT_EQ(flashed.coordinator.most_kicks, c.most_kicks) << name;
+    const std::string header = node_header(flashed, node, c);
+    EXPECT_NE(header.find("FlashedMachine<float, 2> node"), std::string::npos) << name;
+    EXPECT_NE(header.find("#include \"breakaway/firmware/flashed_machine.hpp\""), std::string::npos) << name;
+    EXPECT_NE(header.find("// - each target is given at rest"), std::string::npos) << name;
+  }
+}
+
+TEST(Coupling, IsNotFlashedWithoutItsCertificateNorAsLawsOfSingleAxes) {
+  const Node node = parse_node(with(gantry(), "mass_error = 0.02", "mass_error = 0.3"), "gantry.toml");
+  const std::string said = refusal([&] { static_cast<void>(flashed_machine<float>(node, examine_machine(node))); });
+  EXPECT_NE(said.find("not certified"), std::string::npos) << said;
+  const Node good = parse_node(gantry(), "gantry.toml");
+  const std::string single = refusal([&] { static_cast<void>(certified(good, examine(good))); });
+  EXPECT_NE(single.find("[coupling]"), std::string::npos) << single;
+}
+
+TEST(Coupling, FrictionMustHoldTheMachineWhereAnApproachBegins) {
+  const std::string reason = certificate(with(gantry(), "stiffness = [[20, -20], [-20, 20]]\nstart_m = 0.03",
+                                              "stiffness = [[140, -140], [-140, 140]]\nstart_m = 0.03"))
+                                 .reason;
+  EXPECT_NE(reason.find("until all axes run"), std::string::npos) << reason;
 }
 
 TEST(Coupling, TheMachineMustBeOneThatTheNodeIsToldOf) {

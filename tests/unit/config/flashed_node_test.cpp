@@ -231,7 +231,8 @@ TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
        {NodeError::name_taken, {"name", "give each its own"}},
        {NodeError::limits_below_law, {"limit", "raise the limit"}},
        {NodeError::bus_overloaded, {"bus", "canopen::bus_budget()"}},
-       {NodeError::wiring_impossible, {"[target]", "breakaway design"}}});
+       {NodeError::wiring_impossible, {"[target]", "breakaway design"}},
+       {NodeError::axes_stop_apart, {"stop together", "fault_stops"}}});
 }
 
 }  // namespace

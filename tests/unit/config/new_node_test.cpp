@@ -57,7 +57,57 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
   EXPECT_NE(why([](KnownAxis& k) { k.friction_lower_N = 28; }).find("must be below the upper"), std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.max_force_N = 28; }).find("stronger drive"), std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.max_force_N = 28.1; }).find("pulse_breaks_away"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.encoder_resolution_m = 2; }).find("the count of the encoder is 2 m, outside"),
+            std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) { k.mass_kg = 1e12; }).find("the mass is 1e+12 kg, outside"), std::string::npos);
+  const std::string coarse = why([](KnownAxis& k) { k.encoder_resolution_m = 0.5; });
+  EXPECT_NE(coarse.find("no accuracy can be certified"), std::string::npos) << coarse;
+  EXPECT_EQ(coarse.find("the new file"), std::string::npos) << coarse << ": there is none";
+  const std::string counts = why([](KnownAxis& k) {
+    k.encoder_resolution_m = 1e-9;
+    k.longest_move_m = 2.5;
+  });
+  for (const char* part : {"the longest move, 2.5 m", "6.4 m", "2.147 m", "1e-09 m a count", "3.1e-09 m at least"})
+    EXPECT_NE(counts.find(part), std::string::npos) << part << " in " << counts;
+  EXPECT_EQ(why([](KnownAxis& k) {
+              k.encoder_resolution_m = 3.1e-9;
+              k.longest_move_m = 2.5;
+            }).find("32 bits"),
+            std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.rate_Hz = 4000; }).find("does not fit a [bus]"), std::string::npos);
+}
+
+TEST(NewNode, NamesRatesThatWork) {
+  const auto with_rate = [](double rate_Hz) {
+    KnownAxis known = table;
+    known.rate_Hz = rate_Hz;
+    return known;
+  };
+  const auto why = [&](double rate_Hz) { return refusal([&] { new_node(with_rate(rate_Hz)); }); };
+  EXPECT_NE(why(300).find("the rate, 300 Hz"), std::string::npos) << why(300);
+  EXPECT_NE(why(300).find("take 250 or 312.5 Hz"), std::string::npos) << why(300);
+  EXPECT_NE(why(11).find("take 10 or 12.5 Hz"), std::string::npos) << why(11);
+  EXPECT_NE(why(4000).find("take 2000 Hz or less"), std::string::npos) << why(4000);
+  EXPECT_NE(why(9).find("10 Hz at least"), std::string::npos) << why(9);
+  for (const double rate_Hz : {10.0, 12.5, 250.0, 312.5, 2000.0}) EXPECT_EQ(why(rate_Hz), "") << rate_Hz;
+}
+
+TEST(NewNode, WritesAnyForceSoThatItsDriveGivesIt) {
+  for (const double force_N : {0.118123, 0.0567, 0.00123456, 1.23456, 9999.6, 123456.7}) {
+    const double scale = force_N / table.max_force_N;
+    KnownAxis known = table;
+    known.mass_kg *= scale;
+    known.friction_lower_N *= scale;
+    known.friction_upper_N *= scale;
+    known.max_force_N = force_N;
+    NewNode made;
+    EXPECT_EQ(refusal([&] { made = new_node(known); }), "") << force_N;
+    ASSERT_FALSE(made.node.axes.empty());
+    const Axis& axis = made.node.axes.front();
+    EXPECT_LE(axis.controller.max_force_N, force_N);
+    EXPECT_GE(axis.controller.max_force_N, 0.999 * force_N);
+    EXPECT_NEAR(axis.drive->max_force_N(), axis.controller.max_force_N, 1e-9 * force_N);
+  }
 }
 
 // Masses of 50 g to 200 kg, bounds a quarter to 0.95 apart, drives of twice to twenty times the friction.

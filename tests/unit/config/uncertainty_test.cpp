@@ -101,6 +101,13 @@ TEST(Brake, ApproachesBelowTheSpeedLimit) {
   EXPECT_FLOAT_EQ(axis_parameters<float>(node, node.axes[1]).max_approach_speed_m_s, 5) << "the file asks for less";
 }
 
+TEST(CoastPd, ApproachesBelowTheSpeedLimit) {
+  const std::string free = with(two_axes, "max_approach_speed_m_s = 5\n", "");
+  const Node node = parse_node(free, "node.toml");
+  EXPECT_FLOAT_EQ(axis_parameters<float>(node, node.axes[0]).max_approach_speed_m_s, 0.9F * 20);
+  EXPECT_FLOAT_EQ(axis_parameters<float>(node, node.axes[1]).max_approach_speed_m_s, 5) << "the file asks for less";
+}
+
 TEST(Brake, NeedsALoopAndADrive) {
   const std::string ideal =
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"

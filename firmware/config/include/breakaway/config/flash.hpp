@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "breakaway/config/node.hpp"
 #include "breakaway/design/report.hpp"
+#include "breakaway/firmware/flashed_machine.hpp"
 #include "breakaway/firmware/flashed_node.hpp"
+#include "breakaway/stability/machine_certificate.hpp"
 
 namespace breakaway::config {
 
@@ -30,6 +33,10 @@ using AnyNode = firmware::FlashedNode<Real, most_axes, Kicks>;
 // With the coast "work".
 template <class Real>
 using WorkNode = AnyNode<Real, law::WorkKicks<Real>>;
+
+// With a [coupling]; machine_design.hpp makes it.
+template <class Real>
+using MachineNode = firmware::FlashedMachine<Real, most_axes>;
 
 // Whether the axes of the node have the coast "work". Throws InputError where some have it and others have not.
 bool is_by_work(const Node& node);
@@ -55,5 +62,15 @@ std::string node_header(const AnyNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports);
 std::string node_header(const WorkNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports);
+// With a FlashedMachine<float, N>.
+std::string node_header(const MachineNode<float>& flashed, const Node& node,
+                        const stability::MachineCertificate& certificate);
+
+// Returns the law image of the node, as firmware/law_image.hpp lays it out, for breakaway/law.h.
+std::vector<std::uint8_t> law_image(const AnyNode<float>& flashed);
+std::vector<std::uint8_t> law_image(const WorkNode<float>& flashed);
+
+// Returns a header in C that defines breakaway_law_image, the image as an array. from: the file that it was made of.
+std::string law_image_header(const std::vector<std::uint8_t>& image, const std::string& from);
 
 }  // namespace breakaway::config

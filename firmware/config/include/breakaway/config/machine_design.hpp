@@ -3,10 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/node.hpp"
-#include "breakaway/law/kick_coordinator.hpp"
 #include "breakaway/stability/machine_certificate.hpp"
 
 namespace breakaway::config {
@@ -20,8 +20,16 @@ Eigen::VectorXd tolerances_m(const Node& node);
 // as a bus that loses frames, is refused in the same way. Throws InputError for a machine that is none.
 stability::MachineCertificate examine_machine(const Node& node);
 
-// The numbers of a certified machine. Throws InputError with the reason where it is not certified.
+// What a certificate promises, in a clause; and what it rests on, each in a clause.
+std::string machine_promise(const Node& node, const stability::MachineCertificate& certificate);
+std::vector<std::string> machine_conditions(const Node& node);
+
+// The node as it is flashed, certified and under its checksum. Throws InputError with the reason where its machine is
+// not certified, and what require_flashable() throws. Real: float or double.
 template <class Real>
-law::CoordinatorParameters<Real, most_axes> coordinator_parameters(const Node& node);
+MachineNode<Real> flashed_machine(const Node& node, const stability::MachineCertificate& certificate);
+
+// Throws InputError as well where firmware::verify() refuses the node.
+MachineNode<float> certified_machine(const Node& node, const stability::MachineCertificate& certificate);
 
 }  // namespace breakaway::config

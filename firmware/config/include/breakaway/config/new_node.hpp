@@ -8,7 +8,8 @@
 
 namespace breakaway::config {
 
-// All must be finite and above 0, and friction_lower_N below friction_upper_N below max_force_N.
+// All must be above 0 and in the range of what they are written to, friction_lower_N below friction_upper_N below
+// max_force_N, and the rate one that drives can be told.
 struct KnownAxis {
   double mass_kg = 0;
   double friction_lower_N = 0;  // bounds of dry friction at any place, speed and time

@@ -40,8 +40,13 @@ Node parse_node(std::string_view text, const std::string& name);
 // Says whether the file describes axes, and not a [machine] alone.
 bool has_axes(const toml::table& document);
 
-// Reads a document that parse_toml() has parsed. `others` is read in the order of the file's tables.
-Node read_node(const toml::table& document, const std::string& name, const FileRows& others);
+// Reads a document that parse_toml() has parsed. `others` is read in the order of the file's tables, and `known`
+// gathers what is read.
+Node read_node(const toml::table& document, const std::string& name, const FileRows& others,
+               KnownTables* known = nullptr);
+
+// Throws InputError unless [plant.load] has both bounds of its friction, in order, or neither and no law of it.
+void require_load_friction(const Section& load, double lower_N, double upper_N);
 
 // Throws InputError with the figures, and the least period that would do, when the axes do not fit the bus. A node
 // without [loop] or bus fits.

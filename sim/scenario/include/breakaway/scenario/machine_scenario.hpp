@@ -17,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "breakaway/config/known_tables.hpp"
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/stability/linear_machine.hpp"
@@ -59,12 +60,14 @@ struct MachineScenario {
 };
 
 // Throw InputError: file not readable, TOML syntax, unknown or missing key, wrong type or size, a matrix that is no
-// machine's. Keys, units and ranges stand in read_machine.cpp, one row each.
+// machine's. Keys, units and ranges stand in read_machine.cpp, one row each. `known` gathers what is read.
 MachineScenario read_machine_scenario(const std::filesystem::path& file);
-MachineScenario parse_machine_scenario(std::string_view text, const std::string& name);
+MachineScenario parse_machine_scenario(std::string_view text, const std::string& name,
+                                       config::KnownTables* known = nullptr);
 
 // A machine if the file has a [machine], else an axis.
 std::variant<Scenario, MachineScenario> read_any_scenario(const std::filesystem::path& file);
-std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name);
+std::variant<Scenario, MachineScenario> parse_any_scenario(std::string_view text, const std::string& name,
+                                                           config::KnownTables* known = nullptr);
 
 }  // namespace breakaway::scenario

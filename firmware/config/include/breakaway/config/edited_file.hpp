@@ -1,0 +1,23 @@
+// A file of a node in which some keys are set anew.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace breakaway::config {
+
+// `[table] key = value`, the value as TOML has it.
+struct Setting {
+  std::string table, key, value;
+};
+
+// Returns the text with these settings: those of [loop], [bus] and [run] at the top, the others in the tables of the
+// axis of this name. A file without [[axis]] has one axis, whatever the name; an empty name is that of the first one.
+// Every other character of the text stays, comments and order too, but in a file whose tables are spelt so that a key
+// cannot be put in place: that is written anew, without its comments. `file` stands for it in errors. Requires a text
+// that parse_node() takes; throws InputError where no axis has the name.
+std::string with_settings(std::string_view text, const std::string& file, const std::string& axis,
+                          const std::vector<Setting>& settings);
+
+}  // namespace breakaway::config

@@ -1,0 +1,107 @@
+// The certificate of an axis whose load hangs on a spring: refused, under a rigid law, and under the coast "work".
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/flash.hpp"
+#include "breakaway/config/read_node.hpp"
+#include "breakaway/design/work_kicks.hpp"
+#include "certificate_scene.hpp"
+
+namespace breakaway::config {
+namespace {
+
+// Motor and load of 0.4 and 0.6 kg, which the controller takes for one.
+std::string with_load(const std::string& stiffness_N_per_m, const std::string& friction) {
+  std::string text = with(scene, "mass_kg = 1", "mass_kg = 0.4");
+  text = with(text, "lower_N = 2.5\nupper_N = 4.5", "lower_N = 1.3\nupper_N = 2.4");
+  text = more("[told]", "mass_kg = 1\nfriction_lower_N = 2.5\nfriction_upper_N = 4.5", text);
+  const auto move = text.find("[move]");
+  text.erase(move, text.find("[drive]") - move);
+  return more("[plant]", joined({"load = { mass_kg = 0.6, stiffness_N_per_m = ", stiffness_N_per_m, friction, " }"}),
+              text);
+}
+
+TEST(Certificate, TakesALoadInThatResonatesFastEnough) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  EXPECT_EQ(why_not(with_load("2e8", friction)), "");
+  expect_refused(with_load("1e6", friction), "the load resonates at 324.874 Hz");
+  expect_refused(with_load("1e6", friction), "is safe from ");
+  expect_refused(with_load("2e8", ""), "[plant] load: without friction of its own");
+  expect_refused(with(with_load("2e8", friction), "mass_kg = 1\n", "mass_kg = 0.7\n"),
+                 "[told] mass_kg = 0.7 is truly 1");
+  expect_refused(with(with_load("2e8", friction), "friction_lower_N = 2.5", "friction_lower_N = 2.6"),
+                 "friction may be between 2.5 and 4.5 N");
+}
+
+TEST(Certificate, OfTheCoastWorkTakesALoadAndItsBacklashIn) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  const auto by_work = [](const std::string& text) {
+    return with(with(text, "coast = \"brake\"", "coast = \"work\""), "tolerance_m = 5e-6", "tolerance_m = 2e-3");
+  };
+  const std::string belt = by_work(with_load("3.4e4", friction));
+  EXPECT_EQ(why_not(belt), "");
+  EXPECT_EQ(why_not(more("[plant]", "backlash = { gap_m = 1e-5 }", belt)), "");
+  expect_refused(with_load("3.4e4", friction), "take coast = \"work\"");
+  EXPECT_EQ(why_not(by_work(with_load("3.4e4", friction + ", encoder = \"load\""))), "");
+  expect_refused(by_work(with_load("3.4e4", "")), "[plant] load: without friction of its own");
+  expect_refused(by_work(with_load("2e7", friction)), "swing_is_sampled");
+  expect_refused(by_work(with_load("3.4e4", ", friction_lower_N = 0.1, friction_upper_N = 0.2")), "friction_is_shared");
+  expect_refused(with(belt, "tolerance_m = 2e-3", "tolerance_m = 1e-4"), "tolerance_above_floor");
+  expect_refused(more("[uncertainty]", "encoder_noise_m = 1e-6", belt), "work_keeps_time");
+  expect_refused(with(belt, "mass = 0.02", "mass = 0.2"), "masses_and_gain_are_known");
+  const std::string rigid = with(under_pd(), "coast = \"pd\"", "coast = \"work\"");
+  expect_refused(rigid, "[controller] coast = \"work\" is for a load on a spring");
+}
+
+// A node is certified, flashed and run from what its own reader says, which no simulation has looked at.
+TEST(ReadNode, TakesALoadToTheLetter) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  const auto said_of = [](const std::string& text) {
+    return breakaway::testing::refusal([&] { static_cast<void>(parse_node(text, "axis.toml")); });
+  };
+  EXPECT_EQ(said_of(with_load("3.4e4", friction + ", encoder = \"load\"")), "");
+  const auto expect_said = [&](const std::string& text, const std::string& words) {
+    EXPECT_NE(said_of(text).find(words), std::string::npos) << words << ": " << said_of(text);
+  };
+  expect_said(with_load("3.4e4", friction + ", encoder = \"laod\""), "\"motor\" or \"load\"");
+  expect_said(with_load("-3.4e4", friction), "stiffness_N_per_m");
+  expect_said(with_load("0", friction), "stiffness_N_per_m");
+  expect_said(with_load("3.4e4", friction + ", dampign_Ns_per_m = 2"), "damping_Ns_per_m");
+  expect_said(with_load("3.4e4", ", friction_lower_N = 1.2"), "give both bounds of the load's friction");
+  expect_said(with_load("3.4e4", ", friction_upper_N = 2.1"), "give both bounds of the load's friction");
+  expect_said(with_load("3.4e4", ", friction_lower_N = 2.1, friction_upper_N = 1.2"), "swap or correct them");
+  expect_said(more("[plant]", "backlash = { gap_m = -1e-5 }", with_load("3.4e4", friction)), "gap_m");
+}
+
+TEST(Certificate, OfTheCoastWorkIsWrittenAsItIsFlashed) {
+  const Node node = parse_node(with(with(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"),
+                                         "coast = \"brake\"", "coast = \"work\""),
+                                    "tolerance_m = 5e-6", "tolerance_m = 2e-3"),
+                               "axis.toml");
+  ASSERT_TRUE(is_by_work(node));
+  const auto reports = examine(node);
+  const WorkNode<float> flashed = certified_by_work(node, reports);
+  const auto design = design::design_work_kicks<float>(braked_class(node, node.axes[0]));
+  EXPECT_EQ(flashed.axes[0].kicks.table.entries[3].a0, design.kicks.table.entries[3].a0);
+  EXPECT_TRUE(flashed.axes[0].kicks.metered);
+  const std::string header = node_header(flashed, node, reports);
+  EXPECT_NE(header.find("FlashedNode<float, 1, law::WorkKicks<float>> node"), std::string::npos);
+  EXPECT_NE(header.find("law::Coast::work"), std::string::npos);
+  WorkNode<float> spoiled = flashed;
+  spoiled.axes[0].kicks.spring_m += 1e-6F;
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::checksum_differs);
+  spoiled.axes[0].kicks.table.count = 0;
+  spoiled.checksum = checksum_of(spoiled);
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::law_invalid);
+  spoiled = flashed;
+  spoiled.axes[0].law.coast = law::Coast::brake;
+  spoiled.checksum = checksum_of(spoiled);
+  EXPECT_EQ(firmware::verify(spoiled).error, firmware::NodeError::law_invalid) << "its kicks are of another coast";
+}
+
+}  // namespace
+}  // namespace breakaway::config
