@@ -11,7 +11,9 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
-#include "breakaway/firmware/control_node.hpp"
+#include "breakaway/firmware/control_loop.hpp"
+#include "breakaway/firmware/node_laws.hpp"
+#include "breakaway/law/axis_controller.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/sil/simulated_network.hpp"

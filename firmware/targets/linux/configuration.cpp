@@ -9,6 +9,8 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/experiment.hpp"
+#include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -66,10 +68,26 @@ std::vector<double> places(const std::string& text, std::size_t axes) {
   return numbers;
 }
 
+// The certificate of a machine is of targets that are near.
+void require_near(const AxisPlan& plan, std::size_t visit, const Node& node) {
+  if (!node.coupling) return;
+  const auto at_m = [&](std::size_t place) {
+    return static_cast<double>(plan.visits[place].counts) * plan.resolution_m;
+  };
+  if (std::abs(at_m(visit) - at_m(visit - 1)) <= node.coupling->start_m + plan.resolution_m) return;
+  throw InputError{fmt::format(
+      "--target: axis {} goes from {:g} m to {:g} m at once, and its machine is certified for {:g} m ([coupling] "
+      "start_m); name places between",
+      plan.name, at_m(visit - 1), at_m(visit), node.coupling->start_m)};
+}
+
 void plan_tour(Configuration& c, const Node& node, const std::vector<std::string>& targets) {
   for (const std::string& target : targets) {
     const std::vector<double> stop = places(target, node.axes.size());
-    for (std::size_t i = 0; i < stop.size(); ++i) c.axes[i].visits.push_back({0, counts(stop[i], node.axes[i])});
+    for (std::size_t i = 0; i < stop.size(); ++i) {
+      c.axes[i].visits.push_back({0, counts(stop[i], node.axes[i])});
+      if (const std::size_t before = c.axes[i].visits.size() - 1; before > 0) require_near(c.axes[i], before, node);
+    }
   }
 }
 
@@ -79,33 +97,77 @@ void plan_times(AxisPlan& plan, const Axis& axis) {
     plan.visits.push_back({change.time_s, counts(change.position_m, axis)});
 }
 
+decltype(Configuration::node) certified(const Node& node) {
+  if (node.coupling) return config::certified_machine(node, config::examine_machine(node));
+  const std::vector<design::DesignReport> reports = config::examine(node);
+  if (config::is_by_work(node)) return config::certified_by_work(node, reports);
+  return config::certified(node, reports);
+}
+
+// 0 of an axis without a fine stage.
+double fine_floor_m(const Configuration& c, std::size_t place) {
+  const auto* const single = std::get_if<config::AnyNode<float>>(&c.node);
+  return single != nullptr ? double{single->axes[place].kicks.fine_floor_m} : 0;
+}
+
+// But for its visits and how near it must come to them.
+AxisPlan unplanned(const Axis& axis) {
+  return {.name = axis.name,
+          .visits = {},
+          .resolution_m = axis.drive->encoder_resolution_m,
+          .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N()),
+          .max_torque_per_mille = axis.drive->max_torque_per_mille};
+}
+
+Axis axis_to_identify(const Node& node, const std::string& name) {
+  if (name.empty() && node.axes.size() == 1) return node.axes.front();
+  for (const Axis& axis : node.axes)
+    if (axis.name == name) return axis;
+  throw InputError{name.empty() ? "has several axes: say which to identify with --axis NAME"
+                                : fmt::format("has no axis \"{}\"", name)}
+      .in_file(node.file);
+}
+
 }  // namespace
 
 Configuration read_configuration(const Options& options) {
   Node node = config::read_node(options.configuration);
   config::require_flashable(node);
-  if (config::is_by_work(node))
-    throw InputError{
-        "[controller] coast = \"work\" is for images that are compiled with the node's header; this program "
-        "runs \"pd\" and \"brake\""}
-        .in_file(node.file);
   if (options.node_id != 0) apply_node_id(node, options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
-  Configuration c{.node = config::certified(node, config::examine(node)), .axes = {}, .timed = options.targets.empty()};
+  Configuration c{.node = certified(node), .axes = {}, .timed = options.targets.empty()};
   for (std::size_t i = 0; i < node.axes.size(); ++i) {
     const Axis& axis = node.axes[i];
-    const double promised_m = std::max(tolerance_m(node, axis), double{c.node.axes[i].kicks.fine_floor_m});
+    const double promised_m = std::max(tolerance_m(node, axis), fine_floor_m(c, i));
+    c.axes.push_back(unplanned(axis));
     // Half a count for the decimal tolerance in float.
-    c.axes.push_back({.name = axis.name,
-                      .visits = {},
-                      .reached_m = promised_m + reading_error_m(axis),
-                      .resolution_m = axis.drive->encoder_resolution_m,
-                      .force_per_per_mille_N = static_cast<float>(axis.drive->force_quantum_N()),
-                      .max_torque_per_mille = axis.drive->max_torque_per_mille});
+    c.axes.back().reached_m = promised_m + reading_error_m(axis);
     if (c.timed) plan_times(c.axes.back(), axis);
   }
   plan_tour(c, node, options.targets);
+  return c;
+}
+
+Configuration read_experiment(const Options& options) {
+  if (!options.targets.empty())
+    throw InputError{"--target is for axes that are identified: leave it out with --identify"};
+  const Node node = config::read_node(options.configuration);
+  Axis axis = axis_to_identify(node, options.axis);
+  if (options.node_id != 0 && axis.drive) axis.drive->node_id = static_cast<std::uint8_t>(options.node_id);
+  const config::ExperimentRequest request{
+      .duration_s = options.duration_s > 0 ? options.duration_s : config::ExperimentRequest{}.duration_s,
+      .max_force_N = options.max_force_N > 0 ? options.max_force_N : config::unlimited};
+  ExperimentNode run{.experiment = config::experiment_parameters<float>(node, axis, request)};
+  run.loop = config::loop_config(node);
+  firmware::FlashedMachineAxis<float>& flashed = run.axes.front();
+  std::ranges::copy(axis.name, flashed.name.characters.begin());
+  flashed.drive = config::drive_config<float>(axis);
+  flashed.limits = config::axis_limits<float>(axis);
+  // It has no target to be near.
+  flashed.limits.following_error_m = firmware::AxisLimits<float>::unlimited;
+  Configuration c{.node = run, .axes = {unplanned(axis)}};
+  c.axes.front().visits.emplace_back();
   return c;
 }
 

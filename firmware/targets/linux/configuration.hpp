@@ -1,10 +1,14 @@
-// From a node's file to what is run: certified, or not at all.
+// From a node's file to what is run: certified, or not at all, but for an experiment.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "breakaway/config/flash.hpp"
+#include "experiment_node.hpp"
 #include "options.hpp"
 
 namespace breakaway::linux_node {
@@ -25,13 +29,26 @@ struct AxisPlan {
 };
 
 struct Configuration {
-  config::AnyNode<float> node;
+  // The second with the coast "work", the third with a [coupling], the fourth with --identify.
+  std::variant<config::AnyNode<float>, config::WorkNode<float>, config::MachineNode<float>, ExperimentNode> node;
   std::vector<AxisPlan> axes;  // as the node has them
   bool timed = false;          // visits by time, each axis its own; else a tour, on which all axes rest before the next
+
+  const firmware::LoopConfig& loop() const {
+    return std::visit([](const auto& flashed) -> const firmware::LoopConfig& { return flashed.loop; }, node);
+  }
+  const cia402::DriveConfig<float>& drive(std::size_t place) const {
+    const auto of = [&](const auto& flashed) -> const cia402::DriveConfig<float>& { return flashed.axes[place].drive; };
+    return std::visit(of, node);
+  }
 };
 
 // Throws InputError with the remedy: the file cannot be used, an axis is not certified by the checks of `breakaway
 // design`, an option contradicts the certificate.
 Configuration read_configuration(const Options& options);
+
+// The same for --identify, of one axis. Neither its mass nor its friction is read, and nothing is certified. Throws
+// InputError where an option is for targets, where travel or speed have no limit, and where axes push each other.
+Configuration read_experiment(const Options& options);
 
 }  // namespace breakaway::linux_node

@@ -1,61 +1,71 @@
 #include "listen.hpp"
 
-#include <array>
+#include <fmt/format.h>
+
+#include <bitset>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
+#include <string>
 
-#include "breakaway/canopen/pdo.hpp"
-#include "breakaway/cia402/pdo_layout.hpp"
-#include "breakaway/cia402/state.hpp"
+#include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/cia402/overheard.hpp"
 #include "realtime.hpp"
 
 namespace breakaway::linux_node {
 namespace {
 
-hal::DriveState shown_state(cia402::State state) {
-  switch (state) {
-    case cia402::State::operation_enabled:
-      return hal::DriveState::enabled;
-    case cia402::State::quick_stop_active:
-    case cia402::State::fault_reaction_active:
-      return hal::DriveState::stopping;
-    case cia402::State::fault:
-      return hal::DriveState::fault;
-    case cia402::State::not_ready_to_switch_on:
-    case cia402::State::switch_on_disabled:
-    case cia402::State::ready_to_switch_on:
-    case cia402::State::switched_on:
-      break;
-  }
-  return hal::DriveState::disabled;
-}
-
 // What the first TPDO of an axis' drive says, if the frame is that.
 std::optional<StepRecord> heard(const hal::ReceivedFrame& received, const Configuration& c, std::size_t place) {
-  std::array<std::uint64_t, 3> values{};
-  const auto& axis = c.node.axes[place];
-  if (!canopen::unpack_pdo(cia402::feedback_pdo(axis.drive.node_id), received.frame, values)) return {};
-  StepRecord record{.time = received.time, .axis = static_cast<std::uint8_t>(place), .controlled = false};
-  const std::int32_t sign = axis.drive.invert_direction ? -1 : 1;
-  if (const auto state = cia402::state_of(static_cast<std::uint16_t>(values[0]))) record.drive = shown_state(*state);
-  const auto counts = static_cast<std::uint32_t>(values[1]);
-  record.position_counts = static_cast<std::int32_t>(sign < 0 ? 0U - counts : counts);
-  record.target_counts = record.position_counts;
-  record.reported_N = static_cast<float>(sign) * c.axes[place].force_per_per_mille_N *
-                      static_cast<float>(static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2])));
-  return record;
+  const auto& drive = c.drive(place);
+  const auto told = cia402::overheard_feedback(received.frame, drive.node_id, drive.invert_direction);
+  if (!told) return {};
+  return StepRecord{.time = received.time,
+                    .target_counts = told->position_counts,
+                    .position_counts = told->position_counts,
+                    .reported_N = c.axes[place].force_per_per_mille_N * static_cast<float>(told->torque_per_mille),
+                    .drive = told->state,
+                    .axis = static_cast<std::uint8_t>(place),
+                    .controlled = false};
 }
+
+// Who was there, for an operator who waits for samples in vain.
+class Heard {
+ public:
+  void add(const hal::CanFrame& frame) {
+    ++frames_;
+    if (canopen::function_code_of(frame.id) == canopen::heartbeat_function_code)
+      nodes_.set(frame.id - canopen::heartbeat_function_code);
+  }
+
+  std::string sentence() const {
+    if (frames_ == 0)
+      return "no frame was heard: check power, wiring and bit rate; a drive that nobody has set up may be silent, too";
+    std::string nodes;
+    for (std::size_t id = 1; id < nodes_.size(); ++id)
+      if (nodes_[id]) nodes += fmt::format("{}{}", nodes.empty() ? "" : ", ", id);
+    return fmt::format(
+        "{} frames were heard, none of them a sample of a drive of this file; heartbeats are of {}. A drive sends "
+        "samples once a master has set it up and sends SYNC",
+        frames_, nodes.empty() ? "nobody" : "node " + nodes);
+  }
+
+ private:
+  std::size_t frames_ = 0;
+  std::bitset<128> nodes_;
+};
 
 }  // namespace
 
 ExitCode listen(const Configuration& configuration, const Options& options, socketcan::KernelSocket& socket,
                 Telemetry& telemetry) {
   socketcan::Port<socketcan::KernelSocket> port{socket};
-  Ticker ticker{configuration.node.loop.network.period};
+  Ticker ticker{configuration.loop().network.period};
   const hal::Time begin = monotonic_now();
   const hal::Duration duration{std::llround(options.duration_s * 1e9)};
   bool any = false;
+  Heard others;
   telemetry.ready = true;
   for (hal::Time now = begin; !telemetry.stop && (duration == hal::Duration::zero() || now - begin < duration);) {
     now = ticker.wait();
@@ -63,6 +73,7 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
     port.poll(now);
     for (hal::ReceivedFrame received; port.receive(received);) {
       telemetry.add(FrameRecord{received.time, received.frame});
+      others.add(received.frame);
       for (std::size_t place = 0; place < configuration.axes.size(); ++place) {
         const auto record = heard(received, configuration, place);
         if (!record) continue;
@@ -72,6 +83,7 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
     }
   }
   telemetry.stopping = true;
+  if (!any) fmt::print(stderr, "breakaway-node: {}: {}\n", options.interface, others.sentence());
   return any ? done : failed;
 }
 

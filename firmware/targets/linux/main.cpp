@@ -5,12 +5,19 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/input/file_roles.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
+#include "experiment_node.hpp"
+#include "identify_run.hpp"
 #include "listen.hpp"
 #include "node_run.hpp"
 #include "options.hpp"
@@ -24,6 +31,7 @@ namespace {
 
 constexpr const char* examples =
     "Example: breakaway-node --can can0 sim/scenarios/can_axis.toml --target 0.25\n"
+    "         breakaway-node --can can0 axis.toml --identify --csv run.csv\n"
     "SIGINT or SIGTERM stops the axes and ends the node; SIGUSR1 acknowledges faults.\n"
     "\n"
     "Exit codes: 0 ended as asked, every axis stopped; 1 a fault, no confirmed stop, or --duration ended off the "
@@ -57,42 +65,59 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
   app.add_flag("--readonly", o.readonly, "Listen and show; send nothing");
   app.add_flag("!--no-realtime", o.realtime, "Run without real-time priority: for trials, not for machines");
+  app.add_flag("--identify", o.identify,
+               "Find mass, friction and latency of an axis by an experiment; the file need not be certified");
+  app.add_option("--axis", o.axis, "The name of the axis to identify, where the file has several");
   app.add_flag("--reset", o.reset, "Acknowledge faults that drives have at the start");
   app.add_option("--csv", o.csv, "Write one line a period to this file");
   app.add_option("--candump", o.candump, "Write all frames of the drives to this file, as candump -L does");
+  app.add_option("--stream", o.stream,
+                 "Send every sample as a JSON object to udp:HOST:PORT, for `breakaway watch --stream` or PlotJuggler");
 }
 
 void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
   // What tells which other nodes are there, SYNC, SDO answers and heartbeats, the SDO requests to us, and the frames of
   // our drives.
-  std::vector<socketcan::Filter> wanted{
-      {canopen::sync_cob_id, hal::CanFrame::max_id},
-      {canopen::sdo_response_function_code, canopen::function_code_mask},
-      {canopen::heartbeat_function_code, canopen::function_code_mask},
-      {canopen::sdo_request_cob_id(c.node.loop.network.node_id), hal::CanFrame::max_id}};
-  static_assert(4 + decltype(c.node)::capacity <= socketcan::KernelSocket::most_filters);
-  for (std::size_t place = 0; place < c.node.count; ++place)
-    wanted.push_back({c.node.axes[place].drive.node_id, canopen::node_id_mask});
+  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, hal::CanFrame::max_id},
+                                        {canopen::sdo_response_function_code, canopen::function_code_mask},
+                                        {canopen::heartbeat_function_code, canopen::function_code_mask},
+                                        {canopen::sdo_request_cob_id(c.loop().network.node_id), hal::CanFrame::max_id}};
+  static_assert(4 + config::most_axes <= socketcan::KernelSocket::most_filters);
+  for (std::size_t place = 0; place < c.axes.size(); ++place)
+    wanted.push_back({c.drive(place).node_id, canopen::node_id_mask});
   const std::span<const socketcan::Filter> all;
   const auto result = socket.open(o.interface.c_str(), o.readonly ? all : wanted);
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};
 }
 
+template <class Flashed>
+using RunOf = std::conditional_t<std::is_same_v<Flashed, ExperimentNode>, IdentifyRun, NodeRun<Flashed>>;
+
 int run(const Options& o) {
-  const Configuration configuration = read_configuration(o);
+  if (!o.identify && !o.axis.empty()) throw InputError{"--axis is for --identify: add that, or leave it out"};
+  require_apart({{"configuration", o.configuration}}, {{"--csv", o.csv}, {"--candump", o.candump}});
+  const Configuration configuration = o.identify ? read_experiment(o) : read_configuration(o);
   socketcan::KernelSocket socket;
   open(socket, o, configuration);
   const auto telemetry = std::make_unique<Telemetry>();
-  ServiceManager manager{service_environment(), configuration.node.loop.network.period};
-  Reporter reporter{o, *telemetry, configuration.axes, manager};
-  if (o.readonly) return listen(configuration, o, socket, *telemetry);
-  NodeRun node{configuration, o, socket, *telemetry};
-  if (o.realtime)
-    if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
-  const ExitCode code = node.run();
-  reporter.finish();
-  fmt::print("{}", node.report());
-  return code;
+  ServiceManager manager{service_environment(), configuration.loop().network.period};
+  Reporter reporter{o, *telemetry, configuration, manager};
+  if (o.readonly) {
+    const ExitCode heard = listen(configuration, o, socket, *telemetry);
+    reporter.finish();
+    fmt::print("{}", reporter.stream_report());
+    return heard;
+  }
+  const auto control = [&]<class Flashed>(const Flashed& flashed) {
+    RunOf<Flashed> node{flashed, configuration, o, socket, *telemetry};
+    if (o.realtime)
+      if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
+    const ExitCode code = node.run();
+    reporter.finish();
+    fmt::print("{}{}", node.report(), reporter.stream_report());
+    return code;
+  };
+  return std::visit(control, configuration.node);
 }
 
 int refuse(const std::string& what) {

@@ -19,8 +19,11 @@ struct Options {
   int priority = 80;
   bool readonly = false;
   bool realtime = true;
-  bool reset = false;  // acknowledge a fault that the drive has at the start
+  bool identify = false;  // an experiment instead of targets
+  std::string axis;       // to identify, by name; empty: the only one
+  bool reset = false;     // acknowledge a fault that the drive has at the start
   std::string csv, candump;
+  std::string stream;  // udp:HOST:PORT; empty: none
 };
 
 enum ExitCode : int { done = 0, failed = 1, bad_input = 2 };

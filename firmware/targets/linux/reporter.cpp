@@ -26,28 +26,6 @@ sigset_t operator_signals() {
   return set;
 }
 
-const char* to_string(hal::DriveState state) {
-  switch (state) {
-    case hal::DriveState::configuring:
-      return "configuring";
-    case hal::DriveState::disabled:
-      return "disabled";
-    case hal::DriveState::enabling:
-      return "enabling";
-    case hal::DriveState::enabled:
-      return "enabled";
-    case hal::DriveState::stopping:
-      return "stopping";
-    case hal::DriveState::fault:
-      return "fault";
-    case hal::DriveState::unusable:
-      return "unusable";
-    case hal::DriveState::homing:
-      return "homing";
-  }
-  return "unknown";
-}
-
 std::string_view mode_of(const StepRecord& step) { return step.controlled ? law::to_string(step.mode) : "-"; }
 
 hal::Duration realtime_minus_monotonic() {
@@ -58,23 +36,25 @@ hal::Duration realtime_minus_monotonic() {
 
 }  // namespace
 
-Reporter::Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes,
+Reporter::Reporter(const Options& options, Telemetry& telemetry, const Configuration& configuration,
                    ServiceManager& manager)
     : telemetry_{telemetry},
       interface_{options.interface},
-      axes_{axes},
+      axes_{configuration.axes},
       manager_{manager},
       csv_{open(options.csv)},
       candump_{open(options.candump)},
+      bus_load_{configuration.loop().network.bit_rate},
       to_realtime_{realtime_minus_monotonic()},
       start_{monotonic_now()},
-      shown_(axes.size()),
-      newest_(axes.size()),
+      shown_(axes_.size()),
+      newest_(axes_.size()),
       terminal_{isatty(STDOUT_FILENO) == 1} {
-  for (std::size_t place = 0; place < axes.size(); ++place) newest_[place].axis = static_cast<std::uint8_t>(place);
+  for (std::size_t place = 0; place < axes_.size(); ++place) newest_[place].axis = static_cast<std::uint8_t>(place);
   if (csv_)
     fmt::print(csv_.get(), "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
-               axes.size() > 1 ? ",axis" : "");
+               axes_.size() > 1 ? ",axis" : "");
+  if (!options.stream.empty()) stream_.emplace(options.stream, axes_);
   const sigset_t signals = operator_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   thread_ = std::thread{[this] { run(); }};
@@ -92,6 +72,8 @@ void Reporter::finish() {
   telemetry_.finished = true;
   thread_.join();
 }
+
+std::string Reporter::stream_report() const { return stream_ ? stream_->report(telemetry_.lost) : std::string{}; }
 
 void Reporter::run() {
   for (bool last = false; !last;) {
@@ -132,6 +114,7 @@ void Reporter::write(const StepRecord& step) {
                    axes_.size() > 1 ? "," + axes_[step.axis].name : std::string{});
     put(csv_);
   }
+  if (stream_) stream_->send(step, on_realtime_clock(step.time), bus_load_.share(step.time), telemetry_.lost);
   newest_[step.axis] = step;
   const auto& shown = shown_[step.axis];
   const bool changed = !shown || step.drive != shown->drive || step.fault != shown->fault ||
@@ -201,6 +184,7 @@ void Reporter::print_line(bool live) {
 }
 
 void Reporter::write(const FrameRecord& record) {
+  bus_load_.add(record.frame, record.time);
   if (!candump_) return;
   const hal::Duration time = on_realtime_clock(record.time);
   line_.clear();

@@ -9,8 +9,10 @@
 #include <thread>
 #include <vector>
 
+#include "breakaway/hal/bus_load.hpp"
 #include "configuration.hpp"
 #include "options.hpp"
+#include "sample_stream.hpp"
 #include "service_manager.hpp"
 #include "telemetry.hpp"
 
@@ -20,13 +22,16 @@ class Reporter {
  public:
   // From here on SIGINT, SIGTERM and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another thread,
   // and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
-  Reporter(const Options& options, Telemetry& telemetry, const std::vector<AxisPlan>& axes, ServiceManager& manager);
+  Reporter(const Options& options, Telemetry& telemetry, const Configuration& configuration, ServiceManager& manager);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
   ~Reporter() { finish(); }
 
   // Returns when everything is written.
   void finish();
+
+  // What was streamed and what was not, in a line; after finish(). Empty where nothing was to be streamed.
+  std::string stream_report() const;
 
  private:
   struct Close {
@@ -56,6 +61,8 @@ class Reporter {
   const std::vector<AxisPlan>& axes_;
   ServiceManager& manager_;
   File csv_, candump_;
+  std::optional<SampleStream> stream_;
+  hal::BusLoad bus_load_;
   std::string line_;
   hal::Duration to_realtime_{};  // of CLOCK_MONOTONIC
   hal::Time start_{};

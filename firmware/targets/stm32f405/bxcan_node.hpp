@@ -1,6 +1,8 @@
 // The controller node on CAN1 or CAN2, as the node's file says.
 #pragma once
 
+#include <type_traits>
+
 #include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/bxcan/port.hpp"
@@ -59,7 +61,7 @@ class BxcanNode {
   Watchdog<bare_metal::Memory> watchdog_{chip_};
   Can can_{chip_};
   Port port_;
-  firmware::ControlNode<Port, flashed::node.capacity> node_;
+  firmware::ControlNode<Port, std::remove_const_t<decltype(flashed::node)>> node_;
 };
 
 }  // namespace breakaway::stm32f405

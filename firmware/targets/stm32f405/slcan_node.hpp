@@ -1,6 +1,8 @@
 // The controller node over slcan on USART1: what the image, and its twin for emulation, run.
 #pragma once
 
+#include <type_traits>
+
 #include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
@@ -63,7 +65,7 @@ class SlcanNode {
   bare_metal::Memory chip_;
   Watchdog<bare_metal::Memory> watchdog_{chip_};
   Port port_;
-  firmware::ControlNode<Port, flashed::node.capacity> node_;
+  firmware::ControlNode<Port, std::remove_const_t<decltype(flashed::node)>> node_;
 };
 
 }  // namespace breakaway::stm32f405

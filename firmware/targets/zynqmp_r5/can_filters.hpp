@@ -27,13 +27,14 @@ constexpr xilinx_can::Filter joined(xilinx_can::Filter a, xilinx_can::Filter b) 
 // All that the drives say and are told, whatever the function; all that bears this node's own id: commands, SDO
 // requests, and the heartbeat of another master; and another master's SYNC. Where these are more than there are
 // filters, those two are joined which then pass the least.
-template <std::size_t Axes>
-constexpr Filters filters_for(const firmware::FlashedNode<float, Axes>& node) noexcept {
-  std::array<xilinx_can::Filter, Axes + 2> wanted{};
+// Node: a FlashedNode or a FlashedMachine.
+template <class Node>
+constexpr Filters filters_for(const Node& node) noexcept {
+  std::array<xilinx_can::Filter, Node::capacity + 2> wanted{};
   std::size_t count = 0;
   wanted[count++] = {.mask = canopen::node_id_mask, .id = node.loop.network.node_id};
   wanted[count++] = {.mask = hal::CanFrame::max_id, .id = canopen::sync_cob_id};
-  for (std::size_t i = 0; i < node.count && i < Axes; ++i)
+  for (std::size_t i = 0; i < node.count && i < Node::capacity; ++i)
     wanted[count++] = {.mask = canopen::node_id_mask, .id = node.axes[i].drive.node_id};
   while (count > xilinx_can::filters) {
     std::size_t first = 0, second = 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "breakaway/bare_metal/mmio.hpp"
 #include "breakaway/bare_metal/start_message.hpp"
@@ -75,7 +76,7 @@ class CanNode {
   SystemWatchdog watchdog_registers_;
   Port port_;
   Watchdog<SystemWatchdog> watchdog_;
-  firmware::ControlNode<Port, flashed::node.capacity> node_;
+  firmware::ControlNode<Port, std::remove_const_t<decltype(flashed::node)>> node_;
   Ticker ticker_;
 };
 

@@ -284,6 +284,27 @@ TEST_F(ControlLoopTest, NamesWhatKeepsAnIdleAxisFromRunningOnlyWhereItIsWanted) 
   EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
 }
 
+// A drive whose answers take their time.
+struct SlowDrive : testing::FakeDrive {
+  using FakeDrive::FakeDrive;
+  static hal::Duration extra_setup_time() noexcept { return 7s; }
+};
+
+TEST(SlowDriveInALoop, HasTheTimeThatItsAnswersTakeBesideThatOfEveryDrive) {
+  testing::FakePort port;
+  DriveProbe probe;
+  ControlLoop<testing::FakePort, SlowDrive, testing::ProportionalLaw, float> loop{
+      port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+  const auto id = *loop.add_axis({&probe, 1}, {}, testing::moderate_limits()).id;
+  probe.feedback.state = hal::DriveState::configuring;
+  loop.request_enable(id);
+  hal::Time now{};
+  for (const hal::Time end = now + 27s + 1ms; now < end;) loop.step(now += 1ms);
+  EXPECT_EQ(loop.status(id).fault, AxisFault::none) << "20 s, and 7 s for its answers";
+  loop.step(now += 1ms);
+  EXPECT_EQ(loop.status(id).fault, AxisFault::enable_timed_out);
+}
+
 TEST_F(ControlLoopTest, NamesADriveThatDoesNotComeByTheErrorThatItToldOf) {
   loop.request_enable(axis);
   probe.feedback.state = hal::DriveState::configuring;

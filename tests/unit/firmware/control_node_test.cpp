@@ -2,37 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "../cia402/scripted_drive.hpp"
 #include "certified_node.hpp"
+#include "listed_port.hpp"
 
 namespace breakaway::firmware {
 namespace {
 
 using namespace std::chrono_literals;
-
-struct TestPort {
-  std::vector<hal::CanFrame> sent;
-  std::vector<hal::Time> deadlines;  // of the frames that were sent
-  std::deque<hal::ReceivedFrame> inbox;
-  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time deadline) noexcept {
-    sent.push_back(frame);
-    deadlines.push_back(deadline);
-    return hal::SendResult::queued;
-  }
-  bool receive(hal::ReceivedFrame& received) noexcept {
-    if (inbox.empty()) return false;
-    received = inbox.front();
-    inbox.pop_front();
-    return true;
-  }
-  void purge_transmit_queue() noexcept {}
-  hal::BusState bus_state() const noexcept { return hal::BusState::error_active; }
-};
 
 // Notes what a RemoteAxis asks of it.
 struct LoopProbe {
@@ -84,8 +65,8 @@ TEST(RemoteControl, TakesNothingElseForACommand) {
 }
 
 TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
-  TestPort port;
-  CommandedPort<TestPort, 1> commanded{port, node};
+  ListedPort port;
+  CommandedPort<ListedPort, 1> commanded{port, node};
   port.inbox = {{encode_command({.target_counts = 1}, node)},
                 {{.id = canopen::tpdo_cob_id(1, 1)}},
                 {encode_command({.axis = 9, .target_counts = 3}, node)},
@@ -99,8 +80,8 @@ TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
 }
 
 TEST(RemoteControl, KeepsTheCommandsOfTwoAxesApart) {
-  TestPort port;
-  CommandedPort<TestPort, 2> commanded{port, node};
+  ListedPort port;
+  CommandedPort<ListedPort, 2> commanded{port, node};
   port.inbox = {{encode_command({.axis = 1, .target_counts = 7}, node)},
                 {encode_command({.axis = 0, .target_counts = -7}, node)},
                 {encode_command({.axis = 2, .target_counts = 9}, node)}};
@@ -197,7 +178,7 @@ TEST(RemoteControl, TakesAReferenceOnItsEdgeAndAgainUntilItIsTaken) {
 
 class ControlNodeTest : public ::testing::Test {
  protected:
-  using Node = ControlNode<TestPort, 2>;
+  using Node = ControlNode<ListedPort, FlashedNode<float, 2>>;
 
   // The bytes of what the node told of an axis, newest last.
   std::vector<hal::CanFrame> told(std::uint8_t axis) const {
@@ -213,7 +194,7 @@ class ControlNodeTest : public ::testing::Test {
   // What a drive says by itself when it is switched on.
   void boot_up(std::uint8_t drive) { port.inbox.push_back({{.id = canopen::heartbeat_cob_id(drive), .size = 1}, now}); }
 
-  TestPort port;
+  ListedPort port;
   FlashedNode<float, 2> flashed = testing::certified_node();
   hal::Time now{};
 };

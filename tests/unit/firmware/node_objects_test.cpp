@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "breakaway/canopen/sdo_client.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "certified_node.hpp"
+#include "listed_port.hpp"
 
 namespace breakaway::firmware {
 namespace {
@@ -24,28 +24,11 @@ using canopen::SdoAbort;
 using canopen::SdoResult;
 using canopen::SdoStart;
 
-struct ListedPort {
-  std::vector<hal::CanFrame> sent;
-  std::deque<hal::ReceivedFrame> inbox;
-  [[nodiscard]] hal::SendResult send(const hal::CanFrame& frame, hal::Time) noexcept {
-    sent.push_back(frame);
-    return hal::SendResult::queued;
-  }
-  bool receive(hal::ReceivedFrame& received) noexcept {
-    if (inbox.empty()) return false;
-    received = inbox.front();
-    inbox.pop_front();
-    return true;
-  }
-  void purge_transmit_queue() noexcept {}
-  hal::BusState bus_state() const noexcept { return hal::BusState::error_active; }
-};
-
 constexpr std::uint8_t own_id = 0x7F;
 
 // A controller node of two axes, the drive of the first, and a tool on the bus.
 struct World {
-  using Node = ControlNode<ListedPort, 2>;
+  using Node = ControlNode<ListedPort, FlashedNode<float, 2>>;
 
   World() = default;
   template <class Change>

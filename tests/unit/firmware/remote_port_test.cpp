@@ -75,6 +75,24 @@ TEST(RemoteBytes, TellTheStateAndThePositionOfAnAxis) {
   EXPECT_EQ(frame.data[2], static_cast<std::uint8_t>(law::Mode::hold));
   EXPECT_EQ(frame.data[3], static_cast<std::uint8_t>(hal::DriveState::enabled));
   EXPECT_EQ(canopen::load_little_endian<std::int32_t>(frame.data, 4), -70'000);
+  const auto told = decode_status(frame, node);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->axis, 1);
+  EXPECT_EQ(told->fault, frame.data[1]);
+  EXPECT_EQ(told->mode, frame.data[2]);
+  EXPECT_EQ(told->drive_state, frame.data[3]);
+  EXPECT_EQ(told->position_counts, -70'000);
+}
+
+TEST(RemoteBytes, OtherFramesTellOfNoAxis) {
+  hal::CanFrame frame{.id = canopen::tpdo_cob_id(1, node), .size = 8};
+  EXPECT_TRUE(decode_status(frame, node));
+  EXPECT_FALSE(decode_status(frame, node - 1));
+  frame.size = 7;
+  EXPECT_FALSE(decode_status(frame, node));
+  frame.size = 8;
+  frame.remote = true;
+  EXPECT_FALSE(decode_status(frame, node));
 }
 
 TEST(NodeErrors, HaveASentenceEach) {
@@ -84,7 +102,7 @@ TEST(NodeErrors, HaveASentenceEach) {
     texts.insert(to_string(static_cast<NodeError>(count)));
     ASSERT_LT(count, 100);
   }
-  EXPECT_EQ(count, static_cast<int>(NodeError::wiring_impossible) + 1);
+  EXPECT_EQ(count, static_cast<int>(NodeError::axes_stop_apart) + 1);
   EXPECT_EQ(static_cast<int>(texts.size()), count) << "none is said twice";
   EXPECT_FALSE(texts.contains(""));
 }

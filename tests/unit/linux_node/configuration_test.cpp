@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "../scratch_folder.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -38,6 +39,10 @@ std::string contents(const std::string& scenario) {
   return text.str();
 }
 
+const breakaway::config::AnyNode<float>& single(const Configuration& c) {
+  return std::get<breakaway::config::AnyNode<float>>(c.node);
+}
+
 class LinuxNodeConfiguration : public breakaway::testing::ScratchFolder {
  protected:
   // Another file, with one change.
@@ -50,14 +55,42 @@ class LinuxNodeConfiguration : public breakaway::testing::ScratchFolder {
   }
 };
 
+TEST_F(LinuxNodeConfiguration, AxesThatPushEachOtherAreTakenAsOneMachine) {
+  const Configuration c = read_configuration(of(folder + "coupled_gantry.toml"));
+  const auto* const machine = std::get_if<breakaway::config::MachineNode<float>>(&c.node);
+  ASSERT_NE(machine, nullptr);
+  EXPECT_TRUE(verify(*machine).ok());
+  EXPECT_EQ(c.drive(1).node_id, 2);
+  EXPECT_TRUE(c.drive(1).invert_direction);
+  EXPECT_NEAR(c.axes[0].reached_m, 1.05e-5, 1e-12);
+}
+
+TEST_F(LinuxNodeConfiguration, ALoadOnASpringIsTakenUnderTheCoastWork) {
+  const Configuration c = read_configuration(of(folder + "belt_axis.toml"));
+  const auto* const belt = std::get_if<breakaway::config::WorkNode<float>>(&c.node);
+  ASSERT_NE(belt, nullptr);
+  EXPECT_TRUE(verify(*belt).ok());
+  EXPECT_TRUE(belt->axes[0].kicks.metered);
+  EXPECT_NEAR(c.axes[0].reached_m, 3.005e-4, 1e-12);
+}
+
+TEST_F(LinuxNodeConfiguration, ATourOfAMachineGoesNoFurtherAtOnceThanItIsCertifiedFor) {
+  Options options = of(folder + "coupled_gantry.toml");
+  options.targets = {"0.01", "0.03,0.04", "0.06,0.04"};
+  EXPECT_EQ(read_configuration(options).axes[0].visits.size(), 3U);
+  options.targets = {"0.01", "0.03,0.05"};
+  EXPECT_NE(refusal(options).find("axis right goes from 0.01 m to 0.05 m at once"), std::string::npos)
+      << refusal(options);
+}
+
 TEST_F(LinuxNodeConfiguration, ACertifiedNodeIsTakenAsItWouldBeFlashed) {
   const Configuration c = read_configuration(of(folder + "can_axis.toml"));
-  EXPECT_TRUE(verify(c.node).ok());
-  EXPECT_EQ(c.node.count, 1);
-  EXPECT_EQ(c.node.loop.network.period, std::chrono::milliseconds{1});
-  EXPECT_EQ(c.node.axes[0].drive.node_id, 1);
-  EXPECT_FLOAT_EQ(c.node.axes[0].scale().max_force_N, 50);
-  EXPECT_FLOAT_EQ(c.node.axes[0].limits.position_max_m, 10);
+  EXPECT_TRUE(verify(single(c)).ok());
+  EXPECT_EQ(single(c).count, 1);
+  EXPECT_EQ(c.loop().network.period, std::chrono::milliseconds{1});
+  EXPECT_EQ(single(c).axes[0].drive.node_id, 1);
+  EXPECT_FLOAT_EQ(single(c).axes[0].scale().max_force_N, 50);
+  EXPECT_FLOAT_EQ(single(c).axes[0].limits.position_max_m, 10);
   ASSERT_EQ(c.axes.size(), 1U);
   EXPECT_DOUBLE_EQ(c.axes[0].reached_m, 1.8e-6 + 0.5e-6) << "half a count for the target, which is a whole one";
   EXPECT_FLOAT_EQ(c.axes[0].force_per_per_mille_N, 0.025F);
@@ -68,11 +101,11 @@ TEST_F(LinuxNodeConfiguration, ACertifiedNodeIsTakenAsItWouldBeFlashed) {
 
 TEST_F(LinuxNodeConfiguration, EveryAxisOfTheFileIsThereWithItsOwnTargets) {
   const Configuration c = read_configuration(of(folder + "three_axes.toml"));
-  EXPECT_TRUE(verify(c.node).ok());
-  ASSERT_EQ(c.node.count, 3);
+  EXPECT_TRUE(verify(single(c)).ok());
+  ASSERT_EQ(single(c).count, 3);
   ASSERT_EQ(c.axes.size(), 3U);
   EXPECT_EQ(c.axes[0].name, "gantry");
-  EXPECT_EQ(c.axes[2].name, c.node.axes[2].name.view());
+  EXPECT_EQ(c.axes[2].name, single(c).axes[2].name.view());
   EXPECT_EQ(c.axes[0].visits.size(), 2U);
   EXPECT_EQ(c.axes[1].visits.size(), 1U);
 }
@@ -114,8 +147,8 @@ TEST_F(LinuxNodeConfiguration, ALowerForceLimitIsCoveredByTheCertificate) {
   Options options = of(folder + "can_axis.toml");
   options.max_force_N = 20;
   const Configuration c = read_configuration(options);
-  EXPECT_FLOAT_EQ(c.node.axes[0].scale().max_force_N, 20);
-  EXPECT_TRUE(verify(c.node).ok());
+  EXPECT_FLOAT_EQ(single(c).axes[0].scale().max_force_N, 20);
+  EXPECT_TRUE(verify(single(c)).ok());
 }
 
 TEST_F(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
@@ -129,7 +162,7 @@ TEST_F(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
 TEST_F(LinuxNodeConfiguration, AnotherNodeIdIsForASingleAxisOnly) {
   Options options = of(folder + "can_axis.toml");
   options.node_id = 42;
-  EXPECT_EQ(read_configuration(options).node.axes[0].drive.node_id, 42);
+  EXPECT_EQ(read_configuration(options).drive(0).node_id, 42);
   options.configuration = folder + "three_axes.toml";
   EXPECT_NE(refusal(options).find("--node-id: the file has several axes"), std::string::npos);
 }
@@ -149,6 +182,51 @@ TEST_F(LinuxNodeConfiguration, FilesThatNoNodeCanRunAreRefused) {
   Options far = of(folder + "can_axis.toml");
   far.targets = {"10.1"};
   EXPECT_NE(refusal(far).find("its [limits], position_m = -10 to 10"), std::string::npos) << refusal(far);
+}
+
+TEST_F(LinuxNodeConfiguration, AnExperimentNeedsNoCertificateAndKeepsTheGuardsOfTheFile) {
+  Options options = of(changed("can_axis.toml", "position_tolerance_m = 1.8e-6", "position_tolerance_m = 1e-9"));
+  ASSERT_NE(refusal(options), "");
+  options.identify = true;
+  options.max_force_N = 20;
+  const Configuration c = read_experiment(options);
+  const auto& node = std::get<ExperimentNode>(c.node);
+  EXPECT_EQ(c.loop().network.period, std::chrono::milliseconds{1});
+  EXPECT_EQ(c.drive(0).node_id, 1);
+  EXPECT_FLOAT_EQ(node.axes[0].limits.position_max_m, 10);
+  EXPECT_FLOAT_EQ(node.axes[0].limits.speed_m_s, 20);
+  EXPECT_FLOAT_EQ(node.experiment.max_force_N, 20);
+  EXPECT_FLOAT_EQ(node.experiment.lowest_m, -10);
+  EXPECT_FLOAT_EQ(node.experiment.period_s, 1e-3F);
+}
+
+TEST_F(LinuxNodeConfiguration, AnExperimentIsOfOneAxisThatIsNamed) {
+  Options options = of(folder + "two_axes.toml");
+  options.identify = true;
+  const auto refused = [&] {
+    try {
+      read_experiment(options);
+    } catch (const breakaway::InputError& error) {
+      return std::string{error.what()};
+    }
+    return std::string{};
+  };
+  EXPECT_NE(refused().find("two_axes.toml: has several axes: say which to identify with --axis NAME"),
+            std::string::npos)
+      << refused();
+  options.axis = "y";
+  const Configuration c = read_experiment(options);
+  EXPECT_EQ(c.axes.front().name, "y");
+  EXPECT_EQ(std::get<ExperimentNode>(c.node).axes[0].name.view(), "y");
+  EXPECT_EQ(c.drive(0).node_id, 2);
+  options.axis = "nobody";
+  EXPECT_NE(refused().find("two_axes.toml: has no axis \"nobody\""), std::string::npos) << refused();
+  options.axis = "y";
+  options.targets = {"0.1"};
+  EXPECT_NE(refused().find("--target is for axes that are identified"), std::string::npos) << refused();
+  options = of(folder + "coupled_gantry.toml");
+  options.axis = "left";
+  EXPECT_NE(refused().find("push each other: see [coupling]"), std::string::npos) << refused();
 }
 
 }  // namespace

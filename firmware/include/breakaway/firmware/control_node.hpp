@@ -8,41 +8,32 @@
 
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/firmware/flashed_node.hpp"
+#include "breakaway/firmware/node_laws.hpp"
 #include "breakaway/firmware/node_objects.hpp"
 #include "breakaway/firmware/remote_control.hpp"
 #include "breakaway/firmware/served_port.hpp"
-#include "breakaway/law/axis_controller.hpp"
 
 namespace breakaway::firmware {
 
-// Puts the axes of a node that verify() has found to be good into a loop with room for them. The node must outlive the
-// loop.
-template <class Loop, class Scalar, std::size_t Axes, class Kicks>
-[[gnu::cold]] void add_axes(Loop& loop, const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
-  for (std::size_t i = 0; i < node.count; ++i) {
-    const FlashedAxis<Scalar, Kicks>& axis = node.axes[i];
-    static_cast<void>(loop.add_axis(axis.drive, {axis.law, axis.k3_table, axis.kicks}, axis.limits));
-  }
-}
-
-// Kicks: as those of the flashed node.
-template <hal::CanPort Port, std::size_t Axes, class Scalar = float, class Kicks = law::BrakedKicks<Scalar>>
+// Node: a FlashedNode or a FlashedMachine.
+template <hal::CanPort Port, class Node>
 class ControlNode {
  public:
   // So many periods pass between two status frames of an axis.
   static constexpr std::uint32_t status_interval = 50;
+  static constexpr std::size_t Axes = Node::capacity;
 
   // The flashed node must outlive this one.
-  ControlNode(Port& port, const FlashedNode<Scalar, Axes, Kicks>& node) noexcept
+  ControlNode(Port& port, const Node& node) noexcept
       : network_{node.loop.network},
         command_timeout_{node.loop.command_timeout},
         served_{port, network_.node_id},
         port_{served_, network_.node_id},
+        laws_{node},
         loop_{port_, node.loop},
         objects_{loop_, node},
         verdict_{verify(node)} {
-    if (verdict_.ok()) add_axes(loop_, node);
+    if (verdict_.ok()) add_axes(loop_, node, laws_);
   }
 
   // Returns what keeps the node from running. If anything does, step() does nothing and the bus stays silent.
@@ -67,9 +58,11 @@ class ControlNode {
   }
 
  private:
+  using Laws = NodeLaws<Node>;
+  using Scalar = typename Laws::Scalar;
   using Served = ServedPort<Port>;
   using Tap = CommandedPort<Served, Axes>;
-  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, law::AxisController<Scalar, Kicks>, Scalar, Axes>;
+  using Loop = ControlLoop<Tap, cia402::Drive<Scalar>, typename Laws::Law, Scalar, Axes>;
 
   void obey(std::size_t place, hal::Time now) noexcept {
     const auto axis = loop_.axis(place);
@@ -94,8 +87,9 @@ class ControlNode {
   hal::Duration command_timeout_;
   Served served_;
   Tap port_;
+  Laws laws_;
   Loop loop_;
-  NodeObjects<Loop, FlashedNode<Scalar, Axes, Kicks>> objects_;
+  NodeObjects<Loop, Node> objects_;
   std::array<RemoteAxis, Axes> remote_{};
   NodeVerdict verdict_;
   std::uint32_t periods_ = 0;

@@ -247,6 +247,32 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.group("table", [&] { visit_kick_table(kicks.table, visit); });
 }
 
+template <class Loop, class Visitor>
+constexpr void visit_loop(Loop& loop, Visitor& visit) {
+  visit.group("network", [&] {
+    visit.value("period", loop.network.period, "ns");
+    visit.value("bit_rate", loop.network.bit_rate, "bit/s");
+    visit.value("node_id", loop.network.node_id, "of this node");
+    visit.value("heartbeat_period", loop.network.heartbeat_period, "ns");
+  });
+  visit.value("fault_scope", loop.fault_scope, "");
+  visit.value("moves_end", loop.moves_end, "");
+  visit.value("command_timeout", loop.command_timeout, "ns");
+}
+
+template <class Wires, class Visitor>
+constexpr void visit_wiring(Wires& wiring, Visitor& visit) {
+  visit.value("rpu_can_controller", wiring.rpu_can_controller, "");
+  visit.value("can_controller", wiring.can_controller, "");
+  visit.value("can_receive", wiring.can_receive, "");
+  visit.value("can_transmit", wiring.can_transmit, "");
+  visit.value("can_standby", wiring.can_standby, "");
+  visit.value("can_awake", wiring.can_awake, "level of can_standby");
+  visit.value("serial_baud", wiring.serial_baud, "Bd");
+  visit.value("serial_receive", wiring.serial_receive, "");
+  visit.value("serial_transmit", wiring.serial_transmit, "");
+}
+
 }  // namespace internal
 
 // Visits the numbers of a node, one line each. They are counted into the checksum, written into the header and spoiled
@@ -254,30 +280,8 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
 // body) for an array of structs and row(name, items) for one of numbers. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
 constexpr void visit_numbers(Node& node, Visitor& visit) {
-  visit.group("loop", [&] {
-    visit.group("network", [&] {
-      auto& network = node.loop.network;
-      visit.value("period", network.period, "ns");
-      visit.value("bit_rate", network.bit_rate, "bit/s");
-      visit.value("node_id", network.node_id, "of this node");
-      visit.value("heartbeat_period", network.heartbeat_period, "ns");
-    });
-    visit.value("fault_scope", node.loop.fault_scope, "");
-    visit.value("moves_end", node.loop.moves_end, "");
-    visit.value("command_timeout", node.loop.command_timeout, "ns");
-  });
-  visit.group("wiring", [&] {
-    auto& wiring = node.wiring;
-    visit.value("rpu_can_controller", wiring.rpu_can_controller, "");
-    visit.value("can_controller", wiring.can_controller, "");
-    visit.value("can_receive", wiring.can_receive, "");
-    visit.value("can_transmit", wiring.can_transmit, "");
-    visit.value("can_standby", wiring.can_standby, "");
-    visit.value("can_awake", wiring.can_awake, "level of can_standby");
-    visit.value("serial_baud", wiring.serial_baud, "Bd");
-    visit.value("serial_receive", wiring.serial_receive, "");
-    visit.value("serial_transmit", wiring.serial_transmit, "");
-  });
+  visit.group("loop", [&] { internal::visit_loop(node.loop, visit); });
+  visit.group("wiring", [&] { internal::visit_wiring(node.wiring, visit); });
   visit.value("count", node.count, "");
   visit.list("axes", present_axes(node), [&](auto& axis) {
     visit.value("name", axis.name, "");
@@ -288,6 +292,16 @@ constexpr void visit_numbers(Node& node, Visitor& visit) {
     visit.group("kicks", [&] { internal::visit_kicks(axis.kicks, visit); });
     visit.value("certified", axis.certified, "");
   });
+}
+
+// Visits what the law of an axis is made of, as visit_numbers() does: enough for a program that has a drive of its own.
+template <class Axis, class Visitor>
+constexpr void visit_law_numbers(Axis& axis, Visitor& visit) {
+  visit.value("name", axis.name, "");
+  visit.group("law", [&] { internal::visit_law(axis.law, visit); });
+  visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
+  visit.group("kicks", [&] { internal::visit_kicks(axis.kicks, visit); });
+  visit.value("certified", axis.certified, "");
 }
 
 namespace internal {
@@ -343,6 +357,7 @@ enum class NodeError : std::uint8_t {
   limits_below_law,
   bus_overloaded,
   wiring_impossible,
+  axes_stop_apart,
 };
 
 constexpr std::string_view to_string(NodeError error) noexcept {
@@ -371,6 +386,8 @@ constexpr std::string_view to_string(NodeError error) noexcept {
       return "the axes do not fit the bus at this period: canopen::bus_budget() names the least one that does";
     case NodeError::wiring_impossible:
       return "a pin or controller of [target] is none, cannot have its function, or has two: breakaway design names it";
+    case NodeError::axes_stop_apart:
+      return "axes that push each other must stop together: write all for fault_stops in [loop]";
   }
   return "unknown node error";
 }
@@ -390,6 +407,20 @@ constexpr Scalar period_s(const LoopConfig& loop) noexcept {
 
 namespace internal {
 
+// The two periods may differ by the rounding of the scalar type.
+template <class Scalar>
+constexpr bool is_period_of(Scalar period_of_law_s, const LoopConfig& loop) noexcept {
+  const Scalar difference_s = period_of_law_s - period_s<Scalar>(loop), most_s = Scalar(1e-6) * period_of_law_s;
+  return difference_s <= most_s && -difference_s <= most_s;
+}
+
+template <class Scalar>
+constexpr NodeError check_drive(const cia402::DriveConfig<Scalar>& drive, const LoopConfig& loop,
+                                const hal::AxisScale<Scalar>& scale) noexcept {
+  if (check(drive, loop.network, scale) == cia402::DriveConfigError::none) return NodeError::none;
+  return drive.node_id == loop.network.node_id ? NodeError::node_id_taken : NodeError::drive_invalid;
+}
+
 template <class Scalar, class Kicks>
 constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const LoopConfig& loop) noexcept {
   const law::AxisParameters<Scalar>& p = axis.law;
@@ -397,17 +428,32 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const Loo
   constexpr law::Coast kicked = by_work<Kicks> ? law::Coast::work : law::Coast::brake;
   if (p.coast != law::Coast::pd && !(p.coast == kicked && law::are_usable(axis.kicks))) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
-  // The two periods may differ by the rounding of the scalar type.
-  const Scalar difference_s = p.period_s - period_s<Scalar>(loop);
-  if (!(difference_s <= Scalar(1e-6) * p.period_s && -difference_s <= Scalar(1e-6) * p.period_s))
-    return NodeError::period_differs;
-  if (check(axis.drive, loop.network, axis.scale()) != cia402::DriveConfigError::none)
-    return axis.drive.node_id == loop.network.node_id ? NodeError::node_id_taken : NodeError::drive_invalid;
+  if (!is_period_of(p.period_s, loop)) return NodeError::period_differs;
+  if (const NodeError error = check_drive(axis.drive, loop, axis.scale()); error != NodeError::none) return error;
   const AxisLimits<Scalar>& l = axis.limits;
   const bool wide = l.force_N >= p.total_force_N() && l.following_error_m >= p.position_tolerance_m &&
                     l.position_min_m < l.position_max_m &&
                     (p.max_approach_speed_m_s > AxisLimits<Scalar>::largest || l.speed_m_s >= p.max_approach_speed_m_s);
   return wide ? NodeError::none : NodeError::limits_below_law;
+}
+
+// An axis that is too like one before it.
+template <class Node>
+constexpr NodeError check_against_others(const Node& node, std::uint8_t i) noexcept {
+  for (std::uint8_t before = 0; before < i; ++before) {
+    if (node.axes[before].drive.node_id == node.axes[i].drive.node_id) return NodeError::node_id_taken;
+    if (node.axes[before].name.view() == node.axes[i].name.view()) return NodeError::name_taken;
+  }
+  return NodeError::none;
+}
+
+// Bus and board.
+template <class Node>
+constexpr NodeError check_surroundings(const Node& node) noexcept {
+  const auto& network = node.loop.network;
+  if (canopen::check_bus_budget(node.count, network.period, network.bit_rate) != canopen::BusFit::fits)
+    return NodeError::bus_overloaded;
+  return is_possible(node.wiring) ? NodeError::none : NodeError::wiring_impossible;
 }
 
 }  // namespace internal
@@ -420,16 +466,9 @@ template <class Scalar, std::size_t Axes, class Kicks>
   for (std::uint8_t i = 0; i < node.count; ++i) {
     const FlashedAxis<Scalar, Kicks>& axis = node.axes[i];
     if (const NodeError error = internal::check_axis(axis, node.loop); error != NodeError::none) return {error, i};
-    for (std::uint8_t before = 0; before < i; ++before) {
-      if (node.axes[before].drive.node_id == axis.drive.node_id) return {NodeError::node_id_taken, i};
-      if (node.axes[before].name.view() == axis.name.view()) return {NodeError::name_taken, i};
-    }
+    if (const NodeError error = internal::check_against_others(node, i); error != NodeError::none) return {error, i};
   }
-  const auto& network = node.loop.network;
-  if (canopen::check_bus_budget(node.count, network.period, network.bit_rate) != canopen::BusFit::fits)
-    return {NodeError::bus_overloaded};
-  if (!is_possible(node.wiring)) return {NodeError::wiring_impossible};
-  return {};
+  return {internal::check_surroundings(node)};
 }
 
 }  // namespace breakaway::firmware

@@ -127,4 +127,20 @@ hal::CanFrame status_frame(const Loop& loop, typename Loop::AxisId axis, std::ui
   return frame;
 }
 
+// What such a frame says: numbers of the enumerations, which an image of another version may count differently.
+struct MotionStatus {
+  std::uint8_t axis = 0;
+  std::uint8_t fault = 0;        // AxisFault
+  std::uint8_t mode = 0;         // law::Mode
+  std::uint8_t drive_state = 0;  // hal::DriveState
+  std::int32_t position_counts = 0;
+};
+
+// Returns what the node with this id tells of an axis, if the frame is that.
+inline std::optional<MotionStatus> decode_status(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
+  if (frame.id != canopen::tpdo_cob_id(1, node_id) || frame.remote || frame.size != 8) return {};
+  const auto position = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
+  return MotionStatus{frame.data[0], frame.data[1], frame.data[2], frame.data[3], position};
+}
+
 }  // namespace breakaway::firmware

@@ -1,0 +1,74 @@
+#include "identify_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+
+#include "breakaway/evaluation/identification.hpp"
+#include "breakaway/evaluation/summary.hpp"
+#include "breakaway/input/input_error.hpp"
+#include "breakaway/input/shell_word.hpp"
+
+namespace breakaway::linux_node {
+namespace {
+
+// What the record says, or why it says nothing.
+std::string findings(const evaluation::Record& record) {
+  try {
+    return evaluation::summary(evaluation::evaluate(record));
+  } catch (const InputError& error) {
+    return fmt::format("  nothing found  {}\n", error.what());
+  }
+}
+
+}  // namespace
+
+IdentifyRun::IdentifyRun(const ExperimentNode& node, const Configuration& configuration, const Options& options,
+                         socketcan::KernelSocket& socket, Telemetry& telemetry)
+    : DriveRun{node, configuration, options, socket, telemetry} {
+  const identify::ExperimentParameters<float>& told = node.experiment;
+  record_ = {told.period_s, plan(0).resolution_m, told.force_step_N, {}};
+  // Memory is taken before the first period.
+  record_.readings.reserve(static_cast<std::size_t>(2 * told.duration_s / told.period_s));
+}
+
+ExitCode IdentifyRun::run() {
+  get_ready();
+  // The experiment counts from where the axis stands, so that a float is exact to the count.
+  loop_.set_target_counts(axes_.front().id, loop_.drive(axes_.front().id).position_counts());
+  enable();
+  telemetry_.ready = !telemetry_.stop;
+  move();
+  stop();
+  return ended_well(0) && laws_.experiment().ending() == identify::Ending::complete ? done : failed;
+}
+
+void IdentifyRun::move() {
+  while (!laws_.experiment().finished() && status(0).fault == firmware::AxisFault::none) {
+    if (telemetry_.stop) {
+      if (!status(0).running) return;
+      laws_.experiment().request_end();
+    }
+    step();
+    if (status(0).feedback.state == hal::DriveState::unusable) return;
+    if (status(0).running) keep();
+  }
+}
+
+void IdentifyRun::keep() {
+  if (record_.readings.size() == record_.readings.capacity()) return laws_.experiment().request_end();
+  const double position_m = loop_.drive(axes_.front().id).position_counts() * record_.resolution_m;
+  record_.readings.push_back({position_m, static_cast<double>(status(0).output.force_N), status(0).feedback.fresh});
+}
+
+std::string IdentifyRun::report() const {
+  std::string text =
+      fmt::format("{:<11} {}\nexperiment  {}\n", plan(0).name, stop_text(0), to_string(laws_.experiment().ending()));
+  text += findings(record_) + torque_limit_text(0);
+  if (!options_.csv.empty())
+    text += fmt::format("next: breakaway identify {} --log {} -o identified.toml\n", shell_word(options_.configuration),
+                        shell_word(options_.csv));
+  return text + figures();
+}
+
+}  // namespace breakaway::linux_node
