@@ -13,6 +13,7 @@
 #include "breakaway/report/region_picture.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/study/certified_region.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "conditions_json.hpp"
 #include "plane_option.hpp"
@@ -204,8 +205,6 @@ void print_summary(const scenario::MachineScenario& s, const Found& found) {
 int attract(const AttractCommand& options) {
   const scenario::MachineScenario s = scenario::read_machine_scenario(options.system);
   if (!options.picture.empty()) format::require_picture_ending(options.picture);
-  if (!options.picture.empty() && options.picture == options.json)
-    throw InputError{fmt::format("{}: two outputs would go there; give each its own file", options.json)};
   const Found found = find(options, s);
   if (!options.picture.empty() && !found.region)
     throw InputError{fmt::format("--picture: there is no region to draw: {}", found.attractivity().reason)};
@@ -222,11 +221,10 @@ int attract(const AttractCommand& options) {
 void add_attract(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<AttractCommand>();
   CLI::App* command = app.add_subcommand("attract", "Where a machine with friction is certain to come to rest");
-  command->add_option("system", options->system, "The machine, a TOML file with [machine]")->required();
-  command->add_option("--json", options->json, "Write all findings as JSON to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--picture", options->picture, "Draw the region to this .svg or .png (needs gnuplot)")
-      ->check(file_name);
+  CallFiles files{*command};
+  files.reads("system", options->system, "The machine, a TOML file with [machine]")->required();
+  files.writes("--json", options->json, "Write all findings as JSON to this file; - is standard output");
+  files.writes("--picture", options->picture, "Draw the region to this .svg or .png (needs gnuplot)");
   command->add_option("--plane", options->plane, "Which two of (q, v) the axes are, as i,j from 1; the others are 0")
       ->capture_default_str();
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s] (what fits B)")
@@ -240,7 +238,7 @@ void add_attract(CLI::App& app, int& exit_code) {
   command->footer(
       std::string{"Example: breakaway attract sim/scenarios/two_mass_example.toml --json - --picture region.svg\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = attract(*options); });
+  files.then([options, &exit_code] { exit_code = attract(*options); });
 }
 
 }  // namespace breakaway::cli

@@ -18,6 +18,7 @@
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/study/basin.hpp"
 #include "breakaway/study/basin_table.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "plane_option.hpp"
 #include "progress.hpp"
@@ -55,13 +56,6 @@ study::Grid read_grid(const BasinCommand& options, int coordinates) {
 }
 
 void check(const BasinCommand& options, const study::Shard& shard) {
-  std::vector<std::string> outputs;
-  for (const std::string& path : {options.json, options.csv, options.picture, options.resume}) {
-    if (!path.empty()) outputs.push_back(path);
-  }
-  std::ranges::sort(outputs);
-  if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
-    throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
   if (!options.picture.empty()) format::require_picture_ending(options.picture);
   if (!options.merge.empty() && (shard.count > 1 || !options.resume.empty()))
     throw InputError{"--merge joins whole shards: leave out --shard and --resume"};
@@ -169,7 +163,8 @@ int basin_of(const BasinCommand& options) {
 void add_basin(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<BasinCommand>();
   CLI::App* command = app.add_subcommand("basin", "Region of attraction of a machine with friction, on a grid");
-  command->add_option("system", options->system, "The machine, a TOML file with [machine]")->required();
+  CallFiles files{*command};
+  files.reads("system", options->system, "The machine, a TOML file with [machine]")->required();
   command->add_option("--grid", options->points, "Points along each axis")->required()->check(CLI::Range(2, 1'000'000));
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
       ->required()
@@ -179,16 +174,13 @@ void add_basin(CLI::App& app, int& exit_code) {
           "--plane", options->plane,
           "Which two of (q, v) the axes are, as i,j from 1; the others are 0. With force_N, q is counted from K^-1 f")
       ->capture_default_str();
-  command->add_option("--csv", options->csv, "Write x1,x2,attracted,time_s of every point; - is standard output")
-      ->check(file_name);
-  command->add_option("--json", options->json, "Write the figures as JSON to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--picture", options->picture, "Draw it to this .svg or .png (needs gnuplot)")->check(file_name);
+  files.writes("--csv", options->csv, "Write x1,x2,attracted,time_s of every point; - is standard output");
+  files.writes("--json", options->json, "Write the figures as JSON to this file; - is standard output");
+  files.writes("--picture", options->picture, "Draw it to this .svg or .png (needs gnuplot)");
   command->add_option("--shard", options->shard, "Only part i of n, as i/n, for --merge");
-  command->add_option("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards")
+  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards")
       ->check(file_name);
-  command->add_option("--resume", options->resume, "Keep finished rows in this file, and go on from it if it exists")
-      ->check(file_name);
+  files.writes("--resume", options->resume, "Keep finished rows in this file, and go on from it if it exists");
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
       ->check(CLI::Range(1, 1024));
   add_progress(*command, options->progress);
@@ -198,7 +190,7 @@ void add_basin(CLI::App& app, int& exit_code) {
           "         breakaway basin S.toml --grid 4001 --window 6 --shard 1/2 --csv 1.csv    (and 2/2, elsewhere)\n"
           "         breakaway basin S.toml --grid 4001 --window 6 --merge 1.csv 2.csv --csv all.csv\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = basin_of(*options); });
+  files.then([options, &exit_code] { exit_code = basin_of(*options); });
 }
 
 }  // namespace breakaway::cli

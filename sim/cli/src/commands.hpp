@@ -2,9 +2,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <system_error>
 
 namespace breakaway::cli {
 
@@ -15,7 +18,8 @@ enum ExitCode : int {
 };
 
 constexpr const char* exit_codes =
-    "\nExit codes: 0 done; 1 not settled, or a check failed; 2 bad input (one line on standard error says what).";
+    "\nA file to read may be -, standard input.\n"
+    "Exit codes: 0 done; 1 not settled, or a check failed; 2 bad input (one line on standard error says what).";
 
 // Each adds its subcommand; when that is run, it sets exit_code or throws InputError.
 void add_new(CLI::App& app, int& exit_code);
@@ -23,11 +27,15 @@ void add_simulate(CLI::App& app, int& exit_code);
 void add_k3(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
+void add_identify(CLI::App& app, int& exit_code);
+void add_tune(CLI::App& app, int& exit_code);
 void add_attract(CLI::App& app, int& exit_code);
 void add_basin(CLI::App& app, int& exit_code);
 void add_synthesize(CLI::App& app, int& exit_code);
 void add_tradeoff(CLI::App& app, int& exit_code);
+void add_schema(CLI::App& app, int& exit_code);
 void add_drive(CLI::App& app, int& exit_code);  // on Linux
+void add_watch(CLI::App& app, int& exit_code);  // on Linux
 
 // For options: CLI11 reads "nan" and "inf" as numbers.
 inline CLI::Validator number_validator(bool positive, const char* expects) {
@@ -44,6 +52,15 @@ inline const CLI::Validator file_name{[](std::string& text) -> std::string {
                                                             : "";
                                       },
                                       ""};
+// For seeds: what fits a number of 64 bits.
+inline const CLI::Validator whole_number{
+    [](std::string& text) -> std::string {
+      std::uint64_t value = 0;
+      const char* const end = text.data() + text.size();
+      const auto read = std::from_chars(text.data(), end, value);
+      return read.ec == std::errc{} && read.ptr == end ? "" : text + " is not a whole number, 0 or above";
+    },
+    ""};
 inline const CLI::Validator positive_number = number_validator(true, "a finite number above 0");
 inline const CLI::Validator finite_number = number_validator(false, "a finite number");
 

@@ -17,6 +17,7 @@
 #include "breakaway/report/design_html.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/stability/machine_certificate.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "conditions_json.hpp"
 
@@ -28,7 +29,8 @@ using design::DesignReport;
 using Reports = std::vector<DesignReport>;
 
 struct DesignCommand {
-  std::string file, json, report, header;
+  std::string file, json, report, header, law_image;
+  bool writes() const { return !header.empty() || !law_image.empty(); }
 };
 
 void write_check(format::JsonWriter& json, const design::Check& check) {
@@ -153,8 +155,9 @@ void print_promise(const design::WorkPromise& p, bool certified) {
   fmt::print("coast \"work\"          floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n", p.floor_m,
              p.least_tolerance_m, p.table_bytes);
   fmt::print(
-      "load on a spring      resonates at {:.4g} Hz, adds {:.4g} m to a kick (eps), may rest {:.4g} m from where the "
-      "motor says\n",
+      "load on a spring      resonates at {:.4g} Hz, adds {:.4g} m to a kick (eps); either side may rest {:.4g} m from "
+      "where "
+      "the other says\n",
       p.resonance_Hz, p.spring_m, p.unseen_m);
   if (certified) fmt::print("                      {}\n", p.promise);
 }
@@ -206,15 +209,28 @@ std::string why_not(const Node& node, const Reports& reports) try {
   return error.what();
 }
 
+// What is flashed; empty where it was not asked for.
+struct Flashed {
+  std::string header, law_image;
+};
+
+// A file with the suffix of a header is text.
+std::string law_image_as(const std::string& file, const std::vector<std::uint8_t>& image, const Node& node) {
+  return file.ends_with(".h") ? config::law_image_header(image, node.file) : std::string{image.begin(), image.end()};
+}
+
 // Without --header nothing is written, but what could not be flashed is refused as well.
-std::string flashed_header(const DesignCommand& options, const Node& node, const Reports& reports, bool certified) {
-  if (options.header.empty() && !node.loop) return {};  // a study of the ideal law, for which no drive is chosen yet
+Flashed flashed(const DesignCommand& options, const Node& node, const Reports& reports, bool certified) {
+  if (!options.writes() && !node.loop) return {};  // a study of the ideal law, for which no drive is chosen yet
   if (!certified) return {};
-  const auto header = [&](const auto& flashed) {
-    return options.header.empty() ? std::string{} : config::node_header(flashed, node, reports);
+  const auto write = [&](const auto& flashed) {
+    Flashed files;
+    if (!options.header.empty()) files.header = config::node_header(flashed, node, reports);
+    if (!options.law_image.empty()) files.law_image = law_image_as(options.law_image, config::law_image(flashed), node);
+    return files;
   };
-  return config::is_by_work(node) ? header(config::certified_by_work(node, reports))
-                                  : header(config::certified(node, reports));
+  return config::is_by_work(node) ? write(config::certified_by_work(node, reports))
+                                  : write(config::certified(node, reports));
 }
 
 void write_pair(format::JsonWriter& json, const Node& node, const stability::PairCondition& pair) {
@@ -263,11 +279,14 @@ std::string to_json(const Node& node, const stability::MachineCertificate& certi
 }
 
 void print_promised_axis(const Node& node, std::size_t i, const stability::AxisPromise& axis) {
-  const double error_m = config::tolerance_m(node, node.axes[i]) + config::reading_error_m(node.axes[i]);
-  fmt::print(
-      "axis {:<16} box {:.4g} m, kicks of {:.4g} N at most, {} of them at most, error {:.4g} m (least {:.4g} m)\n",
-      node.axes[i].name, axis.box_m, axis.kick_N, axis.most_kicks, error_m,
-      axis.least_tolerance_m + config::reading_error_m(node.axes[i]));
+  const double reading_m = config::reading_error_m(node.axes[i]);
+  fmt::print("axis {:<16} box {:.4g} m, ", node.axes[i].name, axis.box_m);
+  if (axis.most_kicks > 0)
+    fmt::print("kicks of {:.4g} N at most, {} of them at most, error {:.4g} m (least {:.4g} m)\n", axis.kick_N,
+               axis.most_kicks, config::tolerance_m(node, node.axes[i]) + reading_m,
+               axis.least_tolerance_m + reading_m);
+  else
+    fmt::print("no kick is certified\n");
   const stability::PairCondition& pair = axis.tightest;
   if (pair.kicked != pair.held)
     fmt::print("                      its kicks ask most of {} in the {}: {:.4g} N of {:.4g} N, margin {:.4g} N\n",
@@ -287,11 +306,16 @@ void print_machine(const Node& node, const stability::MachineCertificate& certif
                pair.holds() ? "would stop" : "is not sure to stop", pair.margin_N());
   if (!certificate.certified) return fmt::print("NOT certified\n  {}\n", certificate.reason);
   fmt::print("release               {:.4g} s to certain rest\n", certificate.release_s);
-  fmt::print(
-      "certified: from rest within {:.4g} m of its targets the machine approaches, is let go, and reaches them after "
-      "{} "
-      "kicks at most, of one axis after another; no kick moves another axis, and none goes beyond\n",
-      node.coupling->start_m, certificate.most_kicks);
+  fmt::print("certified: {}; provided that\n", config::machine_promise(node, certificate));
+  for (const std::string& condition : config::machine_conditions(node)) fmt::print("  {}\n", condition);
+}
+
+void print_written(const DesignCommand& options, bool certified) {
+  const auto tell = [](const std::string& path) {
+    if (!path.empty()) fmt::print("written: {}\n", path);
+  };
+  tell(options.json), tell(options.report);
+  if (certified) tell(options.header), tell(options.law_image);
 }
 
 // With the [machine] of the file, which must be what the node is told of.
@@ -304,10 +328,17 @@ int design_machine(const DesignCommand& options, const Node& node) {
         "--report is of axes that move alone; a [coupling] is reported by --json, and its motion by "
         "`simulate --report`"}
         .in_file(node.file);
+  if (!options.law_image.empty())
+    throw InputError{"--law-image is of axes that move alone; those of a [coupling] are kicked by one coordinator"}
+        .in_file(node.file);
   const stability::MachineCertificate certificate = config::examine_machine(node);
-  if (!options.header.empty() && certificate.certified) config::require_flashable(node);
+  // Without --header nothing is written, but what could not be flashed is refused as well.
+  const std::string header =
+      certificate.certified ? config::node_header(config::certified_machine(node, certificate), node, certificate) : "";
   if (!options.json.empty()) format::write_output(options.json, to_json(node, certificate));
-  if (options.json != "-") print_machine(node, certificate);
+  if (!options.header.empty() && certificate.certified) format::write_output(options.header, header);
+  if (options.json != "-" && options.header != "-")
+    print_machine(node, certificate), print_written(options, certificate.certified);
   if (!certificate.certified)
     fmt::print(stderr, "breakaway: {}: not certified: {}{}\n", node.file, certificate.reason,
                options.header.empty() ? "" : "; no header is written");
@@ -321,14 +352,17 @@ int design_file(const DesignCommand& options) {
   const Reports reports = config::examine(node);
   const bool certified = std::ranges::all_of(reports, &DesignReport::certified);
   // Everything is ready before the first file is written: an error here leaves no file behind.
-  const std::string page = options.report.empty() ? "" : html(options.file, node, reports);
-  const std::string header = flashed_header(options, node, reports, certified);
+  const std::string page = options.report.empty() ? "" : html(node.file, node, reports);
+  const Flashed files = flashed(options, node, reports, certified);
   if (!options.json.empty()) format::write_output(options.json, to_json(node, reports));
   if (!page.empty()) format::write_output(options.report, page);
-  if (!header.empty()) format::write_output(options.header, header);
-  if (options.json != "-" && options.report != "-" && options.header != "-") print_reports(node, reports);
-  if (!options.header.empty() && !certified)
-    fmt::print(stderr, "breakaway: {}: no header is written\n", why_not(node, reports));
+  if (!files.header.empty()) format::write_output(options.header, files.header);
+  if (!files.law_image.empty()) format::write_output(options.law_image, files.law_image);
+  const bool shown = options.json != "-" && options.report != "-" && options.header != "-" && options.law_image != "-";
+  if (shown) print_reports(node, reports), print_written(options, certified);
+  if (options.writes() && !certified)
+    fmt::print(stderr, "breakaway: {}: no {} is written\n", why_not(node, reports),
+               options.header.empty() ? "law image" : "header");
   return certified ? done : failed_check;
 }
 
@@ -338,21 +372,20 @@ void add_design(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<DesignCommand>();
   CLI::App* command =
       app.add_subcommand("design", "Check every axis of a node: each assumption with its margin, accuracy, k3 table");
-  command->add_option("axis", options->file, "The node: a scenario file, or what it says of loop, axes and drives")
-      ->required();
-  command->add_option("--json", options->json, "Write everything as JSON to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--report", options->report, "Write the report to sign to this HTML file (needs gnuplot)")
-      ->check(file_name);
-  command
-      ->add_option("--header", options->header,
-                   "Write the whole node as the C++ header that is flashed, under one checksum; only if certified")
-      ->check(file_name);
+  CallFiles files{*command};
+  files.reads("axis", options->file, "The node: a scenario file, or what it says of loop, axes and drives")->required();
+  files.writes("--json", options->json, "Write everything as JSON to this file; - is standard output");
+  files.writes_page("--report", options->report, "Write the report to sign to this HTML file (needs gnuplot)");
+  files.writes("--header", options->header,
+               "Write the whole node as the C++ header that is flashed, under one checksum; only if certified");
+  files.writes("--law-image", options->law_image,
+               "Write the law of each axis for programs in C (breakaway/law.h): bytes, or an array where the file "
+               "ends in .h; only if certified");
   command->footer(
       std::string{
           "Example: breakaway design sim/scenarios/can_axis.toml --report design.html --header flashed_node.hpp\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = design_file(*options); });
+  files.then([options, &exit_code] { exit_code = design_file(*options); });
 }
 
 }  // namespace breakaway::cli

@@ -8,6 +8,7 @@
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -61,6 +62,7 @@ void k3(const K3Command& options) {
 void add_k3(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<K3Command>();
   CLI::App* command = app.add_subcommand("k3", "The exact impulse that sends a resting axis to its target");
+  CallFiles files{*command};
   auto& plant = options->plant;
   command->add_option("--mass", plant.mass_kg, "Moving mass [kg]")->required()->check(positive_number);
   command->add_option("--k1", plant.stiffness_N_per_m, "Stiffness of the control [N/m]")
@@ -78,13 +80,12 @@ void add_k3(CLI::App& app, int& exit_code) {
       ->required()
       ->allow_extra_args(false)
       ->check(finite_number);
-  command->add_option("--json", options->json, "Write the rows as JSON to this file; - is standard output")
-      ->check(file_name);
+  files.writes("--json", options->json, "Write the rows as JSON to this file; - is standard output");
   command->footer(
       std::string{"Example: breakaway k3 --mass 1 --k1 1 --k22 3 --friction-lower 2.5 --position -0.1 --position 1e-6 "
                   "--json -\n"} +
       exit_codes);
-  command->callback([options, &exit_code] {
+  files.then([options, &exit_code] {
     k3(*options);
     exit_code = done;
   });

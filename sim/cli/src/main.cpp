@@ -47,12 +47,16 @@ int main(int argc, char** argv) {
   cli::add_k3(app, exit_code);
   cli::add_design(app, exit_code);
   cli::add_study(app, exit_code);
+  cli::add_identify(app, exit_code);
+  cli::add_tune(app, exit_code);
   cli::add_attract(app, exit_code);
   cli::add_basin(app, exit_code);
   cli::add_synthesize(app, exit_code);
   cli::add_tradeoff(app, exit_code);
+  cli::add_schema(app, exit_code);
 #ifdef __linux__
   cli::add_drive(app, exit_code);
+  cli::add_watch(app, exit_code);
 #endif
   cli::add_help(app, exit_code);
   try {

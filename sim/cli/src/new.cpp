@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,6 +12,8 @@
 #include "breakaway/design/binding_limit.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/shell_word.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 
 namespace breakaway::cli {
@@ -39,7 +40,6 @@ constexpr std::array questions{
 struct NewCommand {
   std::array<std::optional<double>, questions.size()> given;
   std::string file = "axis.toml";
-  bool overwrite = false;
 };
 
 // Asks on standard error until the answer is a number above 0.
@@ -47,9 +47,11 @@ double ask(const Question& question) {
   while (true) {
     fmt::print(stderr, "{} [{}]: ", question.question, question.unit);
     std::string line;
-    if (!std::getline(std::cin, line))
+    if (!std::getline(std::cin, line)) {
+      fmt::print(stderr, "\n");
       throw InputError{fmt::format("{} is not given, and standard input has no answer: add {} NUMBER",
                                    question.question, question.option)};
+    }
     line = CLI::detail::trim(line);
     const std::string wrong = positive_number(line);
     if (wrong.empty()) return std::stod(line);
@@ -66,8 +68,6 @@ config::KnownAxis known_axis(const NewCommand& options) {
 
 int make_new(const NewCommand& options) {
   const bool to_file = options.file != "-";
-  if (to_file && !options.overwrite && std::filesystem::exists(options.file))
-    throw InputError{options.file + " is there already: give another name with -o, or --overwrite"};
   const config::NewNode made = config::new_node(known_axis(options));
   format::write_output(options.file, made.text);
   if (!to_file) return done;
@@ -78,7 +78,7 @@ int make_new(const NewCommand& options) {
              options.file, axis.controller.position_tolerance_m, promise.error_m);
   fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:.3g} m could be certified\n", limit.name,
              limit.least_tolerance_m);
-  fmt::print("next: breakaway simulate {} --report axis.html\n", options.file);
+  fmt::print("next: breakaway simulate {} --report axis.html\n", shell_word(options.file));
   return done;
 }
 
@@ -88,18 +88,17 @@ void add_new(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<NewCommand>();
   CLI::App* command = app.add_subcommand(
       "new", "Write the file of an axis from seven numbers, certified; those that are not given are asked for");
+  CallFiles files{*command};
   for (std::size_t i = 0; i < questions.size(); ++i) {
     const Question& question = questions[i];
     command->add_option(question.option, options->given[i], fmt::format("{} [{}]", question.question, question.unit))
         ->check(positive_number);
   }
-  command->add_option("-o,--output", options->file, "Write to this file (axis.toml); - is standard output")
-      ->check(file_name);
-  command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
+  files.makes("-o,--output", options->file, "Write to this file (axis.toml); - is standard output");
   command->footer(std::string{"Example: breakaway new --mass 12 --friction-lower 15 --friction-upper 28 --encoder 5e-7 "
                               "--rate 1000 --force 200 --move 0.4\n"} +
                   exit_codes);
-  command->callback([options, &exit_code] { exit_code = make_new(*options); });
+  files.then([options, &exit_code] { exit_code = make_new(*options); });
 }
 
 }  // namespace breakaway::cli

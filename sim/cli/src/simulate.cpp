@@ -16,6 +16,7 @@
 #include "breakaway/report/machine_report.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
 
@@ -128,12 +129,7 @@ const std::string& warning(const MachineResult& result) { return result.warning;
 bool asks_for_accuracy(const Scenario& s) { return s.run && s.run->accuracy_m; }
 bool asks_for_accuracy(const MachineScenario& s) { return s.accuracy_m.has_value(); }
 
-void check_outputs(const SimulateCommand& options, const char* no_bus) {
-  for (const std::string& path : options.outputs()) {
-    if (!path.empty() && std::ranges::count(options.outputs(), path) > 1) {
-      throw InputError{fmt::format("{}: two outputs would go there; give each its own file", path)};
-    }
-  }
+void check_frames(const SimulateCommand& options, const char* no_bus) {
   if (!options.candump.empty() && no_bus != nullptr) throw InputError{fmt::format("--candump: {}", no_bus)};
 }
 
@@ -148,7 +144,7 @@ void print_summary(const SimulateCommand& options, const AnyScenario& scenario, 
 
 template <class AnyScenario>
 int simulate_scenario(const SimulateCommand& options, const AnyScenario& scenario) {
-  check_outputs(options, why_no_bus(scenario));
+  check_frames(options, why_no_bus(scenario));
   Progress progress{"simulating", options.progress};
   if (asks_for_accuracy(scenario)) progress.say("choosing the method");
   const auto result = sil::run_scenario(scenario, options.recording(progress));
@@ -188,17 +184,13 @@ void add_simulate(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<SimulateCommand>();
   CLI::App* command =
       app.add_subcommand("simulate", "Simulate a scenario: does the axis or machine settle, when and how well?");
-  command->add_option("scenario", options->scenario, "The scenario, a TOML file")->required();
-  command->add_option("--json", options->json, "Write all figures as JSON to this file; - is standard output")
-      ->check(file_name);
-  command
-      ->add_option("--csv", options->csv,
-                   "Write the samples of the run to this file; - is standard output; friction_level_N is nan at rest")
-      ->check(file_name);
-  command->add_option("--candump", options->candump, "Write the bus traffic in candump's log format to this file")
-      ->check(file_name);
-  command->add_option("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)")
-      ->check(file_name);
+  CallFiles files{*command};
+  files.reads("scenario", options->scenario, "The scenario, a TOML file")->required();
+  files.writes("--json", options->json, "Write all figures as JSON to this file; - is standard output");
+  files.writes("--csv", options->csv,
+               "Write the samples of the run to this file; - is standard output; friction_level_N is nan at rest");
+  files.writes("--candump", options->candump, "Write the bus traffic in candump's log format to this file");
+  files.writes_page("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)");
   command
       ->add_option("--accuracy", options->accuracy_m,
                    "Allow this error (m), and take the cheapest method that holds it: [run] accuracy_m")
@@ -207,7 +199,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->footer(
       std::string{"Example: breakaway simulate sim/scenarios/impulsive_example.toml --json - --report example.html\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = simulate(*options); });
+  files.then([options, &exit_code] { exit_code = simulate(*options); });
 }
 
 }  // namespace breakaway::cli

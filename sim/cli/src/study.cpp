@@ -4,14 +4,21 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/file_contents.hpp"
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/shell_word.hpp"
+#include "breakaway/report/study_html.hpp"
+#include "breakaway/report/study_junit.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
+#include "breakaway/study/requirement.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
 
@@ -22,14 +29,17 @@ using namespace study;
 using scenario::Scenario;
 
 struct StudyCommand {
-  std::string scenario, against, axis, json;
+  std::string scenario, against, axis, json, junit, report;
+  std::vector<std::string> required;
   std::vector<std::pair<double, double>> starts;
   StudyOptions study;
   bool progress = false;
 };
 
 struct Study {
-  std::string file;
+  std::string file;  // as the command has it
+  std::string name;  // as messages have it
+  std::string axis;  // that was asked for, if any
   Scenario scenario;
   std::vector<StudyRow> rows;
 };
@@ -37,20 +47,35 @@ struct Study {
 const char* controller_name(const Scenario& s) { return s.node.axes.front().controller.pid ? "PID" : "impulsive"; }
 
 // Returns the axis of this name, or the only one.
-Scenario read_axis(const std::string& file, const std::string& axis) {
+Scenario read_studied_axis(const std::string& file, const std::string& axis) {
   Scenario s = scenario::read_scenario(file);
   if (s.machine)
-    throw InputError{file + ": a study varies the friction of an axis, and a [machine] has its own: simulate it"};
+    throw InputError{config::shown_name(file) +
+                     ": a study varies the friction of an axis, and a [machine] has its own: simulate it"};
   if (!axis.empty()) s = only_axis(s, axis);
-  if (s.axes() > 1) throw InputError{file + ": has several axes: say which to study with --axis NAME"};
-  if (s.ideal()) throw InputError{file + ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};
+  if (s.axes() > 1)
+    throw InputError{config::shown_name(file) + ": has several axes: say which to study with --axis NAME"};
+  if (s.ideal())
+    throw InputError{config::shown_name(file) +
+                     ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};
   sil::require_complete(s);
   return s;
 }
 
+void require_starts_within_limits(const Study& study, const StudyCommand& command) {
+  for (const auto& [position_m, velocity_m_s] : command.starts) {
+    const std::string problem =
+        start_problem(study.scenario.node.axes.front(), study.scenario.worlds.front(), position_m);
+    if (!problem.empty())
+      throw InputError{
+          fmt::format("--start {:g} {:g}: for {} the position {}", position_m, velocity_m_s, study.name, problem)};
+  }
+}
+
 Study run(const std::string& file, const StudyCommand& command, StudyOptions options) {
-  Study study{file, read_axis(file, command.axis), {}};
-  Progress progress{file, command.progress};
+  Study study{file, config::shown_name(file), command.axis, read_studied_axis(file, command.axis), {}};
+  require_starts_within_limits(study, command);
+  Progress progress{study.name, command.progress};
   options.progress = [&](int done, int all) { progress.tell(static_cast<double>(done) / all); };
   study.rows = run_study(study.scenario, options);
   return study;
@@ -85,10 +110,33 @@ void print_rows(const Study& study) {
   }
 }
 
+std::size_t place_of_slowest(const StudyRow& row) {
+  return static_cast<std::size_t>(&slowest_run(row) - row.runs.data());
+}
+
+// The command that runs the worst law again, without the others but the fixed ones.
+std::string again(const Study& study, const StudyRow& row, const StudyOptions& options) {
+  const std::size_t place = place_of_slowest(row);
+  const std::size_t fixed = row.runs.size() - static_cast<std::size_t>(options.random_laws);
+  const bool random = place >= fixed;
+  return fmt::format("breakaway study {}{} --start {:g} {:g} --laws {:d} --seed {}", shell_word(study.file),
+                     study.axis.empty() ? "" : " --axis " + shell_word(study.axis), row.start.position_m,
+                     row.start.velocity_m_s, random,
+                     options.seed + (random ? static_cast<std::uint64_t>(place - fixed) : 0));
+}
+
+void print_slowest(const Study& study, const StudyOptions& options) {
+  for (const StudyRow& row : study.rows) {
+    const StudyRun& slowest = slowest_run(row);
+    fmt::print("worst from {:g} m: {}, {}; again: {}\n", row.start.position_m, slowest.law,
+               time_text(slowest.settled ? slowest.settling_time_s : NAN), again(study, row, options));
+  }
+}
+
 void print_told(const std::vector<Study>& studies) {
   for (const Study& study : studies) {
     const std::string told = config::told_otherwise(study.scenario.node.axes.front());
-    if (!told.empty()) fmt::print("{}: the controller is told {}\n", study.file, told);
+    if (!told.empty()) fmt::print("{}: the controller is told {}\n", study.name, told);
   }
 }
 
@@ -97,7 +145,7 @@ void print_certificate(const Study& study) {
   const config::Node& node = study.scenario.node;
   if (node.axes.front().controller.pid) return;
   const std::string why_not = config::why_not_certified(node, node.axes.front());
-  fmt::print("{}: {}\n", study.file, why_not.empty() ? "certified" : "not certified: " + why_not);
+  fmt::print("{}: {}\n", study.name, why_not.empty() ? "certified" : "not certified: " + why_not);
 }
 
 void print_table(const std::vector<Study>& studies, const StudyOptions& options) {
@@ -114,6 +162,8 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
   fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled",
              "median", "worst", "worst 1 mm", "worst error", "beyond", "cycles", "faults", "peak");
   for (const Study& study : studies) print_rows(study);
+  fmt::print("\n");
+  for (const Study& study : studies) print_slowest(study, options);
 }
 
 void write_run(format::JsonWriter& json, const StudyRun& run) {
@@ -134,7 +184,7 @@ void write_run(format::JsonWriter& json, const StudyRun& run) {
 
 void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row) {
   json.member("controller", controller_name(study.scenario));
-  json.member("scenario", study.file);
+  json.member("scenario", study.name);
   if (const std::string told = config::told_otherwise(study.scenario.node.axes.front()); !told.empty())
     json.member("told", told);
   if (study.scenario.node.axes.front().controller.impulsive)
@@ -146,6 +196,7 @@ void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row
   json.member("faulted", faulted_runs(row));
   json.member("median_settling_time_s", median_settling_time_s(row));
   json.member("worst_settling_time_s", worst_settling_time_s(row));
+  json.member("worst_law", slowest_run(row).law);
   json.member("worst_error_m", worst_error_m(row));
   json.member("overshoot_m", worst_excursions(row).overshoot_m);
   json.member("beyond_m", worst_excursions(row).beyond_m);
@@ -183,15 +234,52 @@ std::vector<Start> default_starts(const Scenario& s) {
   return starts;
 }
 
+std::string junit(const std::vector<Study>& studies, const std::vector<Requirement>& required) {
+  std::vector<report::StudiedFile> files;
+  for (const Study& study : studies) files.push_back({study.name, study.rows});
+  return report::to_junit(files, required);
+}
+
+std::string html(const std::vector<Study>& studies, const StudyOptions& options) {
+  std::vector<report::ReportedStudy> reported;
+  for (const Study& study : studies) {
+    report::ReportedStudy one{study.name, study.scenario.node, {}};
+    for (const StudyRow& row : study.rows)
+      one.rows.push_back(
+          {row, run_again(study.scenario, options, row.start, place_of_slowest(row)), again(study, row, options)});
+    reported.push_back(std::move(one));
+  }
+  return report::study_html(reported);
+}
+
+// Whether the first scenario keeps all that is required of it; what it does not keep is said.
+bool keeps(const Study& study, const std::vector<Requirement>& required) {
+  bool all = true;
+  for (const StudyRow& row : study.rows) {
+    for (const std::string& sentence : broken(required, row)) {
+      fmt::print(stderr, "breakaway: {}: {}\n", study.name, sentence);
+      all = false;
+    }
+  }
+  return all;
+}
+
 int study(const StudyCommand& options) {
   StudyOptions what = options.study;
+  std::vector<Requirement> required;
+  for (const std::string& text : options.required) required.push_back(read_requirement(text));
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
-  if (what.starts.empty()) what.starts = default_starts(read_axis(options.scenario, options.axis));
+  if (what.starts.empty()) what.starts = default_starts(read_studied_axis(options.scenario, options.axis));
   std::vector<Study> studies{run(options.scenario, options, what)};
   if (!options.against.empty()) studies.push_back(run(options.against, options, what));
+  // Everything is ready before the first file is written: an error here leaves no file behind.
+  const std::string page = options.report.empty() ? "" : html(studies, what);
   if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
-  if (options.json != "-") print_table(studies, what);
-  return all_settled(studies.front()) ? done : failed_check;
+  if (!page.empty()) format::write_output(options.report, page);
+  if (!options.junit.empty()) format::write_output(options.junit, junit(studies, required));
+  if (options.json != "-" && options.junit != "-" && options.report != "-") print_table(studies, what);
+  const bool kept = keeps(studies.front(), required);
+  return kept && all_settled(studies.front()) ? done : failed_check;
 }
 
 }  // namespace
@@ -200,25 +288,34 @@ void add_study(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<StudyCommand>();
   CLI::App* command =
       app.add_subcommand("study", "Run an axis under every friction law of its class, from several starts");
-  command->add_option("scenario", options->scenario, "The scenario; its own start is not used")->required();
-  command->add_option("--against", options->against, "Another scenario to run under the same laws, to compare with");
+  CallFiles files{*command};
+  files.reads("scenario", options->scenario, "The scenario; its own start is not used")->required();
+  files.reads("--against", options->against, "Another scenario to run under the same laws, to compare with");
   command->add_option("--axis", options->axis, "The name of the axis to study, where the scenario has several");
   command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
       ->check(CLI::Range(0, 100000));
-  command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")
-      ->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")->check(whole_number);
   command
       ->add_option(
           "--start", options->starts,
           "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0, within the limits")
+      ->type_name("POSITION VELOCITY")
+      ->delimiter(',')
       ->check(finite_number);
-  command->add_option("--json", options->json, "Write every run as JSON to this file; - is standard output")
-      ->check(file_name);
+  files.writes("--json", options->json, "Write every run as JSON to this file; - is standard output");
+  command
+      ->add_option("--require", options->required,
+                   "Exit with 1 unless this holds from every start, as 'worst_settling_s<=0.5'; may be repeated")
+      ->allow_extra_args(false);
+  files.writes("--junit", options->junit,
+               "Write runs and requirements as JUnit's XML to this file; - is standard output");
+  files.writes_page("--report", options->report,
+                    "Write a page with histograms and the worst law of each start to this HTML file (needs gnuplot)");
   add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = study(*options); });
+  files.then([options, &exit_code] { exit_code = study(*options); });
 }
 
 }  // namespace breakaway::cli

@@ -15,6 +15,7 @@
 #include "breakaway/scenario/open_loop.hpp"
 #include "breakaway/sil/certificates.hpp"
 #include "breakaway/stability/synthesis.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
 #include "synthesis_report.hpp"
@@ -57,17 +58,6 @@ PdWants read_wants(const SynthesizeCommand& options) {
   PdWants wants;
   for (const std::string& text : options.wants) read_want(text, wants);
   return wants;
-}
-
-void check_outputs(const SynthesizeCommand& options) {
-  std::vector<std::string> outputs;
-  for (const std::string& path : {options.json, options.scenario, options.picture}) {
-    if (!path.empty()) outputs.push_back(path);
-  }
-  std::ranges::sort(outputs);
-  if (const auto twice = std::ranges::adjacent_find(outputs); twice != outputs.end())
-    throw InputError{fmt::format("{}: two outputs would go there; give each its own file", *twice)};
-  if (!options.picture.empty()) format::require_picture_ending(options.picture);
 }
 
 double velocity_norm_Ns_per_m(const PdDesign& design) {
@@ -125,7 +115,7 @@ stability::PdDesign synthesized(const SynthesizeCommand& options, const stabilit
 }
 
 int synthesize(const SynthesizeCommand& options) {
-  check_outputs(options);
+  if (!options.picture.empty()) format::require_picture_ending(options.picture);
   const PdWants wants = read_wants(options);
   const scenario::OpenLoop open = scenario::read_open_loop(options.system);
   if (open.scenario.machine.force_N.size() > 0 && !open.scenario.machine.force_N.isZero(0)) {
@@ -159,10 +149,11 @@ int synthesize(const SynthesizeCommand& options) {
 void add_synthesize(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<SynthesizeCommand>();
   CLI::App* command = app.add_subcommand("synthesize", "PD gains of a machine for a wanted region and resting error");
-  command
-      ->add_option("system", options->system,
-                   "The machine, a TOML file with [machine]; its [feedback] names the "
-                   "actuators, gains in it are replaced")
+  CallFiles files{*command};
+  files
+      .reads("system", options->system,
+             "The machine, a TOML file with [machine]; its [feedback] names the "
+             "actuators, gains in it are replaced")
       ->required();
   command
       ->add_option("--want", options->wants,
@@ -184,15 +175,10 @@ void add_synthesize(CLI::App& app, int& exit_code) {
   command->add_option("--trajectories", options->trajectories, "Random starts inside the region to simulate")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
-  command
-      ->add_option("--scenario", options->scenario,
-                   "Write the machine with its gains to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--json", options->json, "Write the figures as JSON to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--picture", options->picture, "Draw the sweep to this .svg or .png (needs gnuplot)")
-      ->check(file_name);
+  command->add_option("--seed", options->seed, "Of the random starts")->check(whole_number)->capture_default_str();
+  files.makes("--scenario", options->scenario, "Write the machine with its gains to this file; - is standard output");
+  files.writes("--json", options->json, "Write the figures as JSON to this file; - is standard output");
+  files.writes("--picture", options->picture, "Draw the sweep to this .svg or .png (needs gnuplot)");
   add_progress(*command, options->progress);
   command->footer(
       std::string{
@@ -201,7 +187,7 @@ void add_synthesize(CLI::App& app, int& exit_code) {
           "         breakaway synthesize S.toml --want resting-error=0.05 --want global --scenario "
           "closed_loop.toml\n"} +
       exit_codes);
-  command->callback([options, &exit_code] { exit_code = synthesize(*options); });
+  files.then([options, &exit_code] { exit_code = synthesize(*options); });
 }
 
 }  // namespace breakaway::cli

@@ -12,6 +12,7 @@
 #include "breakaway/sil/run_scenario.hpp"
 #include "breakaway/tradeoff/frontiers.hpp"
 #include "breakaway/tradeoff/scene_tradeoff.hpp"
+#include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
 
@@ -121,31 +122,28 @@ void run_tradeoff(const TradeoffFiles& files) {
 }  // namespace
 
 void add_tradeoff(CLI::App& app, int& exit_code) {
-  const auto files = std::make_shared<TradeoffFiles>();
+  const auto options = std::make_shared<TradeoffFiles>();
   CLI::App* command = app.add_subcommand(
       "tradeoff", "Measure speed against accuracy: integrators, k3 evaluators, control periods, parts of a scenario");
-  command->add_option("scenario", files->scenario,
-                      "A scenario of your own: its methods, and the parts it can do without");
-  command->add_option("--accuracy", files->accuracy_m, "The error (m) that the scenario's answer may have")
+  CallFiles files{*command};
+  files.reads("scenario", options->scenario, "A scenario of your own: its methods, and the parts it can do without");
+  command->add_option("--accuracy", options->accuracy_m, "The error (m) that the scenario's answer may have")
       ->check(positive_number);
-  command->add_flag("--quick", files->quick, "Fewer rows, and no counting of instructions: seconds, not minutes");
-  command->add_option("--json", files->json, "Write all figures as JSON to this file; - is standard output")
-      ->check(file_name);
-  command->add_option("--picture", files->picture, "Draw the frontiers into this SVG file (needs gnuplot)")
-      ->check(file_name);
-  command->add_option("--page", files->page, "Write the figures and what follows from them as Markdown to this file")
-      ->check(file_name);
+  command->add_flag("--quick", options->quick, "Fewer rows, and no counting of instructions: seconds, not minutes");
+  files.writes("--json", options->json, "Write all figures as JSON to this file; - is standard output");
+  files.writes("--picture", options->picture, "Draw the frontiers into this SVG file (needs gnuplot)");
+  files.writes("--page", options->page, "Write the figures and what follows from them as Markdown to this file");
   // How the command counts: it runs itself under valgrind with these.
-  command->add_option("--work", files->work)->group("");
-  command->add_option("--repeat", files->repeats)->group("");
-  add_progress(*command, files->progress);
+  command->add_option("--work", options->work)->group("");
+  command->add_option("--repeat", options->repeats)->group("");
+  add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway tradeoff sim/scenarios/can_axis.toml --accuracy 1e-5 --picture own.svg\n"
                   "Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
                   "Instructions are counted where valgrind is installed; without it costs are ratios of times.\n"} +
       exit_codes);
-  command->callback([files, &exit_code] {
-    run_tradeoff(*files);
+  files.then([options, &exit_code] {
+    run_tradeoff(*options);
     exit_code = done;
   });
 }

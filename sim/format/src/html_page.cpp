@@ -12,6 +12,7 @@ constexpr const char* style = R"(
   body { margin: 0; background: #f4f5f6; color: #22272b; font: 16px/1.55 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; }
   main { max-width: 960px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
   h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .4rem; }
+  h1, h2, td { overflow-wrap: anywhere; }
   h2 { font-size: 1.15rem; margin: 0 0 .3rem; }
   .verdict { display: inline-block; padding: .15rem .7rem; border-radius: 1rem; font-weight: 600; }
   .yes { background: #d9efe3; color: #14532d; } .no { background: #fbe0dc; color: #7f1d1d; }
@@ -20,6 +21,7 @@ constexpr const char* style = R"(
   th { font-weight: 500; color: #596168; width: 46%; } td { font-variant-numeric: tabular-nums; }
   svg { width: 100%; height: auto; } p { margin: .2rem 0 .6rem; } .caption { color: #4a5258; font-size: .93rem; }
   .columns { display: grid; grid-template-columns: 1fr 1fr; gap: 0 2rem; } @media (max-width: 720px) { .columns { grid-template-columns: 1fr; } }
+  .content { overflow-x: auto; } @media (max-width: 720px) { main { padding: 1rem .6rem 3rem; } section { padding: .8rem .8rem; } .content svg { min-width: 600px; } }
   @media print { body { background: #fff; } section { break-inside: avoid; } }
 )";
 
@@ -62,8 +64,8 @@ std::string html_list(const std::vector<std::string>& items) {
 }
 
 std::string html_section(std::string_view title, std::string_view content, std::string_view caption) {
-  return fmt::format("<section><h2>{}</h2>\n{}\n<p class=\"caption\">{}</p></section>\n", title, content,
-                     escaped(caption));
+  return fmt::format("<section><h2>{}</h2>\n<div class=\"content\">{}</div>\n<p class=\"caption\">{}</p></section>\n",
+                     escaped(title), content, escaped(caption));
 }
 
 std::string html_page(std::string_view title, bool good, std::string_view verdict, std::string_view sections) {

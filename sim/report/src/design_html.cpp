@@ -90,9 +90,9 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
 
 std::string work_results_table(const design::WorkPromise& promise) {
   format::HtmlTable table;
-  table.quantity("True error of the motor at rest, at most", 1e6 * promise.error_m, "µm");
+  table.quantity("True error at rest of the side with the encoder, at most", 1e6 * promise.error_m, "µm");
   table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
-  table.quantity("Load off the motor at rest, at most", 1e6 * promise.unseen_m, "µm");
+  table.quantity("The other side off from it at rest, at most", 1e6 * promise.unseen_m, "µm");
   table.quantity("Resonance, at least", promise.resonance_Hz, "Hz");
   table.quantity("Added to a kick by the spring, at most", 1e6 * promise.spring_m, "µm");
   table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");

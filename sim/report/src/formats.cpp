@@ -98,14 +98,13 @@ void write_machine(format::JsonWriter& json, const stability::MachineState<Eigen
 // The coordinates of the machine that all axes stand on.
 void append_coordinates(std::string& text, const sil::Result& result, std::size_t sample) {
   if (result.machine_trace.empty()) return;
-  for (const double q : result.machine_trace[sample].q) fmt::format_to(std::back_inserter(text), ",{:.17g}", q);
+  for (const double q : result.machine_trace[sample].q) fmt::format_to(std::back_inserter(text), ",{}", q);
 }
 
 void append_sample(std::string& text, const sil::Sample& s, bool loads) {
-  fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g},{}", s.time_s,
-                 s.position_m, s.velocity_m_s, s.target_m, s.force_N, s.friction_level_N, s.bus_load,
-                 law::to_string(s.mode));
-  if (loads) fmt::format_to(std::back_inserter(text), ",{:.17g}", s.load_position_m.value_or(s.position_m));
+  fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{:.6g},{}", s.time_s, s.position_m, s.velocity_m_s,
+                 s.target_m, s.force_N, s.friction_level_N, s.bus_load, law::to_string(s.mode));
+  if (loads) fmt::format_to(std::back_inserter(text), ",{}", s.load_position_m.value_or(s.position_m));
 }
 
 }  // namespace

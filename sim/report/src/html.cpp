@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "breakaway/format/html_page.hpp"
+#include "breakaway/format/length_text.hpp"
+#include "coupled_pictures.hpp"
 #include "motion_picture.hpp"
 #include "pictures.hpp"
 
@@ -18,18 +20,18 @@ using sil::Result;
 
 void add_outcome(HtmlTable& table, const AxisResult& r) {
   table.quantity("Settling time", r.settling_time_s, "s");
-  table.quantity("Final position error", r.final_error_m, "m");
+  table.row("Final position error", format::length_text(r.final_error_m));
   if (r.ideal) {
     table.quantity("Maximal stick set reached, t₁", r.ideal->t1_s, "s");
     table.quantity("Minimal stick set reached, t₂", r.ideal->t2_s, "s");
-    table.quantity("Error there, y₂", r.ideal->y2_m, "m");
+    table.row("Error there, y₂", format::length_text(r.ideal->y2_m));
     table.quantity("Target reached, t∞", r.ideal->t_inf_s, "s");
     table.quantity("Bound (19) on t∞", r.ideal->bound_s, "s");
   }
   if (!r.ideal) table.quantity("Largest actuator force", r.max_force_N, "N");
   if (r.excursions) {
-    table.quantity("Furthest past the target", r.excursions->overshoot_m, "m");
-    table.quantity("Furthest past it by a kick", r.excursions->beyond_m, "m");
+    table.row("Furthest past the target", format::length_text(r.excursions->overshoot_m));
+    table.row("Furthest past it by a kick", format::length_text(r.excursions->beyond_m));
     table.quantity("Largest speed", r.excursions->peak_speed_m_s, "m/s");
   }
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
@@ -45,12 +47,13 @@ void add_run(HtmlTable& table, const Result& r) {
   table.row("Time taken to compute", fmt::format("{:.1f} ms", 1e3 * r.wall_s));
 }
 
-void add_gains(HtmlTable& table, const config::Axis& axis) {
+void add_gains(HtmlTable& table, const config::Axis& axis, bool coupled) {
   if (const auto& gains = axis.controller.impulsive) {
     const double critical = 2 * std::sqrt(gains->stiffness_N_per_m * axis.mass_kg);
     table.quantity("Stiffness k₁", gains->stiffness_N_per_m, "N/m");
     table.row("Approach damping k₂₁", fmt::format("{:g} N s/m (ζ = {:.3g})", gains->approach_damping_Ns_per_m,
                                                   gains->approach_damping_Ns_per_m / critical));
+    if (coupled) return;  // the law of its kicks has none
     table.row("Kick damping k₂₂", fmt::format("{:g} N s/m (ζ = {:.3g})", gains->kick_damping_Ns_per_m,
                                               gains->kick_damping_Ns_per_m / critical));
   }
@@ -98,7 +101,7 @@ std::string inputs(const Scenario& s, std::size_t place) {
   const config::Axis& axis = s.node.axes[place];
   HtmlTable table;
   add_plant(table, s, place);
-  add_gains(table, axis);
+  add_gains(table, axis, s.node.coupling.has_value());
   if (axis.controller.max_force_N < config::unlimited) table.quantity("Force limit", axis.controller.max_force_N, "N");
   if (s.node.loop) table.quantity("Control period", 1e3 * s.node.period_s(), "ms");
   if (axis.drive) {
@@ -137,11 +140,15 @@ std::string several_axes(const Scenario& s, const Result& r) {
   for (const AxisResult& axis : r.axes) {
     const std::string when =
         axis.settled ? fmt::format("settled at {:.6g} s", axis.settling_time_s) : std::string{"did NOT settle"};
-    run.row("Axis " + axis.name,
-            fmt::format("{}, final error {:.3g} m, {} kicks", when, axis.final_error_m, axis.kicks.size()));
+    run.row("Axis " + axis.name, fmt::format("{}, final error {}, {} kicks", when,
+                                             format::length_text(axis.final_error_m), axis.kicks.size()));
   }
   add_run(run, r);
   std::string sections = format::html_section("All axes", run.text(), "");
+  if (s.node.coupling) {
+    for (const Picture& picture : draw_coupled_pictures(s.node, r))
+      sections += format::html_section(picture.title, picture.svg, picture.caption);
+  }
   for (std::size_t i = 0; i < r.axes.size(); ++i) {
     const std::string name = "Axis " + r.axes[i].name;
     HtmlTable outcome;

@@ -90,9 +90,9 @@ std::string to_csv(const MachineScenario& s, const sil::MachineResult& result) {
   const Eigen::Index n = s.machine.coordinates();
   std::string text = "time_s" + numbered("q", n) + numbered("v", n) + numbered("slides", s.machine.frictions()) + "\n";
   for (const State& state : result.trace) {
-    text += fmt::format("{:.17g}", state.time_s);
-    for (const double q : state.q) text += fmt::format(",{:.17g}", q);
-    for (const double v : state.v) text += fmt::format(",{:.17g}", v);
+    text += fmt::format("{}", state.time_s);
+    for (const double q : state.q) text += fmt::format(",{}", q);
+    for (const double v : state.v) text += fmt::format(",{}", v);
     for (const int sign : sil::sliding_signs(s.machine, state.v)) text += fmt::format(",{}", sign);
     text += '\n';
   }

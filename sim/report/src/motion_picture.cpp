@@ -2,25 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
+#include <cstddef>
 
 #include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/plot_style.hpp"
+#include "picture_parts.hpp"
 
 namespace breakaway::report {
 namespace {
 
 constexpr int motion_width_px = 900, motion_height_px = 700;
 constexpr std::size_t most_states = 6000;
-constexpr const char* colours[] = {"#1c5d99", "#c8553d", "#2a7f62", "#8f6bb3", "#e08e45", "#777777"};
 
 // A line for each coordinate, from the columns of $motion behind `first`.
 std::string lines(const char* symbol, Eigen::Index first, Eigen::Index count) {
   std::string plot = "plot ";
   for (Eigen::Index i = 0; i < count; ++i) {
-    plot +=
-        fmt::format("{}$motion using 1:{} with lines linewidth 1.6 linecolor '{}' title '{}_{{{}}}'", i > 0 ? ", " : "",
-                    first + i + 1, colours[static_cast<std::size_t>(i) % std::size(colours)], symbol, i + 1);
+    plot += fmt::format("{}$motion using 1:{} with lines linewidth 1.6 linecolor '{}' title '{}_{{{}}}'",
+                        i > 0 ? ", " : "", first + i + 1, line_colour(static_cast<std::size_t>(i)), symbol, i + 1);
   }
   return plot + "\n";
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 
 #include "breakaway/format/gnuplot.hpp"
 
@@ -23,7 +24,12 @@ std::string axis_label(const stability::LinearMachine<>& machine, int place) {
   return place < n ? fmt::format("q_{{{}}}  [m]", place + 1) : fmt::format("v_{{{}}}  [m/s]", place - n + 1);
 }
 
+constexpr const char* line_colours[] = {"#1c5d99", "#c8553d", "#2a7f62", "#8f6bb3",
+                                        "#e08e45", "#777777", "#b8860b", "#444444"};
+
 }  // namespace
+
+const char* line_colour(std::size_t place) { return line_colours[place % std::size(line_colours)]; }
 
 std::string plane_style(const stability::LinearMachine<>& machine, const std::array<int, 2>& plane, double rim) {
   return style + fmt::format("set xrange [{0}:{1}]\nset yrange [{0}:{1}]\nset xlabel '{2}'\nset ylabel '{3}'\n", -rim,

@@ -1,6 +1,8 @@
-// What the pictures of planes of a machine's state space have in common.
+// What pictures have in common, most of it those of planes of a machine's state space.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -9,6 +11,9 @@
 #include "breakaway/stability/linear_machine.hpp"
 
 namespace breakaway::report {
+
+// Of the lines of an axis or coordinate, from 0 on, in all pictures.
+const char* line_colour(std::size_t place);
 
 // gnuplot's settings: frame, key, square axes; and the labels and ranges of the axes, from -rim to rim.
 std::string plane_style(const stability::LinearMachine<>& machine, const std::array<int, 2>& plane, double rim);

@@ -11,6 +11,7 @@
 #include "breakaway/design/k3.hpp"
 #include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/plot_style.hpp"
+#include "plot_data.hpp"
 #include "thin.hpp"
 
 namespace breakaway::report {
@@ -18,24 +19,6 @@ namespace {
 
 using config::Axis;
 using sil::AxisResult;
-
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN"; }
-
-// A gnuplot data block `$name`, one row an entry.
-template <class Range, class Row>
-std::string data(std::string_view name, const Range& entries, Row row) {
-  std::string text = fmt::format("${} << END\n", name);
-  for (const auto& entry : entries) {
-    std::string separator;
-    for (const double value : row(entry)) text += std::exchange(separator, " ") + number(value);
-    text += '\n';
-  }
-  return text + "END\n";
-}
-
-std::string data(std::string_view name, const std::vector<Point>& points) {
-  return data(name, points, [](const Point& p) { return std::array{p.x, p.y}; });
-}
 
 // value(sample) over time.
 template <class Value>
@@ -60,7 +43,12 @@ std::string instants(const AxisResult& result, bool labelled) {
   return text;
 }
 
-std::string response_caption(const Axis& axis, const AxisResult& result) {
+std::string response_caption(const config::Node& node, const Axis& axis, const AxisResult& result) {
+  if (node.coupling)
+    return "Position, velocity and actuator force. The axes are approached together and let go; then one after another "
+           "is kicked. While another one is kicked, the drive gives the force that takes the kick's push off this "
+           "axis' "
+           "friction, and the axis stands.";
   if (result.ideal) {
     return "The axis slides to the maximal stick set, which it reaches at t₁. From there every instant of rest is "
            "answered "
@@ -80,7 +68,7 @@ std::string panel(const AxisResult& result, bool first, bool last, std::string_v
                      last ? "% h" : "", last ? "time [s]" : "", plot);
 }
 
-Picture response(const Axis& axis, const AxisResult& result) {
+Picture response(const config::Node& node, const Axis& axis, const AxisResult& result) {
   const bool loop = axis.drive.has_value();
   const int panels = loop ? 3 : 2;
   const int height_px = 230 * panels + 132;
@@ -104,7 +92,7 @@ Picture response(const Axis& axis, const AxisResult& result) {
                       fmt::format("set ylabel 'force [N]'\nplot $force using 1:2 with {} linestyle 3 notitle",
                                   result.trace.size() > most_of_series(format::width_px) ? "lines" : "steps"));
   }
-  return {"Response", response_caption(axis, result),
+  return {"Response", response_caption(node, axis, result),
           format::draw_svg("response", format::width_px, height_px, commands)};
 }
 
@@ -255,24 +243,34 @@ Picture kick_law(const Axis& axis, const AxisResult& result) {
       format::draw_svg("law", format::width_px, 400, commands + "\n")};
 }
 
+// Of an axis with a load apart only the motor's friction is seen, between the bounds of the motor.
 Picture friction_along(const Axis& axis, const AxisResult& result) {
+  const bool apart = result.load_position_m.has_value();
   const double unit = axis.friction.normal_force_N.value_or(1.0);
-  const double lower = axis.friction.bounds.lower_N / unit, upper = axis.friction.bounds.upper_N / unit;
+  const law::FrictionBounds<double> bounds = apart ? config::truth_of(axis).bounds : axis.friction.bounds;
+  const double lower = bounds.lower_N / unit, upper = bounds.upper_N / unit;
   const double margin = upper > lower ? 0.25 * (upper - lower) : 0.25 * upper;
+  const char* const of = apart ? " of the motor" : "";
   const std::string commands =
       format::plot_style + fmt::format("set xrange [0:{}]\n", number(result.trace.back().time_s)) +
       series("friction", result, [&](const sil::Sample& x) { return x.friction_level_N / unit; }) +
-      instants(result, true) + fmt::format("set tmargin 4\nset yrange [{}:{}]\n", lower - margin, upper + margin) +
-      fmt::format("set xlabel 'time [s]'\nset ylabel '{}'\n",
-                  axis.friction.normal_force_N ? "friction coefficient μ" : "friction level [N]") +
+      instants(result, true) +
+      fmt::format("set tmargin 4\nset yrange [{}:{}]\n", apart ? 0 : lower - margin, upper + margin) +
+      fmt::format("set xlabel 'time [s]'\nset ylabel '{}{}{}'\n",
+                  axis.friction.normal_force_N ? "friction coefficient μ" : "friction level", of,
+                  axis.friction.normal_force_N ? "" : " [N]") +
       fmt::format(
           "plot $friction using 1:2 with lines linestyle 1 title 'along the solution', {} with lines linestyle 4 "
-          "title 'bounds', {} with lines linestyle 4 notitle, {} with lines linecolor '#bbbbbb' dashtype 3 title "
+          "title 'bounds{}', {} with lines linestyle 4 notitle, {} with lines linecolor '#bbbbbb' dashtype 3 title "
           "'mean of the bounds'\n",
-          lower, upper, (lower + upper) / 2);
+          lower, of, upper, (lower + upper) / 2);
   return {"Friction",
-          "The friction that the moving axis meets, within the bounds that the controller is designed for. The "
-          "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
+          apart
+              ? "The friction that the motor meets, between the bounds of the motor; the load has another of its own, "
+                "and the controller is told of both in one. Below the bounds the motor stands while the load swings, "
+                "and friction holds the rest of the force on it."
+              : "The friction that the moving axis meets, within the bounds that the controller is designed for. The "
+                "controller knows the bounds only. Compare Figure 3 of van de Wouw & Leine.",
           format::draw_svg("friction", format::width_px, 380, commands)};
 }
 
@@ -338,15 +336,15 @@ Picture bus_load(const AxisResult& result, const sil::LoopFigures& loop) {
 }  // namespace
 
 std::vector<Picture> draw_pictures(const config::Node& node, const Axis& axis, const AxisResult& result) {
-  std::vector<Picture> pictures{response(axis, result)};
+  std::vector<Picture> pictures{response(node, axis, result)};
   if (ever_off_target(result)) pictures.push_back(error_over_time(axis, judged_tolerance_m(node, axis), result));
-  pictures.push_back(phase_plane(axis, result));
-  if (const auto near = window_near_target(axis, result)) {
-    pictures.push_back(phase_plane_near_target(axis, result, (*near)[0], (*near)[1]));
-  }
+  // Where an axis of several that push each other can stick is no matter of its own numbers.
+  const auto near = node.coupling ? std::nullopt : window_near_target(axis, result);
+  if (!node.coupling) pictures.push_back(phase_plane(axis, result));
+  if (near) pictures.push_back(phase_plane_near_target(axis, result, (*near)[0], (*near)[1]));
   if (result.load_position_m) pictures.push_back(motor_and_load(result));
   const auto& gains = axis.controller.impulsive;
-  if (gains && gains->coast != law::Coast::work) pictures.push_back(kick_law(axis, result));
+  if (gains && gains->coast != law::Coast::work && !node.coupling) pictures.push_back(kick_law(axis, result));
   pictures.push_back(friction_along(axis, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));
   return pictures;

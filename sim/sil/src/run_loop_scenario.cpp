@@ -13,10 +13,8 @@
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/firmware/control_node.hpp"
+#include "breakaway/firmware/node_laws.hpp"
 #include "breakaway/input/input_error.hpp"
-#include "breakaway/law/axis_controller.hpp"
-#include "breakaway/law/kick_coordinator.hpp"
 #include "breakaway/law/pid_controller.hpp"
 #include "plant_budget.hpp"
 
@@ -139,11 +137,12 @@ class LoopRun {
   hal::Duration busy_at_release_{};
 };
 
-template <class Real, class Kicks>
-Result run_impulsive(const scenario::Scenario& s, const RecordingOptions& recording,
-                     const config::AnyNode<Real, Kicks>& node) {
-  LoopRun<Real, law::AxisController<Real, Kicks>> run{s, recording, node.loop};
-  firmware::add_axes(run.loop(), node);
+template <class Flashed>
+Result run_flashed(const scenario::Scenario& s, const RecordingOptions& recording, const Flashed& node) {
+  using Laws = firmware::NodeLaws<Flashed>;
+  Laws laws{node};
+  LoopRun<typename Laws::Scalar, typename Laws::Law> run{s, recording, node.loop};
+  firmware::add_axes(run.loop(), node, laws);
   return run.run();
 }
 
@@ -158,31 +157,15 @@ Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
   return run.run();
 }
 
-template <class Real>
-Result run_coordinated(const scenario::Scenario& s, const RecordingOptions& recording) {
-  const auto parameters = config::coordinator_parameters<Real>(s.node);
-  law::KickCoordinator<Real, config::most_axes> coordinator{parameters};
-  using Law = law::CoordinatedAxis<Real, config::most_axes>;
-  LoopRun<Real, Law> run{s, recording, config::loop_config(s.node)};
-  for (std::size_t i = 0; i < s.node.axes.size(); ++i) {
-    const config::Axis& axis = s.node.axes[i];
-    static_cast<void>(
-        run.loop().add_axis(config::drive_config<Real>(axis), Law{coordinator, i}, config::axis_limits<Real>(axis)));
-  }
-  return run.run();
-}
-
 bool in_double(const scenario::Scenario& s) { return s.scalar == scenario::ScalarType::float64; }
 
 Result run_with(const scenario::Scenario& s, const RecordingOptions& recording, const SharedNode& node) {
-  if (s.node.coupling)
-    return in_double(s) ? run_coordinated<double>(s, recording) : run_coordinated<float>(s, recording);
   return std::visit(
       [&]<class Flashed>(const Flashed& flashed) {
         if constexpr (std::is_same_v<Flashed, std::monostate>)
           return in_double(s) ? run_pid<double>(s, recording) : run_pid<float>(s, recording);
         else
-          return run_impulsive(s, recording, *flashed);
+          return run_flashed(s, recording, *flashed);
       },
       node);
 }
@@ -201,7 +184,13 @@ void require_one_kind(const scenario::Scenario& s) {
 SharedNode flashed_node(const scenario::Scenario& s) {
   config::require_fitting_bus(s.node);
   require_one_kind(s);
-  if (s.node.axes.front().controller.pid || s.node.coupling) return {};
+  if (s.node.axes.front().controller.pid) return {};
+  if (s.node.coupling) {
+    const stability::MachineCertificate certificate = config::examine_machine(s.node);
+    if (in_double(s))
+      return std::make_shared<const config::MachineNode<double>>(config::flashed_machine<double>(s.node, certificate));
+    return std::make_shared<const config::MachineNode<float>>(config::flashed_machine<float>(s.node, certificate));
+  }
   if (config::is_by_work(s.node)) {
     if (in_double(s)) return std::make_shared<const config::WorkNode<double>>(config::flashed_by_work<double>(s.node));
     return std::make_shared<const config::WorkNode<float>>(config::flashed_by_work<float>(s.node));

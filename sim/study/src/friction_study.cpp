@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "breakaway/model/shapes.hpp"
+#include "breakaway/sil/run_ideal_scenario.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 #include "parallel.hpp"
 
@@ -37,14 +38,24 @@ std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOpt
   return laws;
 }
 
-StudyRun run_one(scenario::Scenario scenario, const sil::SharedNode& node, const Start& start, const NamedLaw& law) {
+sil::Result result_of(scenario::Scenario scenario, const sil::SharedNode& node, const Start& start, const NamedLaw& law,
+                      const sil::RecordingOptions& recording) {
   scenario::AxisWorld& world = scenario.worlds.front();
   world.position_m = start.position_m;
   world.velocity_m_s = start.velocity_m_s;
   world.friction = law.law;
-  sil::AxisResult r = std::move(sil::run_loop_scenario(scenario, {}, node).axes.front());
-  return {law.name,      r.settled,     r.limit_cycle,  r.settling_time_s,    r.final_error_m,
-          *r.excursions, r.max_force_N, r.kicks.size(), std::move(r.reached), std::move(r.faults)};
+  return scenario.ideal() ? sil::run_ideal_scenario(scenario, recording)
+                          : sil::run_loop_scenario(scenario, recording, node);
+}
+
+StudyRun run_one(const scenario::Scenario& scenario, const sil::SharedNode& node, const Start& start,
+                 const NamedLaw& law) {
+  sil::Result result = result_of(scenario, node, start, law, {});
+  sil::AxisResult r = std::move(result.axes.front());
+  return {law.name,           r.settled,       r.limit_cycle,
+          r.settling_time_s,  r.final_error_m, r.excursions.value_or(sil::Excursions{}),
+          r.max_force_N,      r.kicks.size(),  std::move(r.reached),
+          std::move(r.faults)};
 }
 
 double time_or_infinity(const StudyRun& run) {
@@ -83,6 +94,8 @@ double worst_settling_time_s(const StudyRow& row) {
   return row.runs.empty() ? std::numeric_limits<double>::quiet_NaN() : sorted_times(row).back();
 }
 
+const StudyRun& slowest_run(const StudyRow& row) { return *std::ranges::max_element(row.runs, {}, time_or_infinity); }
+
 double worst_error_m(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.final_error_m; });
 }
@@ -104,9 +117,15 @@ std::size_t faulted_runs(const StudyRow& row) {
   return count(row, [](const StudyRun& run) { return !run.faults.empty(); });
 }
 
+sil::Result run_again(const scenario::Scenario& scenario, const StudyOptions& options, const Start& start,
+                      std::size_t place) {
+  const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
+  return result_of(scenario, node, start, laws_of(scenario, options)[place], {.trace = true});
+}
+
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options) {
   const auto laws = laws_of(scenario, options);
-  const sil::SharedNode node = sil::flashed_node(scenario);
+  const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
   std::vector<StudyRow> rows;
   for (const Start& start : options.starts) rows.push_back({start, std::vector<StudyRun>(laws.size())});
   const std::size_t all = rows.size() * laws.size();

@@ -47,6 +47,25 @@ TEST_F(Command, TellsOfItselfToPeopleShellsAndManuals) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
+TEST_F(Command, WritesAPageToNothingButHtml) {
+  for (const std::string command : {"simulate ", "study ", "design "})
+    expect_refused(command + scenarios + "can_axis.toml --report " + path("page.pdf"), {"page.pdf", ".pdf", ".html"});
+  EXPECT_FALSE(fs::exists(path("page.pdf")));
+}
+
+TEST_F(Command, StudiesNoStartOutsideTheLimits) {
+  expect_refused("study " + scenarios + "worn_axis.toml --start 2 0", {"--start 2 0", "worn_axis.toml", "-1 to 1 m"});
+}
+
+// What it holds is tested where there is a validator, by package.schema_of_the_files.
+TEST_F(Command, WritesTheSameSchemaToAFileAndToStandardOutput) {
+  const Ended written = run("schema");
+  EXPECT_EQ(written.exit_code, 0);
+  EXPECT_NE(written.out.find("https://json-schema.org/draft/2020-12/schema"), std::string::npos);
+  EXPECT_EQ(run("schema -o " + path("schema.json")).exit_code, 0);
+  EXPECT_EQ(content(path("schema.json")), written.out);
+}
+
 // Runs the completion as bash does.
 TEST_F(Command, CompletesSubcommandsAndTheirOptions) {
   std::ofstream{path("completion")} << run("help --completion").out;
@@ -66,8 +85,55 @@ TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
   expect_refused(example + "--json ''", {"--json", "empty"});
   expect_refused(example + "--json - --csv -", {"two outputs"});
   expect_refused(example + "--json " + path("a") + " --csv " + path("a"), {path("a"), "two outputs"});
+  expect_refused("design " + scenarios + "braked_axis.toml --header " + path("a") + " --law-image " + path("./a"),
+                 {"two outputs would go there, --header and --law-image"});
   expect_refused(example + "--candump " + path("a"), {"--candump", "[loop]"});
   EXPECT_FALSE(fs::exists(path("a")));
+}
+
+// Every command that reads a file and writes one, with each of its outputs.
+TEST_F(Command, WritesOverNoFileThatItReads) {
+  const std::string axis = path("an.toml"), machine = path("machine.toml"), table = path("1.csv");
+  fs::copy(scenarios + "braked_axis.toml", axis);
+  fs::copy(scenarios + "two_mass_example.toml", machine);
+  std::ofstream{table} << "of a shard";
+  const std::vector<std::pair<std::string, std::vector<std::string>>> calls{
+      {"simulate " + axis, {"--json", "--csv", "--candump", "--report"}},
+      {"design " + axis, {"--json", "--report", "--header", "--law-image"}},
+      {"study --laws 0 " + axis, {"--json", "--junit"}},
+      {"study --laws 0 " + scenarios + "can_axis.toml --against " + axis, {"--json", "--junit"}},
+      {"tune --laws 0 " + axis, {"--json", "--picture"}},
+      {"identify " + axis, {"--json", "--csv", "--report"}},
+      {"identify " + scenarios + "braked_axis.toml --log " + axis, {"--json", "--csv", "--report"}},
+      {"tradeoff --accuracy 1e-5 " + axis, {"--json", "--picture"}},
+      {"attract " + machine, {"--json", "--picture"}},
+      {"synthesize --want global " + machine, {"--json", "--picture"}},
+      {"basin --grid 3 --window 1 " + machine, {"--json", "--csv", "--picture", "--resume"}},
+      {"basin --grid 3 --window 1 " + scenarios + "two_mass_example.toml --merge " + machine, {"--json", "--csv"}}};
+  for (const auto& [call, outputs] : calls) {
+    const std::string file = call.find(axis) != std::string::npos ? axis : machine, kept = content(file);
+    for (const std::string& option : outputs) {
+      expect_refused(call + " " + option + " " + file, {file, option + " would write over", "give another name"});
+      expect_refused(call + " " + option + " " + path("./") + fs::path{file}.filename().string(), {option});
+      EXPECT_EQ(content(file), kept);
+    }
+  }
+}
+
+// What a person may have changed since; results replace older ones.
+TEST_F(Command, ReplacesAFileToGoOnFromOnlyWhereItIsTold) {
+  const std::string axis = path("an.toml"), machine = path("machine.toml");
+  fs::copy(scenarios + "braked_axis.toml", axis);
+  fs::copy(scenarios + "two_mass_actuated.toml", machine);
+  for (const std::string& call : {"identify " + axis + " -o " + axis, "tune --laws 0 " + axis + " -o " + axis,
+                                  "synthesize --want global " + machine + " --scenario " + machine}) {
+    const std::string file = call.find(axis) != std::string::npos ? axis : machine, kept = content(file);
+    expect_refused(call, {file, "is there already", "--overwrite"});
+    EXPECT_EQ(content(file), kept);
+  }
+  const Ended in_place = run("identify --from -4.5 --to -3.5 " + axis + " --overwrite -o " + axis);
+  EXPECT_EQ(in_place.exit_code, 0) << in_place.err;
+  EXPECT_NE(content(axis), content(scenarios + "braked_axis.toml"));
 }
 
 TEST_F(Command, LeavesNoFileWhenAnOutputCannotBeWritten) {

@@ -72,7 +72,7 @@ TEST_F(Synthesize, MeetsItsWantsAndSweepsTheGain) {
   EXPECT_NEAR(figure(ended.out, "resting_error_m"), 1, 1e-6);
   EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-6);
   EXPECT_EQ(figure(ended.out, "at_rest"), 20);
-  EXPECT_NE(ended.out.find("{\"d1\": 0.29999999999999999, \"rho_star\": 4.938"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("{\"d1\": 0.3, \"rho_star\": 4.938"), std::string::npos) << ended.out;
   EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"global\": true"), std::string::npos) << ended.out;
 }
 

@@ -21,7 +21,7 @@ class HtmlTable {
 // Numbered; the items are escaped.
 std::string html_list(const std::vector<std::string>& items);
 
-// `content` is HTML, such as a table or an <svg>; the caption is escaped.
+// `content` is HTML, such as a table or an <svg>; title and caption are escaped.
 std::string html_section(std::string_view title, std::string_view content, std::string_view caption);
 
 // `sections` is HTML; the title is escaped.

@@ -10,11 +10,11 @@
 
 namespace breakaway::format {
 
-// Numbers carry 17 significant digits, so that a double survives the way there and back. JSON knows neither NaN nor
-// infinity: both become null. Names and texts must be UTF-8.
+// Numbers have as many digits as a double needs to survive the way there and back, and no more. JSON knows neither NaN
+// nor infinity: both become null. Names and texts must be UTF-8.
 class JsonWriter {
  public:
-  void value(double number) { put(std::isfinite(number) ? fmt::format("{:.17g}", number) : "null"); }
+  void value(double number) { put(std::isfinite(number) ? fmt::format("{}", number) : "null"); }
   void value(std::integral auto number) { put(fmt::format("{}", number)); }
   void value(bool truth) { put(truth ? "true" : "false"); }
   void value(std::string_view text) { put(quoted(text)); }

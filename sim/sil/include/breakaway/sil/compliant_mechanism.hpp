@@ -36,7 +36,8 @@ class CompliantMechanism final : public BrakedMechanism {
             axis_.sticking(), axis_.counters().slips};
   }
   double friction_level_N() const override {
-    return axis_.sticking() ? std::numeric_limits<double>::quiet_NaN() : std::fabs(axis_.friction_force_N());
+    const bool motor_rests = axis_.sticking() || axis_.state().velocity_m_s == 0;
+    return motor_rests ? std::numeric_limits<double>::quiet_NaN() : std::fabs(axis_.friction_force_N());
   }
   std::optional<double> load_position_m() const override {
     if (encoder_ == EncoderPlace::axis) return {};

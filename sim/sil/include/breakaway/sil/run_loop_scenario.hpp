@@ -21,7 +21,8 @@ Result run_loop_scenario(const scenario::Scenario& scenario, const RecordingOpti
 using SharedNode =
     std::variant<std::monostate, std::shared_ptr<const config::AnyNode<float>>,
                  std::shared_ptr<const config::AnyNode<double>>, std::shared_ptr<const config::WorkNode<float>>,
-                 std::shared_ptr<const config::WorkNode<double>>>;
+                 std::shared_ptr<const config::WorkNode<double>>, std::shared_ptr<const config::MachineNode<float>>,
+                 std::shared_ptr<const config::MachineNode<double>>>;
 SharedNode flashed_node(const scenario::Scenario& scenario);
 
 // The same with the node as flashed_node() gave it; the scenario may differ from that one in its worlds only.

@@ -49,6 +49,8 @@ class SimulatedNetwork {
   }
 
   Port& controller_port() { return controller_port_; }
+  // Another node's door to the bus. It lives as long as the network.
+  Port& add_port() { return bus_.add_port(); }
   const virtual_bus::VirtualBus& bus() const { return bus_; }
 
  private:

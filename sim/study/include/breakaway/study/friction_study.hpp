@@ -5,6 +5,7 @@
 // piecewise constant in time and change at every stick and slip.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -51,13 +52,20 @@ struct StudyRow {
 double median_settling_time_s(const StudyRow& row);
 double worst_settling_time_s(const StudyRow& row);
 double worst_error_m(const StudyRow& row);
+// The run that settled last or not at all, the first of several. Requires a run.
+const StudyRun& slowest_run(const StudyRow& row);
 sil::Excursions worst_excursions(const StudyRow& row);
 double largest_force_N(const StudyRow& row);
 std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);
 std::size_t faulted_runs(const StudyRow& row);
 
-// Requires what run_loop_scenario requires, and a single axis. The scenario's own start is not used.
+// One run of run_study once more, with its trace: under the law at this place of a row's runs. Requires the same.
+sil::Result run_again(const scenario::Scenario& scenario, const StudyOptions& options, const Start& start,
+                      std::size_t place);
+
+// Requires what run_loop_scenario or, without a [loop], run_ideal_scenario requires, and a single axis. The scenario's
+// own start is not used. Under the ideal law no excursions are seen, and a force is NaN.
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options);
 
 }  // namespace breakaway::study
