@@ -14,6 +14,7 @@
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/motion/slide.hpp"
+#include "breakaway/sil/axis_mechanism.hpp"
 #include "tape_port.hpp"
 #include "tour.hpp"
 
@@ -78,13 +79,23 @@ class Axis final : public drive_emulator::Mechanism {
   std::vector<ForceSegment>* notes_ = nullptr;
 };
 
+// A plant that is more than rigid, released from its brake, or none. It notes no forces.
+inline std::unique_ptr<sil::BrakedMechanism> compliant_axis(const scenario::Scenario& s) {
+  if (s.worlds[0].plant.rigid()) return nullptr;
+  auto axis = sil::axis_mechanism(s.node.axes[0], s.worlds[0]).axis;
+  axis->release(0);
+  return axis;
+}
+
 // One axis' drive emulator and plant. Frames reach it and leave it at once: there is no bus in between.
 class EmulatedAxis {
  public:
   EmulatedAxis(const scenario::Scenario& s, std::size_t place)
-      : axis_{s}, drive_{*s.worlds[place].drive, axis_, [this](const hal::CanFrame& frame, hal::Time at) {
-                           outbox_.push_back({frame, at});
-                         }} {
+      : axis_{s},
+        compliant_{compliant_axis(s)},
+        drive_{*s.worlds[place].drive, mechanism(), [this](const hal::CanFrame& frame, hal::Time at) {
+                 outbox_.push_back({frame, at});
+               }} {
     drive_.power_on(hal::Time{});
   }
 
@@ -101,7 +112,12 @@ class EmulatedAxis {
   Axis& axis() { return axis_; }
 
  private:
+  drive_emulator::Mechanism& mechanism() {
+    return compliant_ ? static_cast<drive_emulator::Mechanism&>(*compliant_) : axis_;
+  }
+
   Axis axis_;
+  std::unique_ptr<sil::BrakedMechanism> compliant_;
   std::vector<hal::ReceivedFrame> outbox_;
   drive_emulator::DriveEmulator drive_;
 };

@@ -1,4 +1,5 @@
 // Counts the instructions of the control step and of what stands around it, on a recorded run, for callgrind.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -7,8 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/flash.hpp"
 #include "breakaway/design/k3.hpp"
 #include "breakaway/hybrid/event_driven.hpp"
+#include "breakaway/law.h"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 #include "callgrind_count.hpp"
@@ -186,9 +190,44 @@ void count_events(const std::string& size) {
   std::printf("fact %s/segments %llu\n", size.c_str(), static_cast<unsigned long long>(outcome.steps));
 }
 
+// Every step of a recorded run by the class and through the C interface, one label for each.
+void count_c_interface() {
+  const scenario::Scenario s = axis_scenario();
+  const auto flashed = config::certified(s.node, config::examine(s.node));
+  const auto& axis = flashed.axes[0];
+  const law::AxisController<float> fresh{axis.law, axis.k3_table, axis.kicks};
+  const auto r = record<float>(s, fresh, tour[1].time_s);
+  const auto image = config::law_image(flashed);
+  breakaway_law_f c{};
+  if (breakaway_law_f_init(&c, sizeof c, BREAKAWAY_LAW_ABI, image.data(), image.size(), 0) != BREAKAWAY_OK)
+    throw InputError{"the law image is refused"};
+  law::AxisController<float> cpp = fresh;
+  const volatile float zero_m = 0;
+  const float target_m = zero_m;
+  int steps_in_kicks = 0;
+  start_counting();
+  for (std::size_t i = 0; i < std::min<std::size_t>(r.measurements.size(), 2000); ++i) {
+    const law::Measurement<float>& m = r.measurements[i];
+    float expected_N = 0, force_N = 0;
+    law::Mode mode{};
+    // What a program does with the class for what the interface gives: its position, its target, what the step was.
+    count("C++ " + std::to_string(i), [&] {
+      const law::ControlOutput<float> out = cpp.update({m.position_error_m - target_m, 0.0F, m.fresh});
+      expected_N = out.force_N;
+      mode = out.mode;
+    });
+    count("C " + std::to_string(i), [&] { force_N = breakaway_law_f_update(&c, m.position_error_m, m.fresh); });
+    steps_in_kicks += mode == law::Mode::kick ? 1 : 0;
+    if (expected_N < force_N || expected_N > force_N) throw InputError{"the forces differ"};
+  }
+  stop_counting();
+  std::printf("fact C/steps in kicks %d\n", steps_in_kicks);
+}
+
 int run(std::string_view part) {
   const std::map<std::string_view, std::function<void()>> parts{
       {"law", [] { count_law<float>(), count_law<double>(); }},
+      {"c", count_c_interface},
       {"k3", count_k3},
       {"drive", count_drive},
       {"loop",
@@ -205,7 +244,7 @@ int run(std::string_view part) {
   if (!can_count() || !parts.contains(part)) {
     std::fputs(
         "usage: valgrind --tool=callgrind --instr-atstart=no --combine-dumps=yes \\\n"
-        "         step_count law|k3|drive|loop|simulation|events|tick\n",
+        "         step_count law|c|k3|drive|loop|simulation|events|tick\n",
         stderr);
     return 2;
   }

@@ -11,7 +11,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/firmware/control_loop.hpp"
-#include "breakaway/firmware/control_node.hpp"
+#include "breakaway/firmware/node_laws.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/sil/braked_mechanism.hpp"
 #include "breakaway/sil/simulated_network.hpp"

@@ -34,15 +34,11 @@ testing::TrueAxis true_axis(const BrakedClass& c, Random& r) {
           c.latency_periods};
 }
 
-// Where runs start: of the second kind up to 1000 times as far away as kicks are for.
-enum class Start { as_drawn, far_away };
+// Where runs start: of the second kind up to 1000 times as far away as kicks are for, of the third as far away as an
+// approach of this speed comes in a hundred thousand periods.
+enum class Start { as_drawn, far_away, slow };
 constexpr double furthest_m = 2;
-
-double start_m(Start from, const design::BrakedDesign<float>& design, double share) {
-  if (from == Start::as_drawn) return std::min(design.floor_m * std::pow(10, 4 * share), 1.0);
-  const double nearest_m = design::kicks_begin_m(design);
-  return nearest_m * std::pow(std::min(furthest_m / nearest_m, 1000.0), share);
-}
+constexpr double usual_m_s = 10;
 
 struct CertifiedAxis {
   long number;
@@ -51,12 +47,19 @@ struct CertifiedAxis {
   design::BrakedDesign<float> design;
   double tolerance_m;
   design::KickPromise promise;
+  double max_approach_speed_m_s = usual_m_s;
 };
 
-// The axis of a number; nothing where its kicks are not certified.
-std::optional<CertifiedAxis> certified_axis(long number) {
-  Random r{static_cast<std::uint64_t>(number)};
-  const BrakedClass c = random_axes(r);
+double start_m(Start from, const CertifiedAxis& axis, double share) {
+  if (from == Start::as_drawn) return std::min(axis.design.floor_m * std::pow(10, 4 * share), 1.0);
+  const double nearest_m = design::kicks_begin_m(axis.design);
+  const double most_m = from == Start::slow ? 1e5 * axis.axes.period_s * axis.max_approach_speed_m_s : furthest_m;
+  return nearest_m * std::pow(std::clamp(most_m / nearest_m, 1.0, 1000.0), share);
+}
+
+// The axes `c` with a random tolerance; nothing where their kicks are not certified.
+std::optional<CertifiedAxis> certified(long number, const BrakedClass& c, const Random& random) {
+  Random r = random;
   const auto design = design::design_braked_kicks<float>(c);
   if (!design.possible()) return {};
   const double tolerance_m = design.least_tolerance_m * (r.share() < 0.5 ? 1 : r.between(1, 4));
@@ -66,15 +69,39 @@ std::optional<CertifiedAxis> certified_axis(long number) {
   return CertifiedAxis{number, r, c, design, tolerance_m, promise};
 }
 
+// The axis of a number.
+std::optional<CertifiedAxis> certified_axis(long number) {
+  Random r{static_cast<std::uint64_t>(number)};
+  const BrakedClass c = random_axes(r);
+  return certified(number, c, r);
+}
+
+// An axis of a number that is allowed little more than the least speed. Bounds that hardly differ ask for the least.
+std::optional<CertifiedAxis> slow_axis(long number) {
+  Random r{static_cast<std::uint64_t>(number) + 3'000'000'000};
+  BrakedClass c = random_axes(r);
+  if (r.share() < 0.5) c.friction.lower_N = c.friction.upper_N * (1 - r.decades(1e-4, 0.5));
+  c.load_N = std::min(c.load_N, c.friction.lower_N / 2);
+  auto axis = certified(number, c, r);
+  if (!axis) return {};
+  const double least_m_s = design::least_approach_speed_m_s(c, axis->design);
+  axis->max_approach_speed_m_s = least_m_s * (1 + 1e-6) * (axis->r.share() < 0.5 ? 1 : axis->r.decades(1, 10));
+  return axis;
+}
+
+std::optional<CertifiedAxis> axis_of(long number, Start from) {
+  return from == Start::slow ? slow_axis(number) : certified_axis(number);
+}
+
 bool approach_gets_on(const CertifiedAxis& axis) {
-  const double allowed_m_s = parameters(axis.axes, axis.tolerance_m).max_approach_speed_m_s;
-  return design::least_approach_speed_m_s(axis.axes, axis.design) <= allowed_m_s;
+  return design::least_approach_speed_m_s(axis.axes, axis.design) <= axis.max_approach_speed_m_s;
 }
 
 void run(CertifiedAxis& axis, Start from, Tally& tally) {
   const BrakedClass& c = axis.axes;
   const double q = c.encoder_resolution_m, read_m = c.reading_error_m(), tolerance_m = axis.tolerance_m;
-  const auto p = parameters(c, tolerance_m);
+  auto p = parameters(c, tolerance_m);
+  p.max_approach_speed_m_s = static_cast<float>(axis.max_approach_speed_m_s);
   const law::K3Table<float> unused;
   const double from_m = design::kicks_begin_m(axis.design);
   // Nobody waits longer than this for the kicks, and beside them for the approach.
@@ -82,8 +109,9 @@ void run(CertifiedAxis& axis, Start from, Tally& tally) {
   const double surplus_N = c.force_gain.least * c.max_force_N - c.friction.upper_N - c.load_N;
   for (int kind = 0; kind < kinds; ++kind) {
     const testing::TrueAxis truth = true_axis(c, axis.r);
-    const double distance_m = start_m(from, axis.design, axis.r.share());
-    const double longest_s = kicks_s + 20 * std::sqrt(2 * distance_m * c.mass_kg.most / surplus_N);
+    const double distance_m = start_m(from, axis, axis.r.share());
+    const double longest_s = kicks_s + 20 * std::sqrt(2 * distance_m * c.mass_kg.most / surplus_N) +
+                             (from == Start::slow ? 20 * distance_m / axis.max_approach_speed_m_s : 0);
     const double side = axis.r.share() < 0.5 ? 1 : -1;
     const Friction friction = friction_of_kind(kind, c, static_cast<std::uint64_t>(axis.number * kinds + kind),
                                                std::max(3 * axis.design.floor_m, q), tolerance_m);
@@ -109,16 +137,17 @@ void run(CertifiedAxis& axis, Start from, Tally& tally) {
 void run_all(Start from, long first, long axes) {
   Tally tally;
   for (long number = first; number < first + axes; ++number) {
-    auto axis = certified_axis(number);
+    auto axis = axis_of(number, from);
     if (!axis || !approach_gets_on(*axis)) continue;
     ++tally.certified;
     if (from == Start::as_drawn || design::kicks_begin_m(axis->design) < furthest_m) run(*axis, from, tally);
   }
+  constexpr const char* says[] = {"", " from far away", " at little more than the least speed"};
   std::printf(
       "%ld of %ld axes certified, %ld runs%s, at most %ld kicks, %.3f of what may be beyond, %.3f of the time "
       "promised\n",
-      tally.certified, axes, tally.runs, from == Start::far_away ? " from far away" : "", tally.most_kicks,
-      tally.furthest, tally.longest);
+      tally.certified, axes, tally.runs, says[static_cast<std::size_t>(from)], tally.most_kicks, tally.furthest,
+      tally.longest);
   EXPECT_GE(tally.certified, axes / 2);
 }
 
@@ -128,6 +157,10 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAway) {
   run_all(Start::far_away, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_FAR_AXES", 60));
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseAtLittleMoreThanItsLeastSpeed) {
+  run_all(Start::slow, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_SLOW_AXES", 20));
 }
 
 // The target moves once: in the approach or between kicks, by what kicks are for or by as much as the axis is away.
@@ -147,7 +180,7 @@ void run_retargeted(CertifiedAxis& axis, Random& r) {
   const double surplus_N = c.force_gain.least * c.max_force_N - c.friction.upper_N - c.load_N;
   for (int kind = 0; kind < kinds; ++kind) {
     const testing::TrueAxis truth = true_axis(c, r);
-    const double distance_m = start_m(Start::as_drawn, axis.design, r.share());
+    const double distance_m = start_m(Start::as_drawn, axis, r.share());
     const double approach_s = std::sqrt(2 * distance_m * c.mass_kg.most / surplus_N);
     const testing::Retarget retarget = random_retarget(axis, distance_m, approach_s, r);
     const double longest_s = retarget.at_s + kicks_s + 20 * approach_s +
@@ -203,12 +236,17 @@ constexpr CounterExample counter_examples[] = {
     {600024, Start::far_away, "ends its approach further away than kicks are for"},
     {600285, Start::far_away, "ends its approach further away than kicks are for"},
     {601090, Start::far_away, "ends its approach further away than kicks are for"},
+    {78, Start::slow, "stands again and again between bounds that hardly differ, taken for driven to and fro"},
+    {458, Start::slow, "the same with jitter"},
+    {497, Start::slow, "the same with noise: what it was allowed is a fiftieth of what its brake takes over at"},
+    {624, Start::slow, "a count a period is a third of its speed"},
+    {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 
 TEST(BrakedCampaign, AxesThatFailedOnceKeepTheirPromise) {
   for (const CounterExample& example : counter_examples) {
     SCOPED_TRACE(example.what_was_wrong);
-    auto axis = certified_axis(example.number);
+    auto axis = axis_of(example.number, example.from);
     ASSERT_TRUE(axis) << "axis " << example.number << " is refused";
     Tally tally;
     run(*axis, example.from, tally);
@@ -285,12 +323,12 @@ TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) {
 }
 
 TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
-  const long runs = asked_for("BREAKAWAY_TOLD_WRONG", 100);
+  const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_TOLD_WRONG", 100);
   std::map<std::string_view, long> ends;
   constexpr int most_kicks = law::KickJudge<float>::most_kicks;
   long kicks = 0;
   const law::K3Table<float> unused;
-  for (long number = 0; number < runs; ++number) {
+  for (long number = first; number < first + axes; ++number) {
     Random r{static_cast<std::uint64_t>(number) + 1'000'000};
     const BrakedClass c = random_axes(r);
     const auto design = design::design_braked_kicks<float>(c);

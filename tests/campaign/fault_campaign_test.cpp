@@ -201,12 +201,14 @@ class OneRun {
     w_.wish = {.target_counts = here};
     w_.run(150ms);
     w_.wish.reference = true;
-    for (int i = 0;
-         i < 3000 && (i < 150 || w_.master().reference_lost() || std::abs(w_.master().position_counts() - here) > 1);
-         ++i)
-      w_.step();
+    // A controller whose clock was set back by 10 s sets the drive up only when that time is over.
+    for (int i = 0; i < 20000 && (i < 150 || !stands_at(here)); ++i) w_.step();
     w_.wish = {};
-    referenced_ = true;
+    referenced_ = stands_at(here);
+  }
+
+  bool stands_at(std::int32_t here) const {
+    return !w_.master().reference_lost() && std::abs(w_.master().position_counts() - here) <= 1;
   }
 
   const NamedFault& fault_;

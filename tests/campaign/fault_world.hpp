@@ -66,7 +66,7 @@ class FaultWorld {
   static constexpr std::uint8_t drive_id = 1;
 
   using Port = TamperedPort<BusPort>;
-  using Node = firmware::ControlNode<Port, 1>;
+  using Node = firmware::ControlNode<Port, CampaignNode>;
 
   FaultWorld(const CampaignNode& node, double start_m, std::uint64_t seed)
       : flashed_{node},

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <utility>
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/model/shapes.hpp"
@@ -37,6 +40,29 @@ TEST_P(PlantScene, SettlesWithinItsToleranceUnderBoundedForce) {
 INSTANTIATE_TEST_SUITE_P(Table, PlantScene,
                          ::testing::Values("vertical_axis", "presliding_axis", "belt_axis", "worn_axis"),
                          [](const auto& info) { return std::string{info.param}; });
+
+// What the same belt does when the carriage is read: it is the carriage that rests on the target, and the motor that
+// friction and spring leave off it.
+TEST(Belt, ReadAtTheCarriageRestsWithItOnTheTargetAndNeverBeyond) {
+  std::ifstream file{std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/belt_axis.toml"};
+  std::ostringstream whole;
+  whole << file.rdbuf();
+  std::string text = whole.str();
+  for (const auto& [was, is] : {std::pair{"encoder = \"motor\"", "encoder = \"load\""},
+                                {"position_tolerance_m = 3e-4", "position_tolerance_m = 6.5e-4"},
+                                {"settle_tolerance_m = 3.01e-4", "settle_tolerance_m = 6.51e-4"}}) {
+    const auto at = text.find(was);
+    ASSERT_NE(at, std::string::npos) << was;
+    text.replace(at, std::string{was}.size(), is);
+  }
+  const auto s = scenario::parse_scenario(text, "belt_axis.toml");
+  const auto axis = sil::run_loop_scenario(s, {}).axes[0];
+  EXPECT_TRUE(axis.settled);
+  EXPECT_TRUE(axis.faults.empty());
+  EXPECT_NEAR(*axis.load_position_m, 0, 6.5e-4 + 0.5e-6);
+  EXPECT_LE(axis.excursions->beyond_m, 0.5e-6);
+  EXPECT_GT(axis.kicks.size(), 0U);
+}
 
 // Its weight is four fifths of the least friction, so that it stays where it is while the drive is set up.
 TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {

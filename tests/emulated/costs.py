@@ -10,7 +10,8 @@ import datetime
 import json
 import subprocess
 
-from report import AXES, KINDS, PID, TARGETS, in_words, worst_of_law
+from report import (AXES, COORDINATED, COORDINATED_AXES, KINDS, MOST_FOR_COORDINATION, MOST_OF_WORK, PHASES, PID, TARGETS,
+                    coordination, in_words, worst_of_law)
 
 from callgrind_counts import Counts, count  # report.py knows where it is
 
@@ -27,28 +28,42 @@ def spread(calls):
     return (c.least, c.typical, c.most)
 
 
-def steps_table(costs, host):
+def steps_table(costs, host, counted, pairs):
     head = [""]
     for name in costs:
         core = TARGETS[name].core
         head += [f"{core}: least", "typical", "most", "most, hostile"]
     head += ["x86-64: least", "typical", "most"]
     rows = []
-    for label, hostile_label in labels(costs):
+    for label, hostile_label in occurring(costs, counted, pairs):
         row = [in_words(label)]
         for cost in costs.values():
-            hostile = cost["steps"].get(hostile_label)
-            row += [*spread(cost["steps"].get(label, [])), max(hostile) if hostile else ""]
+            hostile = cost[counted].get(hostile_label)
+            row += [*spread(cost[counted].get(label, [])), max(hostile) if hostile else ""]
         here = host.get(label)
         rows.append(row + list(spread(here.calls if here else [])))
     return table(head, rows)
 
 
-def labels(costs):
-    """Of the steps that occurred on a target, each with that of the hostile ones of its kind."""
+def occurring(costs, counted, pairs):
+    return [pair for pair in pairs if any(label in cost[counted] for cost in costs.values() for label in pair)]
+
+
+def steps():
+    """Labels of the steps of the laws, each with that of the hostile ones of its kind."""
     pairs = [(f"{axis}/axis/{kind}", f"{axis}/hostile/{kind}") for axis in AXES for kind in range(len(KINDS))]
-    pairs += [(f"{PID}/{kind}", None) for kind in range(len(KINDS))]
-    return [pair for pair in pairs if any(label in cost["steps"] for cost in costs.values() for label in pair)]
+    return pairs + [(f"{PID}/{kind}", None) for kind in range(len(KINDS))]
+
+
+def periods():
+    """The same of the periods of the coordinator."""
+    return [(f"{COORDINATED}/axis/{phase}", f"{COORDINATED}/hostile/{phase}") for phase in range(len(PHASES))]
+
+
+def own_steps(costs):
+    """In words, of each core: what an axis' own step takes, and the most of a period beyond those of its axes."""
+    return "; ".join(f"on the {TARGETS[name].core} {Counts(cost['own']).typical} and "
+                     f"{coordination(cost['coordinated'], cost['own'])}" for name, cost in costs.items())
 
 
 def node_table(costs):
@@ -78,14 +93,23 @@ Written by `toolchain/emulate.sh {" ".join(costs)} --costs`; do not edit. {datet
 
 Counted by a plugin of QEMU on the emulated cores, by callgrind on x86-64 (`-O3`): exact, and the same in every run. One call
 of `update`, less an empty one. 5000 steps in closed loop, one sample in 97 lost: "coast pd" of `sim/scenarios/can_axis.toml`,
-"coast brake" of `braked_axis.toml`, "move" of `move_axis.toml`, whose jerk is limited; PID on the samples of the first.
+"coast brake" of `braked_axis.toml`, "move" of `move_axis.toml`, whose jerk is limited, "coast work" of `belt_axis.toml`, a load on a
+spring with the encoder on the motor (on the load it has no meter, and less work); PID on the samples of the first.
 "Hostile" are 20000 samples that no axis would give, to look for the worst. Typical is the median. The M4F runs Thumb code, the
 R5F Arm code.
 
-{steps_table(costs, host)}
+{steps_table(costs, host, "steps", steps())}
 
-`toolchain/emulate.sh` fails above {bounds}. The results of all steps, hostile ones included, are
+`toolchain/emulate.sh` fails above {bounds}, under the coast "work" above {MOST_OF_WORK}. The results of all steps, hostile ones included, are
 equal to the host's bit for bit.
+
+## Instructions per period of axes that push each other, in float
+
+The same of `KickCoordinator` for {COORDINATED_AXES} axes, whole periods by the phase in which they begin: 10000 in closed loop, and 20000 hostile
+ones. An axis' own step, the PD of its approach, and the most that a period takes beyond {COORDINATED_AXES} of them: {own_steps(costs)}.
+`toolchain/emulate.sh` fails above {MOST_FOR_COORDINATION}.
+
+{steps_table(costs, host, "coordinated", periods())}
 
 ## Instructions per step of the whole node
 

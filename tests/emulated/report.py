@@ -3,8 +3,8 @@
 Usage: report.py TARGET FOLDER IMAGES_FOLDER
 
 FOLDER/<scenario> holds the host's results, and FOLDER/emulated/<scenario> the target's with its counts. Leaves what was
-counted and measured in FOLDER/costs.json for costs.py. Exit codes: 0 all bits are equal and no step takes more than its
-bound; 1 not so.
+counted and measured in FOLDER/costs.json for costs.py. Exit codes: 0 all bits are equal and no step, nor the coordination
+of eight axes, takes more than its bound; 1 not so.
 toolchain/emulate.sh calls it.
 """
 import argparse
@@ -22,10 +22,19 @@ from check_image import examine  # noqa: E402
 
 KINDS = ["approach", "coast", "hold", "kick of one period", "kick of many periods starts", "kick goes on", "lost sample",
          "fault"]
-AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move"}  # by scenario
+AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move", "belt_axis": "coast work"}  # by scenario
+WORK, MOST_OF_WORK = "belt_axis", 350  # instructions of a step under the coast "work", on either core
 PID = "can_axis/pid"
 RUNS = [f"{axis}/{tape}" for axis in AXES for tape in ("axis", "hostile")] + [PID]  # by axis in the order of its image
 RESULT = struct.Struct("<ffIBBBB")
+
+# Eight axes under their coordinator, by the phase in which a period begins.
+COORDINATED = "coordinated"
+COORDINATED_RUNS = [f"{COORDINATED}/{tape}" for tape in ("axis", "hostile")]
+COORDINATED_AXES = 8
+PHASES = ["gather", "approach", "release", "choice", "pulse", "coast", "rest", "hold", "fault"]
+APPROACH = PHASES.index("approach")
+MOST_FOR_COORDINATION = 200  # instructions of a period beyond the own steps of its axes, that is their PD of the approach
 
 
 @dataclass
@@ -53,7 +62,7 @@ def read_results(path):
 def compare(folder):
     """Steps that differ, by run; prints the first of each."""
     different = 0
-    for name in RUNS:
+    for name in RUNS + COORDINATED_RUNS:
         host, host_bytes = read_results(f"{folder}/{name}.results")
         target, target_bytes = read_results(f"{folder}/emulated/{name}.results")
         steps = [i for i in range(len(host)) if host_bytes[16 * i:16 * i + 16] != target_bytes[16 * i:16 * i + 16]]
@@ -86,15 +95,40 @@ def target_counts(folder):
     return by_kind
 
 
+def coordinated_counts(folder):
+    """Instructions of whole periods by run and phase, and of the own steps of single axes: the PD of their approach."""
+    empty, *counts = read_counts(f"{folder}/emulated/{COORDINATED}/replay.counts")
+    periods, own = {}, []
+    for name in COORDINATED_RUNS:
+        phases = [result[-1] for result in read_results(f"{folder}/{name}.results")[0]]
+        steps, counts = [count - empty for count in counts[:len(phases)]], counts[len(phases):]
+        for first in range(0, len(phases), COORDINATED_AXES):
+            axes = steps[first:first + COORDINATED_AXES]
+            periods.setdefault(f"{name}/{phases[first]}", []).append(sum(axes))
+            if name == COORDINATED_RUNS[0] and phases[first] == APPROACH:
+                own += axes[:-1]  # the last axis closes the period, too
+    if counts:
+        sys.exit(f"{COORDINATED}: {len(counts)} counts belong to no step")
+    return periods, own
+
+
+def coordination(periods, own):
+    """The most that a period takes beyond the own steps of its axes."""
+    return max(max(calls) for calls in periods.values()) - COORDINATED_AXES * statistics.median_low(own)
+
+
 def in_words(label):
     """<scenario>/<tape>/<kind> as a reader knows it."""
     axis, tape, kind = label.split("/")
+    if axis == COORDINATED:
+        return f"KickCoordinator, {COORDINATED_AXES} axes, {PHASES[int(kind)]}" + (", hostile" if tape == "hostile" else "")
     controller = "PidController" if f"{axis}/{tape}" == PID else f"AxisController, {AXES[axis]}"
     return f"{controller}, {KINDS[int(kind)]}" + (", hostile" if tape == "hostile" else "")
 
 
-def worst_of_law(steps):
-    return max(max(calls) for label, calls in steps.items() if not label.startswith(f"{PID}/"))
+def worst_of_law(steps, axis=""):
+    """Of one axis, or of all."""
+    return max(max(calls) for label, calls in steps.items() if label.startswith(axis) and not label.startswith(f"{PID}/"))
 
 
 def main():
@@ -108,17 +142,25 @@ def main():
     steps = target_counts(a.folder)
     for label, calls in sorted(steps.items()):
         print(f"  {in_words(label):66} {len(calls):6} steps, {min(calls):4} to {max(calls):4} instructions")
+    periods, own = coordinated_counts(a.folder)
+    for label, calls in sorted(periods.items()):
+        print(f"  {in_words(label):66} {len(calls):6} periods, {min(calls):4} to {max(calls):4} instructions")
+    beyond = coordination(periods, own)
+    print(f"  an axis' own step takes {statistics.median_low(own)}, and a period of {COORDINATED_AXES} at most {beyond} more than theirs")
     node = read_counts(f"{a.folder}/emulated/node.counts")
     print(f"  whole node, {target.axes} {'axis' if target.axes == 1 else 'axes'}: {min(node)} to {max(node)} instructions, "
           f"mean {statistics.fmean(node):.0f}; worst {target.share(max(node)):.2%} of 1 ms at "
           f"{target.core_Hz / 1e6:.0f} MHz and {target.cycles_per_instruction} cycles an instruction")
     images = {os.path.basename(path): examine(path) for path in sorted(glob.glob(f"{a.images}/*.elf"))}
     with open(f"{a.folder}/costs.json", "w", encoding="utf-8") as file:
-        json.dump({"steps": steps, "node": node, "images": images}, file)
-    worst = worst_of_law(steps)
-    if different or worst > target.most_instructions or target.share(max(node)) > target.most_share:
+        json.dump({"steps": steps, "coordinated": periods, "own": own, "node": node, "images": images}, file)
+    worst, worst_of_work = worst_of_law(steps), worst_of_law(steps, f"{WORK}/")
+    if (different or worst > target.most_instructions or worst_of_work > MOST_OF_WORK or beyond > MOST_FOR_COORDINATION
+            or target.share(max(node)) > target.most_share):
         sys.exit(f"FAIL: {different} steps differ; the law's worst step takes {worst} of {target.most_instructions} "
-                 f"instructions, the node's {target.share(max(node)):.2%} of {target.most_share:.0%} of the period")
+                 f"instructions, that of the coast \"work\" {worst_of_work} of {MOST_OF_WORK}, coordination {beyond} of "
+                 f"{MOST_FOR_COORDINATION}, the node's worst step "
+                 f"{target.share(max(node)):.2%} of {target.most_share:.0%} of the period")
 
 
 if __name__ == "__main__":

@@ -3,10 +3,12 @@
 #include <fuzzer/FuzzedDataProvider.h>
 #include <breakaway/cia402/drive.hpp>
 #include <cmath>
-#include <cstdlib>
+
+#include "require.hpp"
 
 namespace {
 
+using breakaway::fuzz::require;
 using breakaway::hal::CanFrame;
 using breakaway::hal::DriveState;
 using breakaway::hal::Time;
@@ -18,10 +20,6 @@ constexpr cia402::DriveConfig<float> config{.node_id = 5, .force_per_torque_N_pe
 constexpr canopen::NetworkConfig network{.period = std::chrono::milliseconds{1}};
 constexpr breakaway::hal::AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
 static_assert(cia402::check(config, network, scale) == cia402::DriveConfigError::none);
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 CanFrame frame_of(std::uint16_t id, std::uint8_t size, std::uint64_t payload) {
   CanFrame frame{.id = id, .size = size, .remote = false, .data = {}};

@@ -3,14 +3,16 @@
 #include <fuzzer/FuzzedDataProvider.h>
 #include <breakaway/canopen/cob_id.hpp>
 #include <breakaway/canopen/sdo_client.hpp>
-#include <cstdlib>
 #include <vector>
+
+#include "require.hpp"
 
 namespace {
 
 using breakaway::canopen::SdoClient;
 using breakaway::canopen::SdoResult;
 using breakaway::canopen::SdoStart;
+using breakaway::fuzz::require;
 using breakaway::hal::CanFrame;
 using breakaway::hal::Duration;
 using breakaway::hal::Time;
@@ -18,10 +20,6 @@ using breakaway::hal::Time;
 constexpr std::uint8_t node_id = 5;
 constexpr std::uint16_t response_id = breakaway::canopen::sdo_response_cob_id(node_id);
 constexpr Duration time_limit{1000};
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void start(SdoClient& client, FuzzedDataProvider& input) {
   const auto index = input.ConsumeIntegral<std::uint16_t>();

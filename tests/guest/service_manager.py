@@ -39,8 +39,8 @@ class Manager:
         self.lines += heard
         return heard
 
-    def wait_for(self, line, limit_s=20.0):
-        end = time.monotonic() + limit_s
+    def wait_for(self, line):
+        end = time.monotonic() + bench.LIMIT_S
         while line not in self.lines:
             require(time.monotonic() < end, f"was not told {line}: {self.lines}")
             self.listen(0.05)

@@ -9,6 +9,7 @@ Examples:
   tests/mutation/mutate.py --room law                      every mutant of controller/law
   tests/mutation/mutate.py --room law --survivors          again those that survived, after tests were added
   tests/mutation/mutate.py --sample 100 --seed 7           100 lines drawn at random, one mutant of each
+  tests/mutation/mutate.py --slice                         a few that were noticed before, anew
   tests/mutation/mutate.py --write                         all rooms, and the table of tests/mutation/RESULTS.md
 """
 
@@ -16,14 +17,18 @@ import argparse
 import collections
 import concurrent.futures
 import fnmatch
+import functools
 import hashlib
+import itertools
 import json
+import math
 import os
 import pathlib
 import pickle
 import random
 import re
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -49,15 +54,21 @@ STOP_PATH = ["firmware/include/breakaway/firmware/supervisor.hpp",
              "firmware/include/breakaway/firmware/motion_under_force.hpp", "hal/cia402/src/forced_stop.cpp",
              "hal/cia402/src/state_machine.cpp", "hal/cia402/include/breakaway/cia402/torque_scale.hpp"]
 # Test programs, from the quick ones of one room to the closed loop.
-TESTS = ["law_test", "k3_table_test", "hal_test", "canopen_test", "cia402_test", "firmware_test", "slcan_test",
-         "bxcan_test", "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test",
-         "drive_emulator_test", "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test",
-         "plants_test", "settling_test"]
+TESTS = ["law_test", "k3_table_test", "kick_coordinator_test", "recorded_runs_test", "hal_test", "canopen_test",
+         "cia402_test", "recorded_scripts_test", "firmware_test", "flashed_machine_test", "slcan_test", "bxcan_test",
+         "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test", "drive_emulator_test",
+         "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test", "plants_test", "settling_test"]
 # With assertions of the standard library an index or an optional gone wrong is noticed, whatever lies there.
 COMPILE = ["-include", str(HERE / "switches.hpp"), "-w", "-Wno-narrowing", "-D_GLIBCXX_ASSERTIONS"]
+# A quick look: so many mutants that this program noticed when they were drawn, because it is built within seconds.
+SLICE = HERE / "slice.json"
+SLICE_SIZE = 25
+SLICE_TEST = "kick_coordinator_test"
 NUMBERS_OF_A_FILE = 1024  # so that a change of one file leaves the numbers of the others, and what is built of them
 MEMORY_BYTES = 4 << 30
-QUICK_MS = 100  # tests up to this long run before the others
+STAGES_MS = (30, 100, 300, 1000, math.inf)  # tests up to this long, in time of the processor, run before the others
+QUICK_MS = 100  # and those up to this long run whatever they take together
+WAITING = 20  # times that of the processor that a test may take by the clock: it may wait, and others use the machine
 
 
 def tracked_files():
@@ -71,9 +82,9 @@ def room_of(path):
 
 
 class Mutants:
-    """Every mutant of the rooms, and the sources with the switches in."""
+    """Every mutant of the rooms, or of some of their files, and the sources with the switches in."""
 
-    def __init__(self, folder, files):
+    def __init__(self, folder, files, only=None):
         flashed = ("controller/law", "firmware/include", "hal/")
         headers = [f for f in files if "/include/" in f and f.startswith(flashed)]
         flags = ["-I" + str(ROOT / f) for f in sorted({h[:h.index("include/") + 7] for h in headers})]
@@ -81,14 +92,15 @@ class Mutants:
         folder.mkdir(parents=True, exist_ok=True)
         self.all, self.points, self.texts = [], {}, {}
         self.texts = {path: (ROOT / path).read_text() for path in chosen}
-        for index, (path, points) in enumerate(self.found(folder, flags, chosen).items()):
+        first = {path: index * NUMBERS_OF_A_FILE + 1 for index, path in enumerate(chosen)}
+        for path, points in self.found(folder, flags, [f for f in chosen if only is None or f in only]).items():
             self.points[path] = points
-            self.number(path, points, self.texts[path], index * NUMBERS_OF_A_FILE + 1)
+            self.number(path, points, self.texts[path], first[path])
 
     def found(self, folder, flags, chosen):
-        """The points of every file, which are kept until a file or the finder changes."""
+        """The points of the chosen files, which are kept until a file or the finder changes."""
         finder = (HERE / "mutation_points.py").read_text()
-        stamp = hashlib.sha256(repr((finder, sorted(self.texts.items()))).encode()).hexdigest()
+        stamp = hashlib.sha256(repr((finder, chosen, sorted(self.texts.items()))).encode()).hexdigest()
         kept = folder / "points.pickle"
         if kept.exists():
             old_stamp, points = pickle.loads(kept.read_bytes())
@@ -220,7 +232,7 @@ class Tests:
     def __init__(self, build, folder):
         self.build, self.folder = build, folder
         self.programs = {t: build.program(t) for t in build.tests}
-        self.reached = collections.defaultdict(list)  # id: (ms, program, test)
+        self.reached = collections.defaultdict(list)  # id: (ms of the processor, program, test)
 
     def trace(self, jobs):
         with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -251,31 +263,34 @@ class Tests:
         tests = self.reached.get(number, [])
         if not tests:
             return "not reached", ""
-        quick = [t for t in tests if t[0] <= QUICK_MS]
-        slow, spent = [], 0
-        for test in (t for t in tests if t[0] > QUICK_MS):
-            spent += test[0]
-            if spent > budget_ms and slow:
+        affordable, spent = [], 0
+        for test in tests:
+            spent += test[0] if test[0] > QUICK_MS else 0
+            if spent > budget_ms and affordable:
                 break
-            slow.append(test)
-        for stage in (quick, slow):
+            affordable.append(test)
+        for begin, end in itertools.pairwise((-1, *STAGES_MS)):
             groups = collections.defaultdict(list)
-            for test in stage:
-                groups[test[1]].append(test)
+            for test in affordable:
+                if begin < test[0] <= end:
+                    groups[test[1]].append(test)
             for program, group in sorted(groups.items(), key=lambda g: sum(t[0] for t in g[1])):
                 failed = self.run(number, program, group)
                 if failed:
                     return "noticed", failed
-        return "survived", f"{len(quick) + len(slow)} of {len(tests)} tests"
+        return "survived", f"{len(affordable)} of {len(tests)} tests"
 
     def run(self, number, program, group):
         names = [t[2] for t in group]
-        limit = 5 + 6 * sum(t[0] for t in group) / 1000
+        limit = 5 + math.ceil(6 * sum(t[0] for t in group) / 1000)
         command = [self.programs[program], "--gtest_fail_fast", "--gtest_brief=1", "--gtest_filter=" + ":".join(names)]
         try:
             done = subprocess.run(command, env=os.environ | {"BREAKAWAY_MUTANT": str(number)}, capture_output=True,
-                                  timeout=limit, cwd=self.folder, preexec_fn=bounded)
+                                  timeout=WAITING * limit, cwd=self.folder,
+                                  preexec_fn=functools.partial(bounded, limit))
         except subprocess.TimeoutExpired:
+            return f"{program}: no end"
+        if done.returncode == -signal.SIGXCPU:
             return f"{program}: no end"
         if done.returncode == 0:
             return None
@@ -283,7 +298,8 @@ class Tests:
         return f"{program}: {found[1].decode() if found else f'exit code {done.returncode}'}"
 
 
-def bounded():
+def bounded(processor_s):
+    resource.setrlimit(resource.RLIMIT_CPU, (processor_s, processor_s + 5))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -346,16 +362,19 @@ def read_options():
     parser.add_argument("--files", action="append", metavar="GLOB", help="only of files whose path ends so")
     parser.add_argument("--sample", type=int, metavar="N", help="N lines drawn at random, one mutant of each")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (default 1)")
-    parser.add_argument("--survivors", action="store_true", help="tries again only what no test noticed")
-    parser.add_argument("--fresh", action="store_true", help="forgets the results of earlier runs")
+    parser.add_argument("--survivors", action="store_true",
+                        help="again those that were tried, were not noticed and are not listed as equivalent")
+    parser.add_argument("--slice", action="store_true",
+                        help="only the few of tests/mutation/slice.json, each of which was noticed, anew")
+    parser.add_argument("--fresh", action="store_true", help="forgets what earlier runs found of these")
     parser.add_argument("--list", action="store_true", help="lists the mutants, builds and runs nothing")
     parser.add_argument("--jobs", type=int, default=2, help="at a time (default 2)")
     parser.add_argument("--budget", type=float, default=20, metavar="S",
-                        help="time of the slow tests of one mutant (default 20 s)")
+                        help="processor time of the slow tests of one mutant (default 20 s)")
     parser.add_argument("--tests", default=".*", metavar="REGEX", help="only these test programs")
-    parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "build/mutation",
-                        help="of the copy and the results (default build/mutation)")
-    parser.add_argument("--write", action="store_true", help="writes tests/mutation/RESULTS.md")
+    parser.add_argument("--folder", type=pathlib.Path,
+                        help="of the copy and the results (default build/mutation, build/mutation_slice for --slice)")
+    parser.add_argument("--write", action="store_true", help="writes tests/mutation/RESULTS.md, and draws the slice")
     return parser.parse_args()
 
 
@@ -376,8 +395,11 @@ def try_all(chosen, tests, results, options, save):
 
 def main():
     options = read_options()
-    options.folder = options.folder.resolve()
+    name = "build/mutation_slice" if options.slice else "build/mutation"
+    options.folder = (options.folder or ROOT / name).resolve()
     files = tracked_files()
+    if options.slice:
+        return try_slice(files, options)
     mutants = Mutants(options.folder, files)
     equivalents = Equivalents(mutants.all)
     for entry in equivalents.stale:
@@ -389,28 +411,67 @@ def main():
             print(f"{m.id} {m.path}:{m.line}: {m.change}   in: {m.code}")
         return 0
     kept = options.folder / "results.json"
-    results = {} if options.fresh or not kept.exists() else json.loads(kept.read_text())
-    names = [t for t in TESTS if re.fullmatch(options.tests, t)]
-    build = Build(options.folder, mutants, files, names)
-    print("building", flush=True)
-    build.run(options.jobs)
+    results = json.loads(kept.read_text()) if kept.exists() else {}
+    for m in chosen if options.fresh else []:
+        results.pop(m.key, None)
+    build = Build(options.folder, mutants, files, [t for t in TESTS if re.fullmatch(options.tests, t)])
+    if options.survivors:
+        chosen = [m for m in chosen if results.get(m.key, ("noticed",))[0] != "noticed" and
+                  m.key not in equivalents.reasons]
+    wanted = [m for m in chosen if options.survivors or m.key not in results]
+    if wanted:
+        build_and_try(build, wanted, results, options)
+        note_run(options)
     chosen = [m for m in chosen if m.key not in build.left_out]
-    tests = Tests(build, options.folder)
-    print("tracing", flush=True)
-    tests.trace(options.jobs)
-
-    def save():
-        kept.write_text(json.dumps(results, indent=1))
-
-    wanted = [m for m in chosen if m.key not in results or (options.survivors and results[m.key][0] != "noticed")]
-    try_all(wanted, tests, results, options, save)
     report(chosen, results, equivalents)
     lines = table([m for m in mutants.all if m.key not in build.left_out], results, equivalents)
     print("\n".join(lines))
     if options.write:
         write_results(lines, mutants, results, equivalents, build)
+        draw_slice(mutants.all, results, options.seed)
     left = [m for m in chosen if results[m.key][0] != "noticed" and m.key not in equivalents.reasons]
     return 1 if left or equivalents.stale else 0
+
+
+def try_slice(files, options):
+    """The mutants of slice.json, anew: each must be noticed, and still be there."""
+    keys = set(json.loads(SLICE.read_text()))
+    mutants = Mutants(options.folder, files, {key.split("|")[0] for key in keys})
+    chosen = [m for m in mutants.all if m.key in keys]
+    results = {}
+    build_and_try(Build(options.folder, mutants, files, [SLICE_TEST]), chosen, results, options)
+    missed = [m for m in chosen if results[m.key][0] != "noticed"]
+    for m in missed:
+        print(f"{results[m.key][0]} {m.path}:{m.line}: {m.change}   in: {m.code}")
+    gone = sorted(keys - {m.key for m in chosen})
+    for key in gone:
+        print(f"slice.json names what is no longer there; --write draws it anew: {key}")
+    return 1 if missed or gone else 0
+
+
+def build_and_try(build, wanted, results, options):
+    print("building", flush=True)
+    build.run(options.jobs)
+    tests = Tests(build, options.folder)
+    print("tracing", flush=True)
+    tests.trace(options.jobs)
+
+    def save():
+        (options.folder / "results.json").write_text(json.dumps(results, indent=1))
+
+    try_all([m for m in wanted if m.key not in build.left_out], tests, results, options, save)
+
+
+def note_run(options):
+    """Which of a room were tried: so that the table can say it."""
+    if options.survivors:
+        return
+    parts = [f"--room {room}" for room in options.room or []] + [f"--files '{name}'" for name in options.files or []]
+    parts += [f"--sample {options.sample} --seed {options.seed}"] if options.sample else []
+    kept = options.folder / "runs.json"
+    runs = json.loads(kept.read_text()) if kept.exists() else []
+    run = " ".join(parts) or "every room"
+    kept.write_text(json.dumps([r for r in runs if r != run] + [run], indent=1))
 
 
 def report(chosen, results, equivalents):
@@ -428,9 +489,20 @@ def write_results(lines, mutants, results, equivalents, build):
     text = ["# Faults put in, and noticed", "",
             "Written by `tests/mutation/mutate.py --write`; see [README.md](README.md).", "", *lines, "",
             f"{len(build.left_out)} further mutants do not compile and are not counted.", ""]
+    kept = build.folder / "runs.json"
+    if kept.exists():
+        text += ["Tried by (a run may have been ended before it was through):", ""]
+        text += [f"- `mutate.py {run}`" for run in json.loads(kept.read_text())] + [""]
     if left:
         text += ["## Not noticed yet", ""] + [f"- `{m.path}:{m.line}`: {m.change}" for m in left] + [""]
     (HERE / "RESULTS.md").write_text("\n".join(text))
+
+
+def draw_slice(mutants, results, seed):
+    known = {m.key for m in mutants}
+    noticed = [key for key in sorted(known) if results.get(key, ("", ""))[1].startswith(f"{SLICE_TEST}: ")]
+    keys = random.Random(seed).sample(noticed, min(SLICE_SIZE, len(noticed)))
+    SLICE.write_text(json.dumps(sorted(keys), indent=1) + "\n")
 
 
 if __name__ == "__main__":

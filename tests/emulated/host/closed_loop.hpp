@@ -82,7 +82,7 @@ class LocalStream {
 inline void run_node_here(SlcanWorld& world, Commander& commander) {
   LocalStream stream{world, commander};
   slcan::Port<LocalStream> port{stream, flashed::node.loop.network.bit_rate};
-  firmware::ControlNode<slcan::Port<LocalStream>, flashed::node.capacity> node{port, flashed::node};
+  firmware::ControlNode node{port, flashed::node};
   if (!node.verdict().ok()) throw std::runtime_error(std::string{to_string(node.verdict().error)});
   const hal::Duration period = flashed::node.loop.network.period;
   for (hal::Time now{period}; !commander.finished() && world.periods() < 100'000; now += period) {

@@ -2,28 +2,31 @@
 // both here:
 //   host_replay FOLDER   writes FOLDER/<scenario>/axis.tape, hostile.tape, axis.results and hostile.results, and
 //                        pid.results where the coast is "pd"
-// Under callgrind every replayed update leaves its count, labelled <scenario>/<results>/<kind of step>.
+// and FOLDER/coordinated/ with the same of eight axes under their coordinator.
+// Under callgrind every replayed update leaves its count, labelled <scenario>/<results>/<kind of step>; of the
+// coordinator every period of all its axes, by the phase in which it begins.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "callgrind_count.hpp"
+#include "coordinated_replay.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
+#include "write_file.hpp"
 
 namespace breakaway::emulated {
 namespace {
 
 constexpr std::size_t steps_to_record = 5000;
 
-std::vector<TapeStep> record_tape(const scenario::Scenario& s, const law::AxisController<float>& controller) {
+template <class Controller>
+std::vector<TapeStep> record_tape(const scenario::Scenario& s, const Controller& controller) {
   const auto r = bench::record<float>(s, controller, (steps_to_record + 0.5) * s.node.period_s());
   const auto resolution_m = static_cast<float>(bench::resolution_m(s));
   std::vector<TapeStep> tape;
@@ -86,19 +89,9 @@ std::vector<StepResult> replay_tape(const std::vector<TapeStep>& tape, const Con
   return results;
 }
 
-template <class Item>
-void write_file(const std::string& path, const std::vector<Item>& items) {
-  std::ofstream file{path, std::ios::binary};
-  file.write(reinterpret_cast<const char*>(items.data()), static_cast<std::streamsize>(items.size() * sizeof(Item)));
-  if (!file.flush()) throw std::runtime_error("cannot write " + path);
-}
-
-// The targets replay with what `breakaway design` wrote into a header for them, which must be the same numbers.
-void run(const std::string& into, const std::string& name) {
-  const scenario::Scenario s = bench::scenario_from_rest(name);
-  const config::AnyNode<float> node = config::flashed<float>(s.node);
-  const auto& axis = node.axes[0];
-  const law::AxisController<float> controller{axis.law, axis.k3_table, axis.kicks};
+template <class Axis>
+void run(const std::string& into, const std::string& name, const scenario::Scenario& s, const Axis& axis) {
+  const law::AxisController<float, decltype(axis.kicks)> controller{axis.law, axis.k3_table, axis.kicks};
   const std::string folder = into + "/" + name;
   std::filesystem::create_directories(folder);
   const std::vector<TapeStep> tape = record_tape(s, controller);
@@ -112,6 +105,15 @@ void run(const std::string& into, const std::string& name) {
   write_file(folder + "/pid.results", replay_tape(tape, pid, name + "/pid"));
 }
 
+// The targets replay with what `breakaway design` wrote into a header for them, which must be the same numbers.
+void run(const std::string& into, const std::string& name) {
+  const scenario::Scenario s = bench::scenario_from_rest(name);
+  if (config::is_by_work(s.node))
+    run(into, name, s, config::flashed_by_work<float>(s.node).axes[0]);
+  else
+    run(into, name, s, config::flashed<float>(s.node).axes[0]);
+}
+
 }  // namespace
 }  // namespace breakaway::emulated
 
@@ -121,7 +123,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    for (const char* name : {"can_axis", "braked_axis", "move_axis"}) breakaway::emulated::run(argv[1], name);
+    for (const char* name : {"can_axis", "braked_axis", "move_axis", "belt_axis"})
+      breakaway::emulated::run(argv[1], name);
+    breakaway::emulated::replay_coordinated_tapes(std::string{argv[1]} + "/coordinated");
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "host_replay: %s\n", error.what());

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "breakaway/firmware/control_node.hpp"
@@ -59,7 +60,7 @@ class WorldRun {
   hal::Time now_{};
   WorldPort port_;
   NodeWorld world_;
-  firmware::ControlNode<WorldPort, flashed::node.capacity> node_;
+  firmware::ControlNode<WorldPort, std::remove_const_t<decltype(flashed::node)>> node_;
 };
 
 }  // namespace breakaway::emulated

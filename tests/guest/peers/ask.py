@@ -1,6 +1,8 @@
 """python-can asks the second drive (node 2) what it is, while another is being controlled on the same bus.
 
     ask.py INTERFACE
+
+Prints `ready` and begins when it is told a line.
 """
 import sys
 
@@ -23,6 +25,8 @@ def exchange(bus, data):
 def main():
     with can.Bus(interface="socketcan", channel=sys.argv[1],
                  can_filters=[{"can_id": 0x580 + DRIVE, "can_mask": 0x7FF, "extended": False}]) as bus:
+        print("ready", flush=True)
+        sys.stdin.readline()
         for _ in range(200):
             answer = exchange(bus, bytes.fromhex("4000100000000000"))
             if answer != bytes.fromhex("4300100092010200"):

@@ -1,0 +1,68 @@
+// Experiments on random axes that know nothing of mass and friction: what they say must be true.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "breakaway/evaluation/identification.hpp"
+#include "environment.hpp"
+#include "random_unknown_axis.hpp"
+
+namespace breakaway::campaign {
+namespace {
+
+std::string described(long number, const UnknownAxis& axis) {
+  return "axis " + std::to_string(number) + ": " + std::to_string(axis.mass_kg) + " kg, " +
+         std::to_string(axis.friction_N) + " N, latency " + std::to_string(axis.latency_periods) + ", lag " +
+         std::to_string(axis.lag_s) + " s";
+}
+
+struct Worst {
+  double mass = 0, duration_s = 0, raw_lower = 0, raw_upper = 0;
+};
+
+void check(long number, const UnknownAxis& axis, Worst& worst) {
+  // Every other one computes in float, as a board does.
+  const testing::ExperimentRun run =
+      number % 2 == 0 ? testing::run_experiment<double>(axis) : testing::run_experiment<float>(axis);
+  ASSERT_EQ(run.ending, identify::Ending::complete) << to_string(run.ending);
+  EXPECT_LE(run.duration_s, 60);
+  EXPECT_GE(run.lowest_m, axis.lowest_m);
+  EXPECT_LE(run.highest_m, axis.highest_m);
+  EXPECT_LE(run.fastest_m_s, axis.max_speed_m_s);
+
+  const evaluation::Identification found = evaluation::evaluate(run.record);
+  const evaluation::Interval truth = axis.true_friction_N();
+  EXPECT_NEAR(found.mass.mass_kg / axis.mass_kg, 1, 0.02);
+  EXPECT_LE(std::abs(found.mass.mass_kg / axis.mass_kg - 1), found.mass_uncertainty);
+  EXPECT_EQ(found.latency.periods, axis.latency_periods);
+  EXPECT_NEAR(found.latency.lag_s, axis.lag_s, 0.3e-3);
+  EXPECT_LE(found.bounds_N.least, truth.least);
+  EXPECT_GE(found.bounds_N.most, truth.most);
+  // Bounds that are too wide would be no help.
+  EXPECT_GE(found.bounds_N.least, 0.7 * truth.least);
+  EXPECT_LE(found.bounds_N.most, 1.3 * truth.most);
+  worst.mass = std::max(worst.mass, std::abs(found.mass.mass_kg / axis.mass_kg - 1));
+  worst.duration_s = std::max(worst.duration_s, run.duration_s);
+  worst.raw_lower = std::max(worst.raw_lower, std::abs(found.friction_seen_N.least / truth.least - 1));
+  worst.raw_upper = std::max(worst.raw_upper, std::abs(found.friction_seen_N.most / truth.most - 1));
+}
+
+TEST(IdentifyCampaign, BoundsHoldTheTruthAndTheTravelIsNeverLeft) {
+  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0), axes = from_environment("BREAKAWAY_UNKNOWN_AXES", 40);
+  Worst worst;
+  for (long number = first; number < first + axes; ++number) {
+    Random random{static_cast<std::uint64_t>(number) + 1};
+    const UnknownAxis axis = random_unknown_axis(random);
+    SCOPED_TRACE(described(number, axis));
+    ASSERT_NO_THROW(check(number, axis, worst));
+  }
+  std::printf("%ld axes: mass off by %.3g at most, least friction seen by %.3g, greatest by %.3g, %.1f s\n", axes,
+              worst.mass, worst.raw_lower, worst.raw_upper, worst.duration_s);
+}
+
+}  // namespace
+}  // namespace breakaway::campaign
