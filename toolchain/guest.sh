@@ -16,6 +16,9 @@ are up. Output is passed on; the exit code is the command's, 124 when time ran o
                 `none` for the time of this machine, in which latencies mean nothing
   --memory N    of the guest, in MiB (default 1024)
   --timeout N   seconds, of this machine's time (default 300)
+  --in-memory PATH  the guest has this file, program with its libraries, or folder in its memory (may be given several times).
+                Every other file it asks this machine for, and while it waits virtual time runs on: by seconds, or by many
+                minutes where this machine is busy. What is to keep to a time in the guest starts only what is in memory.
   --prepare     only install what is missing and fetch the kernel
 
 The kernel is downloaded once, extracted to build/guest, not installed.
@@ -23,18 +26,19 @@ Example: toolchain/guest.sh ip -br link
 HELP
 }
 
-bitrate='' icount=1 memory=1024 limit=300 prepare=false
+bitrate='' icount=1 memory=1024 limit=300 prepare=false in_memory=()
 while (($# > 0)); do
   case $1 in
     -h | --help) usage && exit 0 ;;
     --prepare) prepare=true && shift ;;
-    --bitrate | --icount | --memory | --timeout)
+    --bitrate | --icount | --memory | --timeout | --in-memory)
       [[ -n ${2-} ]] || die "$1 needs a value; see --help"
       case $1 in
         --bitrate) bitrate=$2 ;;
         --icount) icount=$2 ;;
         --memory) memory=$2 ;;
         --timeout) limit=$2 ;;
+        --in-memory) in_memory+=("$2") ;;
       esac
       shift 2
       ;;
@@ -106,7 +110,15 @@ mkdir -- "$work/run"
   printf '\n'
 } >"$work/run/command"
 (cd "$work" && find run | cpio -o -H newc --quiet | gzip -1) >"$work/run.cpio.gz"
-cat -- "$cache/first.cpio.gz" "$work/run.cpio.gz" >"$work/initrd"
+# The kernel takes an archive that is not packed where its place is a multiple of four: the first has one.
+: >"$work/initrd"
+if ((${#in_memory[@]} > 0)); then
+  python3 -B "$toolchain/guest_files.py" "${in_memory[@]}" >"$work/files"
+  mkdir -- "$work/memory"
+  (cd / && cpio -0 -pdm --quiet "$work/memory") <"$work/files"
+  (cd "$work" && find memory | cpio -o -H newc -R 0:0 --quiet) >"$work/initrd"
+fi
+cat -- "$cache/first.cpio.gz" "$work/run.cpio.gz" >>"$work/initrd"
 
 options=(-accel tcg -cpu max -smp 1 -m "$memory" -M pc -nodefaults -display none -no-reboot -no-user-config
   -kernel "$cache/vmlinux" -initrd "$work/initrd"

@@ -15,7 +15,10 @@ while read -r module; do $busybox insmod "/modules/$module" || echo "no $module"
 $busybox mount -t 9p -o trans=virtio,version=9p2000.L,msize=512000,cache=loose,ro host /host || fail "no files from the host"
 $busybox mount -t tmpfs -o mode=755 writable /writable
 $busybox mkdir /writable/upper /writable/work
-$busybox mount -t overlay -o lowerdir=/host,upperdir=/writable/upper,workdir=/writable/work,xino=off,index=off,metacopy=off \
+# What is in memory hides the same file of the host.
+below=/host
+[ ! -d /memory ] || below=/memory:/host
+$busybox mount -t overlay -o lowerdir=$below,upperdir=/writable/upper,workdir=/writable/work,xino=off,index=off,metacopy=off \
   overlay /root || fail "no layer to write to"
 for folder in proc sys dev; do $busybox mount --move "/$folder" "/root/$folder"; done
 $busybox mkdir -p /root/dev/shm /root/dev/pts /root/run
