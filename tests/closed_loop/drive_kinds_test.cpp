@@ -63,6 +63,28 @@ INSTANTIATE_TEST_SUITE_P(
               [](drive_emulator::Quirks& q) {
                 q.no_boot_up_message = q.self_starting = q.maps_in_pre_operational_only = true;
               }},
+        Quirk{"HasItsMappingFixedAsItIsNeeded",
+              [](drive_emulator::Quirks& q) { q.fixed_mapping = drive_emulator::FixedMapping::fits; }},
+        Quirk{"HasItsMappingFixedOtherwise",
+              [](drive_emulator::Quirks& q) { q.fixed_mapping = drive_emulator::FixedMapping::differs; },
+              cia402::SetupStatus::value_not_kept, 0x1600},
+        Quirk{"RefusesWhatIsOptionalWithAnUnusualCode",
+              [](drive_emulator::Quirks& q) {
+                q.refused_objects = {0x1006, 0x1007, 0x1016, 0x6007, 0x605A, 0x605B, 0x605C, 0x605E,
+                                     0x6075, 0x607B, 0x607E, 0x608F, 0x6091, 0x6092, 0x60B2, 0x60C2};
+                q.refusal_code = 0x0606'0000;
+              }},
+        Quirk{"WantsBlocksForWhatIsOptional",
+              [](drive_emulator::Quirks& q) {
+                q.refused_objects = {0x1006, 0x1007, 0x6007, 0x60B2, 0x60C2};
+                q.refusal_code = 0x0504'0001;
+              }},
+        Quirk{"WantsBlocksForWhatIsNeeded",
+              [](drive_emulator::Quirks& q) {
+                q.refused_objects = {0x6076};
+                q.refusal_code = 0x0504'0001;
+              },
+              cia402::SetupStatus::object_refused, 0x6076},
         Quirk{"ReversesItsPosition", [](drive_emulator::Quirks& q) { q.position_reversed = true; },
               cia402::SetupStatus::position_reversed, 0x607E},
         Quirk{"WrapsItsPosition", [](drive_emulator::Quirks& q) { q.position_range_counts = 131072; },

@@ -89,6 +89,14 @@ class Rig {
       if (status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
     }
   }
+  // The brake is the drive's, which opens it as it begins to seek its home.
+  void release_brakes_while_homing() {
+    for (std::size_t i = 0; i < loop_.axes(); ++i) {
+      const bool seeks = status(i).feedback.state == hal::DriveState::homing &&
+                         drives_[i]->state() == cia402::State::operation_enabled;
+      if (seeks && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
+    }
+  }
   void step() {
     advance_world();
     loop_step();

@@ -150,6 +150,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   position_factor_ = {};
   rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
   step_ = 0;
+  fixed_mapping_ = 0;
   attempts_ = 0;
   refusals_ = 0;
   pause_end_ = now;
@@ -157,7 +158,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
 }
 
 void DriveNode::configure(hal::Time now) noexcept {
-  const SetupStep& step = plan_.steps()[step_];
+  const SetupStep step = current_step();
   if (now < pause_end_) return;
   if (!transfer_running_) return start_transfer(step);
   const SdoResult result = sdo_.poll(now);
@@ -169,11 +170,25 @@ void DriveNode::configure(hal::Time now) noexcept {
     pause_end_ = now + refusal_pause;
     return;
   }
-  if (answered || (step.optional && result == SdoResult::aborted))
+  const bool fixed = result == SdoResult::aborted && clears_mapping(step);
+  if (fixed) fixed_mapping_ = step.index;
+  if (answered || fixed || (step.optional && result == SdoResult::aborted))
     on_step_done(step, answered, now);
   else
     on_step_failed(result, now);
-  if (phase_ == SetupPhase::configuring) start_transfer(plan_.steps()[step_]);
+  if (phase_ == SetupPhase::configuring) start_transfer(current_step());
+}
+
+// A PDO whose mapping cannot be changed must have what would be mapped.
+SetupStep DriveNode::current_step() const noexcept {
+  SetupStep step = plan_.steps()[step_];
+  if (step.index == fixed_mapping_) step.kind = SetupStep::Kind::check;
+  return step;
+}
+
+bool DriveNode::clears_mapping(const SetupStep& step) noexcept {
+  const bool mapping = step.index == object::rpdo1_mapping || step.index == object::tpdo1_mapping;
+  return mapping && step.kind == SetupStep::Kind::write && step.subindex == 0 && step.value == 0;
 }
 
 void DriveNode::start_transfer(const SetupStep& step) noexcept {

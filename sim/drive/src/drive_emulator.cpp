@@ -41,6 +41,9 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
                                       {{object::controlword, 0}, {object::mode, 0}},
                                       {{object::controlword, 0}, {object::target_torque, 0}},
                                       {}};
+  const bool fits = config_.quirks.fixed_mapping == FixedMapping::fits;
+  const Mapped fitting_command{{object::controlword, 0}, {object::target_torque, 0}};
+  const Mapped fitting_feedback{{object::statusword, 0}, {object::position_actual, 0}, {object::torque_actual, 0}};
   const Mapped sent[pdo_count] = {{{object::statusword, 0}},
                                   {{object::statusword, 0}, {object::mode_display, 0}},
                                   {{object::statusword, 0}, {object::position_actual, 0}},
@@ -48,9 +51,15 @@ DriveEmulator::DriveEmulator(const EmulatorConfig& config, Mechanism& mechanism,
   for (unsigned number = 1; number <= pdo_count; ++number) {
     const std::uint32_t absent = number > config_.valid_pdos ? canopen::cob_id_invalid : 0;
     rpdos_.emplace_back(dictionary_, PdoDirection::receive, number,
-                        absent | canopen::rpdo_cob_id(number, config_.node_id), received[number - 1]);
+                        absent | canopen::rpdo_cob_id(number, config_.node_id),
+                        fits && number == 1 ? fitting_command : received[number - 1]);
     tpdos_.emplace_back(dictionary_, PdoDirection::transmit, number,
-                        absent | canopen::tpdo_cob_id(number, config_.node_id), sent[number - 1]);
+                        absent | canopen::tpdo_cob_id(number, config_.node_id),
+                        fits && number == 1 ? fitting_feedback : sent[number - 1]);
+  }
+  if (config_.quirks.fixed_mapping != FixedMapping::none) {
+    rpdos_.front().fix_mapping();
+    tpdos_.front().fix_mapping();
   }
   dictionary_.on_written([this](Address address) { on_written(address); });
 }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/drive_emulator/objects.hpp"
@@ -168,7 +169,12 @@ void DriveEmulator::on_sdo(const hal::CanFrame& frame) {
   if (frame.size != 8) return;
   drive_.sample(now_, false);
   const bool busy = now_ < sdo_ready_;
-  if (const auto answer = busy ? sdo_.refuse(frame.data, canopen::SdoAbort::device_state) : sdo_.answer(frame.data))
+  const bool refused =
+      std::ranges::find(config_.quirks.refused_objects, canopen::load_little_endian<std::uint16_t>(frame.data, 1)) !=
+      config_.quirks.refused_objects.end();
+  const auto code =
+      busy ? canopen::SdoAbort::device_state : static_cast<canopen::SdoAbort>(config_.quirks.refusal_code);
+  if (const auto answer = busy || refused ? sdo_.refuse(frame.data, code) : sdo_.answer(frame.data))
     post({.id = canopen::sdo_response_cob_id(config_.node_id), .size = 8, .data = *answer}, sdo_response_delay_);
   timers_.cancel(sdo_timeout);
   if (sdo_.transfer_under_way()) timers_.set(sdo_timeout, now_ + config_.sdo_timeout);

@@ -1,6 +1,7 @@
 #include "breakaway/drive_emulator/objects.hpp"
 
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/drive_emulator/home_seeker.hpp"
 
 namespace breakaway::drive_emulator {
 
@@ -50,17 +51,17 @@ void add_factor_group(ObjectDictionary& dictionary, std::uint32_t feed_constant)
   add(object::feed_constant, feed_constant == 0 ? encoder_counts_per_revolution : feed_constant);
 }
 
-// Methods 35 and 37, at which the axis stands at home: the others need switches.
-void add_homing_objects(ObjectDictionary& dictionary) {
+// At methods 35 and 37 the axis stands at home: the others need switches.
+void add_homing_objects(ObjectDictionary& dictionary, bool has_switches) {
   dictionary.add({object::home_offset, 0}, {.type = Type::i32, .access = rw});
   dictionary.add({object::homing_method, 0}, {.type = Type::i8, .access = rw, .value = 37});
   dictionary.add({object::homing_speeds, 0}, {.type = Type::u8, .value = 2});
   dictionary.add({object::homing_speeds, 1}, {.type = Type::u32, .access = rw, .value = 10'000});
   dictionary.add({object::homing_speeds, 2}, {.type = Type::u32, .access = rw, .value = 1'000});
   dictionary.add({object::homing_acceleration, 0}, {.type = Type::u32, .access = rw, .value = 100'000});
-  dictionary.set_rule(object::homing_method, [](Address, std::int64_t method) -> std::optional<SdoAbort> {
-    if (method != 35 && method != 37) return SdoAbort::invalid_value;
-    return std::nullopt;
+  dictionary.set_rule(object::homing_method, [has_switches](Address, std::int64_t method) -> std::optional<SdoAbort> {
+    if (method == 35 || method == 37 || (has_switches && HomeSeeker::knows(method))) return std::nullopt;
+    return SdoAbort::invalid_value;
   });
 }
 
@@ -136,7 +137,7 @@ void add_drive_objects(ObjectDictionary& dictionary, const EmulatorConfig& confi
   dictionary.add({object::position_range, 1}, {.type = Type::i32, .access = rw});
   dictionary.add({object::position_range, 2}, {.type = Type::i32, .access = rw, .value = range == 0 ? 0 : range - 1});
   add_factor_group(dictionary, config.quirks.feed_constant);
-  add_homing_objects(dictionary);
+  add_homing_objects(dictionary, config.quirks.switches.has_value());
   dictionary.add({own_object::motor_catalogue_number, 0}, {.type = Type::text, .access = rw});
   add_option_codes(dictionary);
   add_torque_objects(dictionary, config);

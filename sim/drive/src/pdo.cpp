@@ -64,6 +64,7 @@ std::optional<SdoAbort> Pdo::check_parameter(Address address, std::int64_t value
 }
 
 std::optional<SdoAbort> Pdo::check_mapping(Address address, std::int64_t value) const {
+  if (fixed_) return SdoAbort::read_only;
   if (locked_ || valid()) return SdoAbort::device_state;
   if (address.sub != 0) {
     if (get(mapping_, 0) != 0) return SdoAbort::device_state;

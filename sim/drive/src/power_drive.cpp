@@ -44,7 +44,7 @@ void PowerDrive::restart(hal::Time time) {
   requested_mode_ = 0;
   controlword_changed_.reset();
   enable_needs_edge_ = limited_ = false;
-  homed_ = 0;
+  end_homing(0);
   faults_.clear();
   causes_.clear();
   last_sync_.reset();
@@ -67,7 +67,7 @@ void PowerDrive::control(std::uint16_t controlword, hal::Time time) {
     controlword_changed_ = time;
     const bool starts = (controlword & ~controlword_ & cia402::control::start_homing) != 0;
     controlword_ = controlword;
-    if (starts && in_homing()) home();
+    if (starts && in_homing()) home(time);
   }
   const bool was_fault = machine_.state() == State::fault;
   machine_.control(as_the_drive_reads_it(controlword), causes_.empty(), get(object::quick_stop_option));
@@ -115,13 +115,51 @@ bool PowerDrive::in_homing() const {
          get(object::mode_display) == static_cast<std::int64_t>(cia402::Mode::homing);
 }
 
-// The position is the offset from here on.
-void PowerDrive::home() {
-  homed_ = status_bit::homing_error;
-  if (config_.quirks.homing_fails) return;
-  homed_ = status_bit::homing_attained | status_bit::target_reached;
+void PowerDrive::home(hal::Time time) {
+  if (config_.quirks.homing_fails) return end_homing(status_bit::homing_error);
+  const std::int64_t method = get(object::homing_method);
+  if (config_.quirks.switches && HomeSeeker::knows(method)) {
+    const auto in_metres = [&](Address address) {
+      return static_cast<double>(dictionary_.get(address)) / position_factor() * config_.encoder_resolution_m;
+    };
+    end_homing(0);
+    seeker_.start(*config_.quirks.switches, method,
+                  {in_metres({object::homing_speeds, 1}), in_metres({object::homing_speeds, 2}),
+                   in_metres({object::homing_acceleration, 0})},
+                  mechanism_.position_m());
+    seeking_since_ = time;
+    return timers_.set(home_step, time + HomeSeeker::period);
+  }
+  count_from(mechanism_.position_m());
+  end_homing(status_bit::homing_attained | status_bit::target_reached);
+}
+
+// A homing that is interrupted has found nothing.
+void PowerDrive::seek_home(hal::Time time) {
+  if (!in_homing() || (controlword_ & cia402::control::halt) != 0) return end_homing(0);
+  const Quirks& quirks = config_.quirks;
+  if (quirks.homing_gives_up_after.count() > 0 && time - seeking_since_ > quirks.homing_gives_up_after)
+    return end_homing(status_bit::homing_error);
+  advance_mechanism_to(time);
+  const bool knew = seeker_.home_m().has_value();
+  seeking_force_N_ =
+      seeker_.step(mechanism_.position_m(), static_cast<double>(get(object::max_torque)) * force_per_per_mille_N_);
+  if (seeker_.home_m() && !knew) count_from(*seeker_.home_m());
+  if (seeker_.arrived()) return end_homing(status_bit::homing_attained | status_bit::target_reached);
+  timers_.set(home_step, time + HomeSeeker::period);
+}
+
+void PowerDrive::end_homing(unsigned bits) {
+  homed_ = bits;
+  seeking_force_N_ = 0;
+  seeker_.end();
+  timers_.cancel(home_step);
+}
+
+// The position is the offset there.
+void PowerDrive::count_from(double home_m) {
   const double offset_counts = static_cast<double>(get(object::home_offset)) / position_factor();
-  origin_m_ = mechanism_.position_m() - (reversed() ? -1 : 1) * offset_counts * config_.encoder_resolution_m;
+  origin_m_ = home_m - (reversed() ? -1 : 1) * offset_counts * config_.encoder_resolution_m;
 }
 
 double PowerDrive::position_factor() const {
@@ -171,6 +209,7 @@ bool PowerDrive::makes_torque() const {
 
 double PowerDrive::torque_demand_per_mille() {
   limited_ = false;
+  if (seeker_.seeking() && in_homing()) return seeking_force_N_ / force_per_per_mille_N_;
   if (!makes_torque()) return 0;
   const auto max_per_mille = static_cast<double>(get(object::max_torque));
   auto asked = static_cast<double>(get(object::target_torque));
@@ -236,6 +275,9 @@ void PowerDrive::on_time(hal::Time time) {
       case silent_drop:
         enable_needs_edge_ = machine_.state() == State::operation_enabled;
         machine_.fall_back_to(State::switched_on);
+        break;
+      case home_step:
+        seek_home(time);
         break;
     }
   }

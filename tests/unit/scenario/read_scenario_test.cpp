@@ -271,6 +271,17 @@ TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
   EXPECT_EQ(quirks_of("sync_alarm_periods = 2").sync_alarm_periods, 2U);
   EXPECT_EQ(quirks_of("position_range_counts = 131072").position_range_counts, 131072U);
   EXPECT_EQ(quirks_of("refuses_start_with = 0x6100").refuses_start_with, 0x6100);
+  EXPECT_EQ(quirks_of("homing_gives_up_after_s = 3").homing_gives_up_after, std::chrono::seconds{3});
+  EXPECT_EQ(quirks_of("fixed_mapping = \"fits\"").fixed_mapping, breakaway::drive_emulator::FixedMapping::fits);
+  const Quirks refusing = quirks_of("refused_objects = [0x1006, 0x60B2]\nrefusal_code = 0x05040001");
+  EXPECT_EQ(refusing.refused_objects, (std::vector<double>{0x1006, 0x60B2}));
+  EXPECT_EQ(refusing.refusal_code, 0x05040001U);
+  EXPECT_FALSE(quirks_of("").switches);
+  EXPECT_EQ(quirks_of("low_limit_switch_m = -0.3").switches.value().low_limit_m, -0.3);
+  EXPECT_EQ(quirks_of("high_limit_switch_m = 0.3").switches.value().high_limit_m, 0.3);
+  EXPECT_EQ(quirks_of("home_switch_m = 0.1").switches.value().home_m, 0.1);
+  EXPECT_EQ(quirks_of("index_distance_m = 0.01").switches.value().index_distance_m, 0.01);
+  EXPECT_EQ(quirks_of("speed_gain_Ns_per_m = 70").switches.value().speed_gain_Ns_per_m, 70);
   struct Switch {
     const char* key;
     bool Quirks::*member;

@@ -254,6 +254,11 @@ class ControlLoop {
     return set_up_time;
   }
 
+  static bool homes_against_a_stop(const Drive& drive) noexcept {
+    if constexpr (requires { drive.homes_against_a_stop(); }) return drive.homes_against_a_stop();
+    return false;
+  }
+
   static bool may_have_force(const hal::DriveFeedback<Scalar>& f) noexcept {
     return f.stop_not_obeyed || f.state == hal::DriveState::enabled || f.state == hal::DriveState::stopping ||
            f.state == hal::DriveState::homing;
@@ -416,8 +421,12 @@ class ControlLoop {
     if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
       a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);
     }
+    // What the drive tells of at the same time is why.
+    if (feedback.homing_failed && a.wanted && health.emergency_code != 0)
+      a.supervisor.latch(AxisFault::emergency, health.emergency_code, now);
     if (feedback.homing_failed) a.supervisor.latch(AxisFault::homing_failed, 0, now);
-    if (feedback.state == hal::DriveState::homing && a.wanted) a.supervisor.check_homing(feedback, health, now);
+    if (feedback.state == hal::DriveState::homing && a.wanted)
+      a.supervisor.check_homing(feedback, health, now, homes_against_a_stop(a.drive));
     // A drive that finds its zero has a time limit of its own.
     if (!a.wanted || waiting_ || feedback.state == hal::DriveState::homing) return a.unfulfilled_since.reset();
     a.supervisor.check_idle(health, now);

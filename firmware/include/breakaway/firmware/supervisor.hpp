@@ -169,6 +169,8 @@ class Supervisor {
  public:
   // No lawful motion takes so long to come nearer to its target.
   static constexpr hal::Duration progress_timeout = std::chrono::seconds{60};
+  // While a drive finds its zero, so many samples in a row that are too fast are no jump to it.
+  static constexpr int homing_jump_samples = 3;
 
   constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
       : limits_{limits},
@@ -217,13 +219,16 @@ class Supervisor {
     if (health.heartbeat_lost) latch(AxisFault::heartbeat_lost, 0, now);
   }
 
-  // The same while a drive finds its zero by itself. Its position jumps when it has found it, so that neither position
-  // nor speed is watched.
-  void check_homing(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
+  // The same while a drive finds its zero by itself. Where it stands is not known, and its position jumps when it has
+  // found it: so position is not watched, and one sample that is too fast says nothing. `against_a_stop`: it looks for
+  // a place where it does not move.
+  void check_homing(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now,
+                    bool against_a_stop = false) noexcept {
     check_idle(health, now);
     latch(health.emergency_code != 0 ? AxisFault::emergency : AxisFault::none, health.emergency_code, now);
     if (now - feedback.sample_time > limits_.feedback_timeout) latch(AxisFault::feedback_stale, 0, now);
     if (!(std::abs(feedback.force_N) <= limits_.force_N)) latch(AxisFault::force_limit, 0, now);
+    if (feedback.fresh) watch_homing_motion(feedback, against_a_stop, now);
   }
 
   // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.
@@ -310,6 +315,22 @@ class Supervisor {
     return AxisFault::not_a_number;
   }
 
+  // What was sampled before the drive began is of another motion.
+  [[gnu::cold]] void watch_homing_motion(const Feedback& f, bool against_a_stop, hal::Time now) noexcept {
+    const bool goes_on = has_previous_ && f.sample_time - previous_time_ <= limits_.feedback_timeout;
+    if (goes_on) {
+      motion_.sample(f.travel_m, f.force_N - feedforward_N_, since_previous_s(f));
+      homing_too_fast_ = too_fast(f) ? homing_too_fast_ + 1 : 0;
+    } else {
+      motion_.restart();
+      homing_too_fast_ = 0;
+    }
+    if (homing_too_fast_ >= homing_jump_samples) latch(AxisFault::speed_limit, 0, now);
+    if (motion_.missing() && !against_a_stop) latch(AxisFault::no_motion_under_force, 0, now);
+    previous_time_ = f.sample_time;
+    has_previous_ = true;
+  }
+
   bool too_fast(const Feedback& f) const noexcept {
     if (!has_previous_) return false;
     return std::abs(f.travel_m) > limits_.speed_m_s * since_previous_s(f);
@@ -346,6 +367,7 @@ class Supervisor {
   std::uint16_t fault_code_ = 0;
   AxisFault fault_ = AxisFault::none;
   bool has_previous_ = false;
+  int homing_too_fast_ = 0;  // samples in a row
 };
 
 }  // namespace breakaway::firmware

@@ -210,6 +210,8 @@ class Drive {
   std::uint16_t take_emergency() noexcept { return node_.take_emergency(); }
   // Every SYNC is answered twice.
   bool node_id_conflict() const noexcept { return doubled_ >= conflict_periods; }
+  // Methods below 0 are the vendor's; among them are those that press against a stop until nothing moves.
+  bool homes_against_a_stop() const noexcept { return config_.homing.method < 0; }
   // The drive booted anew, its encoder is incremental, and nobody has said yet where the axis stands.
   bool reference_lost() const noexcept { return reference_lost_; }
   std::uint32_t reboots() const noexcept { return node_.reboots(); }

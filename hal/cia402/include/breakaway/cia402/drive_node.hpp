@@ -168,6 +168,8 @@ class DriveNode {
   void on_boot_up(hal::Time now) noexcept;
   void begin_configuration(hal::Time now) noexcept;
   void configure(hal::Time now) noexcept;
+  SetupStep current_step() const noexcept;
+  static bool clears_mapping(const SetupStep& step) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
   bool holds(const SetupStep& step) const noexcept;
@@ -212,6 +214,7 @@ class DriveNode {
   std::optional<hal::Time> last_mode_poll_;
   hal::Time last_mode_request_{};
   std::size_t step_ = 0;
+  std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
   unsigned attempts_ = 0;
   unsigned refusals_ = 0;  // that may pass, in this set-up
   hal::Time pause_end_{};  // after such a refusal

@@ -1,15 +1,32 @@
 // EmulatorConfig: the drive and motor that a drive emulator stands for.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "breakaway/cia402/objects.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::drive_emulator {
+
+// What a drive finds its home by, in metres of the axis as the drive counts it.
+struct HomeSwitches {
+  double low_limit_m = -HUGE_VAL, high_limit_m = HUGE_VAL;  // limit switches, on from here outwards
+  double home_m = HUGE_VAL;                                 // of the home switch's edge
+  bool home_on_above = true;                                // else it is on below
+  double index_distance_m = 1e-3;                           // between two index pulses, > 0
+  double speed_gain_Ns_per_m = 200;                         // of the drive's loop of speed, > 0
+};
+
+enum class FixedMapping : std::uint8_t {
+  none,
+  fits,     // controlword and target torque; statusword, position and torque
+  differs,  // what CiA 301 maps at power-on
+};
 
 // Departures from the profile that drives in the field are known for. All are off by default.
 struct Quirks {
@@ -38,12 +55,22 @@ struct Quirks {
   hal::Duration sdo_response_delay{};
   // For so long after its boot-up every SDO transfer is refused with 0800'0022h.
   hal::Duration sdo_busy{};
+  // With these the drive plays the homing methods that move, too; without only 35 and 37.
+  std::optional<HomeSwitches> switches{};
   // A homing that is started ends with an error.
   bool homing_fails = false;
+  // An axis that is still in a homing that moves when this much time is over: the homing ends with an error; 0: never.
+  hal::Duration homing_gives_up_after{};
   // The node goes on to Operational by itself after its boot-up.
   bool self_starting = false;
   // PDOs may be changed in Pre-operational only.
   bool maps_in_pre_operational_only = false;
+  // What the first RPDO and TPDO carry cannot be changed.
+  FixedMapping fixed_mapping = FixedMapping::none;
+  // SDO transfers of these objects are refused with this code, whatever they ask for: 0504'0001h of a server that
+  // wants another kind of transfer.
+  std::vector<double> refused_objects{};
+  std::uint32_t refusal_code = 0x0800'0000;
   // NMT Start is answered by an EMCY with this code, and the node stays where it is; 0: it starts.
   std::uint16_t refuses_start_with = 0;
   // There is no boot-up message.

@@ -40,6 +40,8 @@ class Pdo {
 
   // While it is locked nothing of it may be changed.
   void lock(bool locked) { locked_ = locked; }
+  // Its mapping stays what it is.
+  void fix_mapping() { fixed_ = true; }
 
   std::uint16_t parameter_index() const { return parameter_; }
 
@@ -55,7 +57,7 @@ class Pdo {
   PdoDirection direction_;
   std::uint16_t parameter_;
   std::uint16_t mapping_;
-  bool locked_ = false;
+  bool locked_ = false, fixed_ = false;
 };
 
 }  // namespace breakaway::drive_emulator

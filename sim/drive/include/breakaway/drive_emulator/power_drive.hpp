@@ -9,6 +9,7 @@
 
 #include "breakaway/drive_emulator/config.hpp"
 #include "breakaway/drive_emulator/emergency.hpp"
+#include "breakaway/drive_emulator/home_seeker.hpp"
 #include "breakaway/drive_emulator/mechanism.hpp"
 #include "breakaway/drive_emulator/motor.hpp"
 #include "breakaway/drive_emulator/object_dictionary.hpp"
@@ -61,7 +62,7 @@ class PowerDrive {
   }
 
  private:
-  enum Timer : std::size_t { stop, mode_change, silent_drop, timer_count };
+  enum Timer : std::size_t { stop, mode_change, silent_drop, home_step, timer_count };
 
   void control(std::uint16_t controlword, hal::Time time);
   std::uint16_t as_the_drive_reads_it(std::uint16_t controlword);
@@ -73,7 +74,10 @@ class PowerDrive {
   void watch_stops(hal::Time time);
   std::uint16_t statusword() const;
   bool in_homing() const;
-  void home();
+  void home(hal::Time time);
+  void seek_home(hal::Time time);
+  void end_homing(unsigned bits);
+  void count_from(double home_m);
   double position_factor() const;
   bool reversed() const;
   std::int32_t in_units(std::int32_t counts) const;
@@ -100,7 +104,10 @@ class PowerDrive {
   std::set<std::uint16_t> faults_;  // tripped since the last reset
   std::set<std::uint16_t> causes_;  // of these, those whose cause is still there
   double origin_m_ = 0;             // where 6064h is 0
-  unsigned homed_ = 0;              // bits of the statusword after a homing
+  HomeSeeker seeker_;
+  hal::Time seeking_since_{};
+  double seeking_force_N_ = 0;
+  unsigned homed_ = 0;  // bits of the statusword after a homing
   std::optional<hal::Time> last_sync_;
   std::int32_t last_sync_counts_ = 0;
 };
