@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "breakaway/cia402/forced_stop.hpp"
-#include "breakaway/design/k3_table_builder.hpp"
+#include "campaign_node.hpp"
 #include "environment.hpp"
 #include "named_faults.hpp"
 
@@ -22,30 +22,6 @@ namespace breakaway::campaign {
 namespace {
 
 using firmware::AxisFault;
-
-CampaignNode make_node(bool absolute_encoder) {
-  CampaignNode node;
-  node.loop.network.period = FaultWorld::period;
-  firmware::FlashedAxis<float>& axis = node.axes[0];
-  axis.name.characters[0] = 'x';
-  axis.drive = {.node_id = FaultWorld::drive_id,
-                .force_per_torque_N_per_Nm = 50,
-                .rated_torque_mNm = 500,
-                .absolute_encoder = absolute_encoder};
-  axis.limits.position_min_m = -1.5F;
-  axis.limits.position_max_m = 1.5F;
-  axis.limits.speed_m_s = 6;
-  axis.limits.force_N = 60;
-  axis.limits.following_error_m = 0.2F;
-  axis.law = {1, 400, 32, 60, {2.5F, 4.5F}, static_cast<float>(FaultWorld::max_force_N), 5, 2e-6F, 1e-6F, 1e-3F};
-  axis.k3_table = design::build_k3_table<float>({axis.law.mass_kg, axis.law.stiffness_N_per_m,
-                                                 axis.law.kick_damping_Ns_per_m, axis.law.friction.lower_N},
-                                                axis.law.stick_radius_upper_m())
-                      .table;
-  axis.certified = true;
-  node.checksum = checksum_of(node);
-  return node;
-}
 
 enum class End : std::uint8_t { went_on, waits, named, unnamed };
 

@@ -27,6 +27,8 @@ struct Tampering {
   int late_by_periods = 1;  // up to
   bool swapped = false;     // each pair the wrong way round
   bool shuffled = false;    // those of a period in any order
+  // Has a frame say something else.
+  std::function<void(hal::CanFrame&)> lie{};
 };
 
 template <hal::CanPort Port>
@@ -93,6 +95,7 @@ class TamperedPort {
     if (!concerned) return inbox_.push_back(received);
     if (happens(incoming.lost)) return;
     if (happens(incoming.spoiled)) spoil(received.frame);
+    if (incoming.lie) incoming.lie(received.frame);
     if (happens(incoming.late)) return incoming_late_.push_back({received, lateness(incoming)});
     if (incoming.swapped && !kept_back_) {
       kept_back_ = received;
