@@ -46,6 +46,10 @@ ROOMS = {
     "canopen": ["hal/canopen/*"],
     "cia402": ["hal/cia402/*"],
     "ports": ["hal/ports/slcan/*", "hal/ports/bxcan/*", "hal/ports/xilinx_can/*", "hal/ports/socketcan/*"],
+    # What sticks and what slips next, which every certificate and every simulated run rests on.
+    "stick": [f"sim/motion/hybrid/src/{name}.cpp" for name in ("stop_problem", "lcp", "mode_choice")] +
+             ["sim/motion/hybrid/include/breakaway/hybrid/hybrid_modes.hpp",
+              "sim/motion/include/breakaway/motion/tie.hpp"],
 }
 # The stop path, the limits and the faults, of which every mutant must be noticed.
 STOP_PATH = ["firmware/include/breakaway/firmware/supervisor.hpp",
@@ -58,6 +62,9 @@ TESTS = ["law_test", "k3_table_test", "kick_coordinator_test", "recorded_runs_te
          "cia402_test", "recorded_scripts_test", "firmware_test", "flashed_machine_test", "slcan_test", "bxcan_test",
          "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test", "drive_emulator_test",
          "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test", "plants_test", "settling_test"]
+# Those of what is not flashed, which no other program reaches.
+TESTS_OF = {"stick": ["event_driven_test", "extremes_test", "rest_decision_test", "switched_off_test",
+                      "nearly_parallel_test", "stiff_test", "budget_test", "stick_decision_test"]}
 # With assertions of the standard library an index or an optional gone wrong is noticed, whatever lies there.
 COMPILE = ["-include", str(HERE / "switches.hpp"), "-w", "-Wno-narrowing", "-D_GLIBCXX_ASSERTIONS"]
 # A quick look: so many mutants that this program noticed when they were drawn, because it is built within seconds.
@@ -85,9 +92,10 @@ class Mutants:
     """Every mutant of the rooms, or of some of their files, and the sources with the switches in."""
 
     def __init__(self, folder, files, only=None):
-        flashed = ("controller/law", "firmware/include", "hal/")
-        headers = [f for f in files if "/include/" in f and f.startswith(flashed)]
+        read = ("controller/", "firmware/include", "hal/", "sim/motion/", "sim/input/")
+        headers = [f for f in files if "/include/" in f and f.startswith(read)]
         flags = ["-I" + str(ROOT / f) for f in sorted({h[:h.index("include/") + 7] for h in headers})]
+        flags += ["-isystem", "/usr/include/eigen3"]
         chosen = [f for f in files if room_of(f) and f.endswith((".hpp", ".cpp"))]
         folder.mkdir(parents=True, exist_ok=True)
         self.all, self.points, self.texts = [], {}, {}
@@ -307,16 +315,34 @@ def bounded(processor_s):
 class Equivalents:
     """Mutants that no test can notice, each with its reason: equivalent.toml."""
 
-    def __init__(self, mutants):
+    def __init__(self, mutants, paths):
         self.reasons, self.stale = {}, []
         kept = HERE / "equivalent.toml"
         for entry in tomllib.loads(kept.read_text()).get("mutant", []) if kept.exists() else []:
             matching = [m for m in mutants if m.path.endswith(entry["file"]) and m.code == entry["code"] and
                         m.change in entry["changes"]]
+            if not any(path.endswith(entry["file"]) for path in paths):
+                continue
             missing = set(entry["changes"]) - {m.change for m in matching}
             self.stale += [f'{entry["file"]}: {entry["code"]}: {change}' for change in missing]
             for mutant in matching:
                 self.reasons[mutant.key] = entry["reason"]
+
+
+def of_the_rooms(files, options):
+    """The files that are mutated. Those of the other rooms stay as they are, so that less is built and traced."""
+    if not options.room:
+        return None
+    stop = STOP_PATH if "stop" in options.room else []
+    return {f for f in files if room_of(f) in options.room or f in stop}
+
+
+def tests_of(options):
+    """The test programs that may reach the rooms."""
+    chosen = list(TESTS) if not options.room or set(options.room) - set(TESTS_OF) else []
+    for room, tests in TESTS_OF.items():
+        chosen += tests if not options.room or room in options.room else []
+    return [t for t in chosen if re.fullmatch(options.tests, t)]
 
 
 def choose(mutants, options):
@@ -336,22 +362,45 @@ def choose(mutants, options):
     return chosen
 
 
-def row(name, chosen, results, equivalents):
+def counts(chosen, results, equivalents):
     counted = [m for m in chosen if m.key in results]
-    same = [m for m in counted if m.key in equivalents.reasons]
     rest = [m for m in counted if m.key not in equivalents.reasons]
     noticed = sum(results[m.key][0] == "noticed" for m in rest)
-    share = f"{100 * noticed / len(rest):.1f} %" if rest else "-"
-    return f"| {name} | {len(chosen)} | {len(counted)} | {len(same)} | {noticed} | {len(rest) - noticed} | {share} |"
+    return [len(chosen), len(counted), len(counted) - len(rest), noticed, len(rest) - noticed]
+
+
+def row(name, numbers):
+    rest = numbers[3] + numbers[4]
+    share = f"{100 * numbers[3] / rest:.1f} %" if rest else "-"
+    return f"| {name} | " + " | ".join(str(n) for n in numbers) + f" | {share} |"
+
+
+STOP_ROW = "stop path, limits, faults"
+
+
+def written_rows():
+    """The rows of RESULTS.md as it is: of rooms that a run leaves alone they stay."""
+    rows = {}
+    for line in (HERE / "RESULTS.md").read_text().splitlines():
+        found = re.fullmatch(r"\| ([^|]+) " + r"\| (\d+) " * 5 + r"\| [^|]+ \|", line)
+        if found:
+            rows[found[1]] = [int(n) for n in found.groups()[1:]]
+    return rows
 
 
 def table(mutants, results, equivalents):
     lines = ["| room | mutants | tried | equivalent | noticed | survive | noticed of those that are not equivalent |",
              "|---|---|---|---|---|---|---|"]
+    rows, here = written_rows(), {m.path for m in mutants}
     for room in ROOMS:
-        lines.append(row(room, [m for m in mutants if room_of(m.path) == room], results, equivalents))
-    lines.append(row("stop path, limits, faults", [m for m in mutants if m.path in STOP_PATH], results, equivalents))
-    lines.append(row("all", mutants, results, equivalents))
+        chosen = [m for m in mutants if room_of(m.path) == room]
+        if any(m.key in results for m in chosen):
+            rows[room] = counts(chosen, results, equivalents)
+    if here.issuperset(STOP_PATH):
+        rows[STOP_ROW] = counts([m for m in mutants if m.path in STOP_PATH], results, equivalents)
+    named = [name for name in (*ROOMS, STOP_ROW) if name in rows]
+    lines += [row(name, rows[name]) for name in named]
+    lines.append(row("all", [sum(column) for column in zip(*(rows[room] for room in ROOMS if room in rows))]))
     return lines
 
 
@@ -400,8 +449,8 @@ def main():
     files = tracked_files()
     if options.slice:
         return try_slice(files, options)
-    mutants = Mutants(options.folder, files)
-    equivalents = Equivalents(mutants.all)
+    mutants = Mutants(options.folder, files, of_the_rooms(files, options))
+    equivalents = Equivalents(mutants.all, mutants.points)
     for entry in equivalents.stale:
         print(f"equivalent.toml names what is no longer there; take it out: {entry}")
     chosen = choose(mutants.all, options)
@@ -414,7 +463,7 @@ def main():
     results = json.loads(kept.read_text()) if kept.exists() else {}
     for m in chosen if options.fresh else []:
         results.pop(m.key, None)
-    build = Build(options.folder, mutants, files, [t for t in TESTS if re.fullmatch(options.tests, t)])
+    build = Build(options.folder, mutants, files, tests_of(options))
     if options.survivors:
         chosen = [m for m in chosen if results.get(m.key, ("noticed",))[0] != "noticed" and
                   m.key not in equivalents.reasons]
@@ -483,24 +532,41 @@ def report(chosen, results, equivalents):
             print(f"{verdict} {m.path}:{m.line}: {m.change}   in: {m.code}" + (f"   ({by})" if by else ""))
 
 
+def written_lists():
+    """What RESULTS.md says of the runs, and of survivors by their place."""
+    lines = (HERE / "RESULTS.md").read_text().splitlines()
+    runs = [found[1] for line in lines if (found := re.fullmatch(r"- `mutate\.py (.+)`", line))]
+    places = [line for line in lines if re.match(r"- `[^`]+:\d+`: ", line)]
+    left_out = next((int(line.split()[0]) for line in lines if "do not compile" in line), 0)
+    return runs, places, left_out
+
+
 def write_results(lines, mutants, results, equivalents, build):
     left = [m for m in mutants.all if m.key not in equivalents.reasons and m.key not in build.left_out and
             results.get(m.key, ("noticed",))[0] != "noticed"]
+    runs, places, left_out = written_lists()
+    tried_rooms = {room_of(m.path) for m in mutants.all if m.key in results}
+    places = [p for p in places if room_of(p.split("`")[1].rsplit(":", 1)[0]) not in tried_rooms]
     text = ["# Faults put in, and noticed", "",
             "Written by `tests/mutation/mutate.py --write`; see [README.md](README.md).", "", *lines, "",
-            f"{len(build.left_out)} further mutants do not compile and are not counted.", ""]
+            f"{max(left_out, len(build.left_out))} further mutants do not compile and are not counted.", ""]
     kept = build.folder / "runs.json"
-    if kept.exists():
+    new = json.loads(kept.read_text()) if kept.exists() else []
+    runs = [run for run in runs if run not in new] + new
+    if runs:
         text += ["Tried by (a run may have been ended before it was through):", ""]
-        text += [f"- `mutate.py {run}`" for run in json.loads(kept.read_text())] + [""]
-    if left:
-        text += ["## Not noticed yet", ""] + [f"- `{m.path}:{m.line}`: {m.change}" for m in left] + [""]
+        text += [f"- `mutate.py {run}`" for run in runs] + [""]
+    places += [f"- `{m.path}:{m.line}`: {m.change}" for m in left]
+    if places:
+        text += ["## Not noticed yet", ""] + places + [""]
     (HERE / "RESULTS.md").write_text("\n".join(text))
 
 
 def draw_slice(mutants, results, seed):
     known = {m.key for m in mutants}
     noticed = [key for key in sorted(known) if results.get(key, ("", ""))[1].startswith(f"{SLICE_TEST}: ")]
+    if not noticed:  # another room was tried
+        return
     keys = random.Random(seed).sample(noticed, min(SLICE_SIZE, len(noticed)))
     SLICE.write_text(json.dumps(sorted(keys), indent=1) + "\n")
 

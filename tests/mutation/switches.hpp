@@ -52,7 +52,13 @@ constexpr bool on(int id) noexcept {
 
 template <class T>
 constexpr bool differ(const T& a, const T& b) noexcept {
-  if constexpr (requires { static_cast<bool>(a == b); }) return !static_cast<bool>(a == b);
+  if constexpr (requires {
+                  a.size();
+                  a.rows();
+                })
+    return a.rows() != b.rows() || a.cols() != b.cols() || !(a.array() == b.array()).all();
+  else if constexpr (requires { static_cast<bool>(a == b); })
+    return !static_cast<bool>(a == b);
   return true;
 }
 
@@ -87,23 +93,41 @@ constexpr bool negated(int id, T&& value) {
   return either(id, is, [is] { return !is; });
 }
 
-// The other operation's value, or a default one where there is none between these types. An integer divisor of zero
-// counts as one: a processor's trap would say nothing of a test.
-#define BREAKAWAY_MUTATION_ARITHMETIC(name, op, other)            \
-  template <class A, class B>                                     \
-  constexpr auto name(int id, const A& a, const B& b) {           \
-    auto value = a op b;                                          \
-    using Result = decltype(value);                               \
-    return either(id, value, [&]() -> Result {                    \
-      if constexpr (std::is_integral_v<B>) {                      \
-        const char sign[] = #other;                               \
-        if (sign[0] == '/' && b == B{0}) return Result{};         \
-      }                                                           \
-      if constexpr (requires { static_cast<Result>(a other b); }) \
-        return static_cast<Result>(a other b);                    \
-      else                                                        \
-        return Result{};                                          \
-    });                                                           \
+// Eigen's operators return expressions that refer to their operands: here they are evaluated at once.
+template <class T>
+concept Expression = requires {
+  typename T::PlainObject;
+};
+
+template <class T>
+constexpr auto evaluated(const T& value) {
+  if constexpr (Expression<T>)
+    return typename T::PlainObject{value};
+  else
+    return value;
+}
+
+// The other operation's value, or a default one where there is none between these types: of a vector or a matrix
+// zeros of its size. An integer divisor of zero counts as one: a processor's trap would say nothing of a test.
+#define BREAKAWAY_MUTATION_ARITHMETIC(name, op, other)                                      \
+  template <class A, class B>                                                               \
+  constexpr auto name(int id, const A& a, const B& b) {                                     \
+    auto value = evaluated(a op b);                                                         \
+    using Result = decltype(value);                                                         \
+    return either(id, value, [&]() -> Result {                                              \
+      const char sign[] = #other;                                                           \
+      if constexpr (std::is_integral_v<B>) {                                                \
+        if (sign[0] == '/' && b == B{0}) return Result{};                                   \
+      }                                                                                     \
+      constexpr bool between_vectors = Expression<A> && Expression<B>;                      \
+      constexpr bool product = sizeof(sign) == 2 && (#other[0] == '*' || #other[0] == '/'); \
+      if constexpr (Expression<Result> && (between_vectors ? product : !Expression<A>))     \
+        return Result::Zero(value.rows(), value.cols());                                    \
+      else if constexpr (requires { static_cast<Result>(a other b); })                      \
+        return static_cast<Result>(a other b);                                              \
+      else                                                                                  \
+        return Result{};                                                                    \
+    });                                                                                     \
   }
 BREAKAWAY_MUTATION_ARITHMETIC(add, +, -)
 BREAKAWAY_MUTATION_ARITHMETIC(subtract, -, +)
@@ -117,11 +141,11 @@ BREAKAWAY_MUTATION_ARITHMETIC(shift_left, <<, >>)
 BREAKAWAY_MUTATION_ARITHMETIC(shift_right, >>, <<)
 #undef BREAKAWAY_MUTATION_ARITHMETIC
 
-#define BREAKAWAY_MUTATION_ASSIGNMENT(name, op, other) \
-  template <class A, class B>                          \
-  constexpr A& name(int id, A& a, const B& b) {        \
-    if (on(id)) return a other b;                      \
-    return a op b;                                     \
+#define BREAKAWAY_MUTATION_ASSIGNMENT(name, op, other)       \
+  template <class A, class B>                                \
+  constexpr decltype(auto) name(int id, A&& a, const B& b) { \
+    if (on(id)) return a other b;                            \
+    return a op b;                                           \
   }
 BREAKAWAY_MUTATION_ASSIGNMENT(add_to, +=, -=)
 BREAKAWAY_MUTATION_ASSIGNMENT(subtract_from, -=, +=)
