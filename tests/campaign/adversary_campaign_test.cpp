@@ -72,10 +72,11 @@ class Adversary {
     if (force_N > FaultWorld::max_force_N * (1 + 1e-6)) note("force above the limit");
     const bool named = w_.fault() != AxisFault::none || w_.status().stop_not_obeyed;
     if (force_N > no_force_N && w_.now() - unwished_at_ > told && !named) note("force after a stop");
-    if (ran && !w_.status().running && wished && !withdrawn_ && !named) note("an end without a name");
+    if (ran && !w_.status().running && wished && w_.now() - withdrawn_at_ > 200ms && !named)
+      note("an end without a name");
     if (before != AxisFault::none && w_.fault() == AxisFault::none && force_before_N > no_force_N && !lies_)
       note("a reset under force");
-    withdrawn_ = !wished && w_.now() - unwished_at_ < 200ms;
+    if (!wished) withdrawn_at_ = w_.now();
   }
 
   void act() {
@@ -218,8 +219,8 @@ class Adversary {
 
   FaultWorld w_;
   std::string wrong_, acts_;
-  hal::Time unwished_at_{};
-  bool restarted_ = false, lies_ = false, withdrawn_ = false;
+  hal::Time unwished_at_{}, withdrawn_at_{};
+  bool restarted_ = false, lies_ = false;
 };
 
 TEST(AdversaryCampaign, NeverGetsForceBeyondItsLimitOrAnEndWithoutANameAndTheAxisRecovers) {
