@@ -76,7 +76,9 @@ TEST(SlcanCodec, RefusesWhatIsNoLine) {
 }
 
 TEST(SlcanCodec, IsInStepAgainAfterAnOverlongLine) {
-  const auto messages = decoded(std::string(1000, 't') + "\rt0800\r");
+  std::string text(1000, 't');
+  text += "\rt0800\r";
+  const auto messages = decoded(text);
   ASSERT_EQ(messages.size(), 2U);
   EXPECT_EQ(messages[0].kind, Kind::malformed);
   EXPECT_EQ(messages[1].frame.id, 0x080);

@@ -141,7 +141,7 @@ Identification evaluate(const Record& record, const Margins& margins) {
   found.presliding_N_per_m = presliding_stiffness_N_per_m(record, broken, found.latency);
   std::vector<double> at_rest_N;
   for (const BreakAway& one : broken) at_rest_N.push_back(one.seen.friction_N.most);
-  Friction friction{record, m, 0.005, *std::ranges::min_element(at_rest_N), settling, {}};
+  Friction friction{record, m, 0.005, std::ranges::min(at_rest_N), settling, {}};
   std::size_t next = 0;
   for (const Stretch& stretch : stretches) {
     for (; next < broken.size() && broken[next].at < stretch.first; ++next)

@@ -1,0 +1,1 @@
+// What precompiled headers are compiled for; see CMakeLists.txt.
