@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "breakaway/format/gnuplot.hpp"
-#include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/report/basin_json.hpp"
 #include "breakaway/report/basin_picture.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/sil/certificates.hpp"
@@ -66,12 +66,7 @@ void check(const BasinCommand& options, const study::Shard& shard) {
   }
 }
 
-struct Simulated {
-  std::size_t trajectories = 0;
-  double seconds = 0;
-};
-
-Simulated decide(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
+report::BasinEffort decide(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
   std::optional<study::Journal> journal;
   if (!options.resume.empty()) journal.emplace(options.resume, study::table_label(basin.grid(), s), basin);
   const auto begin = Clock::now();
@@ -96,37 +91,8 @@ void merge(const BasinCommand& options, const scenario::MachineScenario& s, Basi
   }
 }
 
-std::string to_json(const scenario::MachineScenario& s, const Basin& basin, const sil::Certificates& certificates,
-                    const report::Regions& regions, const Simulated& simulated) {
-  format::JsonWriter json;
-  json.object([&] {
-    json.member("title", s.title);
-    json.member("grid", basin.grid().points);
-    json.member("window", basin.grid().half_width);
-    json.array("plane", [&] {
-      for (const int place : basin.grid().plane) json.value(place + 1);
-    });
-    json.member("shard", fmt::format("{}/{}", basin.shard().index, basin.shard().count));
-    json.member("points", basin.size());
-    json.member("attracted", basin.count(Fate::attracted));
-    json.member("lost", basin.count(Fate::lost));
-    json.member("undecided", basin.count(Fate::undecided));
-    json.member("given_up", basin.given_up());
-    json.member("area_true", basin.area(Fate::attracted));
-    json.member("area_certified", stability::area(regions.certified));
-    json.member("area_equilibria", stability::area(regions.equilibria));
-    json.member("rho_star_J", certificates.attractivity.rho_star_J);
-    json.member("certified", certificates.attractivity.certified);
-    json.member("reason", certificates.attractivity.reason);
-    json.member("trajectories", simulated.trajectories);
-    json.member("seconds", simulated.seconds);
-    json.member("trajectories_per_s", static_cast<double>(simulated.trajectories) / simulated.seconds);
-  });
-  return json.text();
-}
-
 void print_summary(const scenario::MachineScenario& s, const Basin& basin, const report::Regions& regions,
-                   const Simulated& simulated) {
+                   const report::BasinEffort& simulated) {
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   fmt::print("  attracted      {} of {} points, area {:.6g}\n", basin.count(Fate::attracted), basin.size(),
              basin.area(Fate::attracted));
@@ -148,11 +114,11 @@ int basin_of(const BasinCommand& options) {
   const sil::Certificates certificates = sil::certify(s);
   const report::Regions regions = report::regions(s.machine, certificates, grid);
   Basin basin{grid, shard};
-  Simulated simulated;
+  report::BasinEffort simulated;
   options.merge.empty() ? static_cast<void>(simulated = decide(options, s, basin)) : merge(options, s, basin);
   const std::string drawn = options.picture.empty() ? "" : report::draw_basin(options.picture, s, basin, regions);
   if (!options.csv.empty()) format::write_output(options.csv, study::table_parts(basin));
-  if (!options.json.empty()) format::write_output(options.json, to_json(s, basin, certificates, regions, simulated));
+  if (!options.json.empty()) format::write_output(options.json, report::to_json(s, basin, certificates, simulated));
   if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-" && options.csv != "-") print_summary(s, basin, regions, simulated);
   return done;

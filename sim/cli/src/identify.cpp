@@ -6,15 +6,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "breakaway/config/axis_design.hpp"
-#include "breakaway/config/axis_parameters.hpp"
-#include "breakaway/config/experiment.hpp"
 #include "breakaway/config/file_contents.hpp"
-#include "breakaway/config/identified.hpp"
 #include "breakaway/config/read_node.hpp"
-#include "breakaway/evaluation/identification.hpp"
 #include "breakaway/evaluation/record_csv.hpp"
 #include "breakaway/evaluation/summary.hpp"
 #include "breakaway/format/output_file.hpp"
@@ -22,7 +17,7 @@
 #include "breakaway/input/shell_word.hpp"
 #include "breakaway/report/identification_report.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
-#include "breakaway/sil/run_experiment.hpp"
+#include "breakaway/study/identification.hpp"
 #include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
@@ -30,7 +25,6 @@
 namespace breakaway::cli {
 namespace {
 
-using evaluation::Identification;
 using scenario::Scenario;
 
 constexpr std::size_t most_of_a_record = std::size_t{1} << 28;  // bytes: an hour at 10 kHz
@@ -44,92 +38,24 @@ struct IdentifyCommand {
 
 Scenario read_identified_axis(const std::string& file, const std::string& name) {
   Scenario s = scenario::read_scenario(file);
-  if (s.machine)
-    throw InputError{config::shown_name(file) +
-                     ": an experiment identifies an axis that moves alone, and this one is part of a [machine]"};
-  if (!name.empty()) s = only_axis(s, name);
-  if (s.axes() > 1)
+  if (!s.machine && !name.empty()) s = only_axis(s, name);
+  if (!s.machine && s.axes() > 1)
     throw InputError{config::shown_name(file) + ": has several axes: say which to identify with --axis NAME"};
   return s;
 }
 
-report::IdentifiedRun experiment(const IdentifyCommand& options, const Scenario& s) {
-  const auto parameters = config::experiment_parameters<double>(s.node, s.node.axes.front(), options.request);
+study::IdentifiedRun run(const IdentifyCommand& options, const Scenario& s) {
+  if (!options.log.empty())
+    return study::recorded_identification(s, config::file_contents(options.log, most_of_a_record),
+                                          config::shown_name(options.log));
   Progress progress{"experiment", options.progress};
-  const auto tell = [&](double share) {
+  return study::run_identification(s, options.request, [&](double share) {
     progress.tell(share);
     return true;
-  };
-  sil::ExperimentRun run = sil::run_experiment(s, parameters, tell);
-  const std::string ending{to_string(run.ending)};
-  if (!run.fault.empty())
-    throw InputError{fmt::format("{}: the experiment was stopped by \"{}\"{}", config::shown_name(options.scenario),
-                                 run.fault, run.ending == identify::Ending::none ? "" : ": " + ending)};
-  if (run.ending == identify::Ending::no_room)
-    throw InputError{fmt::format("{} (it begins at {:g} m, and the travel is from {:g} to {:g} m)", ending,
-                                 s.worlds.front().position_m, parameters.lowest_m, parameters.highest_m)}
-        .in_file(config::shown_name(options.scenario));
-  return {.title = s.node.title,
-          .source = "an experiment on the emulated drive of " + config::shown_name(options.scenario),
-          .ending = ending,
-          .complete = run.ending == identify::Ending::complete,
-          .record = std::move(run.record),
-          .found = {}};
+  });
 }
 
-evaluation::Record read_record(const std::string& file, const evaluation::RecordUnits& units) {
-  const std::string text = config::file_contents(file, most_of_a_record);
-  try {
-    return evaluation::record_of_csv(text, units);
-  } catch (const InputError& error) {
-    throw error.in_file(config::shown_name(file));
-  }
-}
-
-// What was recorded elsewhere, in units of the file's drive.
-report::IdentifiedRun recorded(const IdentifyCommand& options, const Scenario& s) {
-  const config::Axis& axis = s.node.axes.front();
-  if (!s.node.loop || !axis.drive)
-    throw InputError{"[loop] and [drive] are needed, which say what a period and a count are"}.in_file(
-        config::shown_name(options.scenario));
-  const evaluation::RecordUnits units{.period_s = s.node.period_s(),
-                                      .resolution_m = axis.drive->encoder_resolution_m,
-                                      .force_step_N = config::force_step_N(axis),
-                                      .axis = axis.name};
-  return {.title = s.node.title,
-          .source = config::shown_name(options.log),
-          .ending = "a record from elsewhere",
-          .complete = true,
-          .record = read_record(options.log, units),
-          .found = {}};
-}
-
-// An experiment that ended early tells why its record says too little.
-Identification evaluated(const IdentifyCommand& options, const report::IdentifiedRun& run) try {
-  return evaluation::evaluate(run.record);
-} catch (const InputError& error) {
-  const InputError whole = run.complete ? error : InputError{fmt::format("{} ({})", error.what(), run.ending)};
-  throw whole.in_file(config::shown_name(options.log.empty() ? options.scenario : options.log));
-}
-
-std::string identified_file(const IdentifyCommand& options, const config::Axis& axis, const Identification& found) {
-  const evaluation::LatencyEstimate& latency = found.latency;
-  config::IdentifiedAxis entered{.mass_kg = found.mass.mass_kg,
-                                 .mass_uncertainty = found.mass_uncertainty,
-                                 .friction_lower_N = found.bounds_N.least,
-                                 .friction_upper_N = found.bounds_N.most};
-  // The only coast that is told of it.
-  if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake)
-    entered.presliding_stiffness_N_per_m = found.presliding_N_per_m;
-  if (latency.lag_is_seen) {
-    entered.lag_s = latency.lag_s;
-    entered.lag_uncertainty = std::max(0.2, 3 * latency.lag_error_s / latency.lag_s);
-  }
-  return config::with_identified(config::file_contents(options.scenario), config::shown_name(options.scenario),
-                                 axis.name, entered);
-}
-
-void print_identification(const report::IdentifiedRun& run) {
+void print_identification(const study::IdentifiedRun& run) {
   if (!run.title.empty()) fmt::print("{}\n", run.title);
   fmt::print("  experiment     {:.1f} s, {}\n{}", run.found.duration_s, run.ending, evaluation::summary(run.found));
   if (run.found.latency.periods != 1)
@@ -157,11 +83,12 @@ void print_next(const IdentifyCommand& options, const std::string& text, const s
 
 int identify_axis(const IdentifyCommand& options) {
   const Scenario s = read_identified_axis(options.scenario, options.axis);
-  report::IdentifiedRun run = options.log.empty() ? experiment(options, s) : recorded(options, s);
+  study::IdentifiedRun run = cli::run(options, s);
   // A run that ended early is kept for whoever wants to see why it tells nothing.
   if (!options.csv.empty()) format::write_output(options.csv, evaluation::to_csv(run.record));
-  run.found = evaluated(options, run);
-  const std::string file = options.output.empty() ? "" : identified_file(options, s.node.axes.front(), run.found);
+  study::evaluate(run);
+  const std::string file =
+      options.output.empty() ? "" : study::with_found(config::file_contents(options.scenario), s, run.found);
   if (!options.report.empty()) format::write_output(options.report, report::identification_html(run));
   if (!options.json.empty()) format::write_output(options.json, report::identification_json(run));
   if (!file.empty()) format::write_output(options.output, file);

@@ -15,6 +15,7 @@
 #include "breakaway/report/html.hpp"
 #include "breakaway/report/machine_report.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
+#include "breakaway/sil/margins.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "call_files.hpp"
 #include "commands.hpp"
@@ -44,7 +45,7 @@ struct SimulateCommand {
 
 std::string instant(double time_s) { return std::isnan(time_s) ? "never" : fmt::format("{:.7g} s", time_s); }
 
-void print_axis(const AxisResult& axis, double duration_s) {
+void print_axis(const config::Axis& described, const AxisResult& axis, double duration_s) {
   if (axis.settled) {
     fmt::print("  settled        at {:.6g} s\n", axis.settling_time_s);
   } else {
@@ -62,6 +63,10 @@ void print_axis(const AxisResult& axis, double duration_s) {
     if (axis.excursions)
       fmt::print("  past target    {:.3g} m, {:.3g} m by a kick; at most {:.3g} m/s\n", axis.excursions->overshoot_m,
                  axis.excursions->beyond_m, axis.excursions->peak_speed_m_s);
+    if (axis.excursions) {
+      fmt::print("  way            {:.6g} to {:.6g} m\n", axis.excursions->lowest_m, axis.excursions->highest_m);
+      fmt::print("  margins        {}\n", sil::to_text(sil::margins(described, *axis.excursions, axis.max_force_N)));
+    }
   }
   if (axis.load_position_m) fmt::print("  load at        {:.9g} m\n", *axis.load_position_m);
   if (!axis.told.empty()) fmt::print("  told           {}\n", axis.told);
@@ -84,7 +89,7 @@ void print_certificate(const config::Node& node, const config::Axis& axis) {
 void print_figures(const Scenario& s, const Result& r) {
   for (std::size_t i = 0; i < r.axes.size(); ++i) {
     if (s.axes() > 1) fmt::print("  axis {}\n", r.axes[i].name);
-    print_axis(r.axes[i], r.duration_s);
+    print_axis(s.node.axes[i], r.axes[i], r.duration_s);
     print_certificate(s.node, s.node.axes[i]);
   }
   if (r.loop) {

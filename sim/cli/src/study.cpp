@@ -9,11 +9,11 @@
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/file_contents.hpp"
-#include "breakaway/format/json_writer.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/shell_word.hpp"
 #include "breakaway/report/study_html.hpp"
+#include "breakaway/report/study_json.hpp"
 #include "breakaway/report/study_junit.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
@@ -44,32 +44,21 @@ struct Study {
   std::vector<StudyRow> rows;
 };
 
-const char* controller_name(const Scenario& s) { return s.node.axes.front().controller.pid ? "PID" : "impulsive"; }
-
 // Returns the axis of this name, or the only one.
 Scenario read_studied_axis(const std::string& file, const std::string& axis) {
   Scenario s = scenario::read_scenario(file);
-  if (s.machine)
-    throw InputError{config::shown_name(file) +
-                     ": a study varies the friction of an axis, and a [machine] has its own: simulate it"};
-  if (!axis.empty()) s = only_axis(s, axis);
-  if (s.axes() > 1)
+  if (!s.machine && !axis.empty()) s = only_axis(s, axis);
+  if (!s.machine && s.axes() > 1)
     throw InputError{config::shown_name(file) + ": has several axes: say which to study with --axis NAME"};
-  if (s.ideal())
-    throw InputError{config::shown_name(file) +
-                     ": [loop] is missing: a study runs scenarios with a [loop] and a [drive]"};
-  sil::require_complete(s);
-  return s;
+  return studied_axis(std::move(s));
 }
 
-void require_starts_within_limits(const Study& study, const StudyCommand& command) {
-  for (const auto& [position_m, velocity_m_s] : command.starts) {
-    const std::string problem =
-        start_problem(study.scenario.node.axes.front(), study.scenario.worlds.front(), position_m);
-    if (!problem.empty())
-      throw InputError{
-          fmt::format("--start {:g} {:g}: for {} the position {}", position_m, velocity_m_s, study.name, problem)};
-  }
+// The starts that are named are those of the option.
+void require_starts_within_limits(const Study& study, const StudyCommand& command) try {
+  for (const auto& [position_m, velocity_m_s] : command.starts)
+    require_within_limits(study.scenario, {position_m, velocity_m_s});
+} catch (const InputError& error) {
+  throw InputError{fmt::format("--start {}", error.what())};
 }
 
 Study run(const std::string& file, const StudyCommand& command, StudyOptions options) {
@@ -103,7 +92,7 @@ void print_rows(const Study& study) {
   for (const StudyRow& row : study.rows) {
     fmt::print(
         "{:<10} {:>7g} m {:>4g} m/s {:>4}/{:<4} {:>9} {:>9} {:>11} {:>9.2e} m {:>9.2e} m {:>7} {:>7} {:>8.2f} N\n",
-        controller_name(study.scenario), row.start.position_m, row.start.velocity_m_s, settled_runs(row),
+        report::controller_name(study.scenario.node), row.start.position_m, row.start.velocity_m_s, settled_runs(row),
         row.runs.size(), time_text(median_settling_time_s(row)), time_text(worst_settling_time_s(row)),
         worst_time_within(row, 0), worst_error_m(row), worst_excursions(row).beyond_m, limit_cycles(row),
         faulted_runs(row), largest_force_N(row));
@@ -130,6 +119,7 @@ void print_slowest(const Study& study, const StudyOptions& options) {
     const StudyRun& slowest = slowest_run(row);
     fmt::print("worst from {:g} m: {}, {}; again: {}\n", row.start.position_m, slowest.law,
                time_text(slowest.settled ? slowest.settling_time_s : NAN), again(study, row, options));
+    fmt::print("  left of the limits: {}\n", sil::to_text(margins(study.scenario.node, row)));
   }
 }
 
@@ -166,72 +156,10 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
   for (const Study& study : studies) print_slowest(study, options);
 }
 
-void write_run(format::JsonWriter& json, const StudyRun& run) {
-  json.member("law", run.law);
-  json.member("settled", run.settled);
-  json.member("settling_time_s", run.settling_time_s);
-  json.member("final_error_m", run.final_error_m);
-  json.member("overshoot_m", run.excursions.overshoot_m);
-  json.member("beyond_m", run.excursions.beyond_m);
-  json.member("peak_speed_m_s", run.excursions.peak_speed_m_s);
-  json.member("max_force_N", run.max_force_N);
-  json.member("kicks", run.kicks);
-  json.member("limit_cycle", run.limit_cycle);
-  json.array("faults", [&] {
-    for (const sil::FaultRecord& fault : run.faults) json.value(fault.name);
-  });
-}
-
-void write_row(format::JsonWriter& json, const Study& study, const StudyRow& row) {
-  json.member("controller", controller_name(study.scenario));
-  json.member("scenario", study.name);
-  if (const std::string told = config::told_otherwise(study.scenario.node.axes.front()); !told.empty())
-    json.member("told", told);
-  if (study.scenario.node.axes.front().controller.impulsive)
-    json.member("certified", config::why_not_certified(study.scenario.node, study.scenario.node.axes.front()).empty());
-  json.member("position_m", row.start.position_m);
-  json.member("velocity_m_s", row.start.velocity_m_s);
-  json.member("settled", settled_runs(row));
-  json.member("limit_cycles", limit_cycles(row));
-  json.member("faulted", faulted_runs(row));
-  json.member("median_settling_time_s", median_settling_time_s(row));
-  json.member("worst_settling_time_s", worst_settling_time_s(row));
-  json.member("worst_law", slowest_run(row).law);
-  json.member("worst_error_m", worst_error_m(row));
-  json.member("overshoot_m", worst_excursions(row).overshoot_m);
-  json.member("beyond_m", worst_excursions(row).beyond_m);
-  json.member("peak_speed_m_s", worst_excursions(row).peak_speed_m_s);
-  json.member("max_force_N", largest_force_N(row));
-  json.array("runs", [&] {
-    for (const StudyRun& run : row.runs) json.object([&] { write_run(json, run); });
-  });
-}
-
-std::string to_json(const std::vector<Study>& studies, const StudyOptions& options) {
-  format::JsonWriter json;
-  json.object([&] {
-    json.member("random_laws", options.random_laws);
-    json.member("seed", options.seed);
-    json.array("rows", [&] {
-      for (const Study& study : studies) {
-        for (const StudyRow& row : study.rows) json.object([&] { write_row(json, study, row); });
-      }
-    });
-  });
-  return json.text();
-}
-
-// From far, near and very near, as far as the limits of the axis allow.
-std::vector<Start> default_starts(const Scenario& s) {
-  const config::Axis& axis = s.node.axes.front();
-  const double room_m = axis.controller.target_m - axis.limits.position_min_m;
-  const double far_m = std::min(4.0, 0.8 * room_m), speed_m_s = std::min(4.0, 0.5 * axis.limits.speed_m_s);
-  const bool moving = far_m == 4.0 && speed_m_s == 4.0;  // else it might run out of its limits on the way
-  std::vector<Start> starts{{axis.controller.target_m - far_m, moving ? -speed_m_s : 0}};
-  for (const double distance_m : {0.1, 0.01}) {
-    if (distance_m < far_m) starts.push_back({axis.controller.target_m - distance_m, 0});
-  }
-  return starts;
+std::string json(const std::vector<Study>& studies, const StudyOptions& options) {
+  std::vector<report::StudiedAxis> axes;
+  for (const Study& study : studies) axes.push_back({study.name, study.scenario.node, study.rows});
+  return report::to_json(axes, options);
 }
 
 std::string junit(const std::vector<Study>& studies, const std::vector<Requirement>& required) {
@@ -274,7 +202,7 @@ int study(const StudyCommand& options) {
   if (!options.against.empty()) studies.push_back(run(options.against, options, what));
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string page = options.report.empty() ? "" : html(studies, what);
-  if (!options.json.empty()) format::write_output(options.json, to_json(studies, what));
+  if (!options.json.empty()) format::write_output(options.json, json(studies, what));
   if (!page.empty()) format::write_output(options.report, page);
   if (!options.junit.empty()) format::write_output(options.junit, junit(studies, required));
   if (options.json != "-" && options.junit != "-" && options.report != "-") print_table(studies, what);

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "breakaway/format/json_writer.hpp"
-#include "conditions_json.hpp"
+#include "breakaway/report/conditions_json.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -59,7 +59,7 @@ std::string to_json(const Synthesis& s) {
     json.member("global", std::isinf(s.design.attractivity.rho_star_J));
     json.member("reach_m", s.design.reach_m);
     json.member("E_certified", s.design.attractivity.all_of_E);
-    write_conditions(json, s.conditions);
+    report::write_conditions(json, s.conditions);
     json.object("theorem_2", [&] {
       write_matrix(json, "A", s.theorem_2.A);
       write_matrix(json, "Y", s.theorem_2.Y);

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/report/accuracy_json.hpp"
+#include "excursions_json.hpp"
 
 namespace breakaway::report {
 namespace {
@@ -52,18 +54,14 @@ void write_faults(format::JsonWriter& json, const std::vector<sil::FaultRecord>&
   });
 }
 
-void write_excursions(format::JsonWriter& json, const sil::Excursions& e) {
-  json.member("overshoot_m", e.overshoot_m);
-  json.member("beyond_m", e.beyond_m);
-  json.member("peak_speed_m_s", e.peak_speed_m_s);
-}
-
-void write_axis(format::JsonWriter& json, const sil::AxisResult& axis, const std::optional<sil::LoopFigures>& loop) {
+void write_axis(format::JsonWriter& json, const config::Axis& described, const sil::AxisResult& axis,
+                const std::optional<sil::LoopFigures>& loop) {
   json.member("settled", axis.settled);
   json.member("settling_time_s", axis.settling_time_s);
   json.member("final_error_m", axis.final_error_m);
   if (axis.excursions) write_excursions(json, *axis.excursions);
   json.member("max_force_N", axis.max_force_N);
+  if (axis.excursions) write_margins(json, sil::margins(described, *axis.excursions, axis.max_force_N));
   if (axis.load_position_m) json.member("load_position_m", *axis.load_position_m);
   if (!axis.told.empty()) json.member("told", axis.told);
   if (axis.encoder_noise_seed) json.member("encoder_noise_seed", *axis.encoder_noise_seed);
@@ -75,14 +73,14 @@ void write_axis(format::JsonWriter& json, const sil::AxisResult& axis, const std
   write_faults(json, axis.faults);
 }
 
-void write_axes(format::JsonWriter& json, const sil::Result& result) {
+void write_axes(format::JsonWriter& json, const config::Node& node, const sil::Result& result) {
   json.member("settled", result.settled());
   if (result.loop) write_loop(json, *result.loop);
   json.array("axes", [&] {
-    for (const sil::AxisResult& axis : result.axes) {
+    for (std::size_t i = 0; i < result.axes.size(); ++i) {
       json.object([&] {
-        json.member("name", axis.name);
-        write_axis(json, axis, {});
+        json.member("name", result.axes[i].name);
+        write_axis(json, node.axes[i], result.axes[i], {});
       });
     }
   });
@@ -114,9 +112,9 @@ std::string to_json(const scenario::Scenario& scenario, const sil::Result& resul
   json.object([&] {
     json.member("title", scenario.node.title);
     if (result.axes.size() == 1) {
-      write_axis(json, result.axes.front(), result.loop);
+      write_axis(json, scenario.node.axes.front(), result.axes.front(), result.loop);
     } else {
-      write_axes(json, result);
+      write_axes(json, scenario.node, result);
     }
     if (result.machine_end) write_machine(json, *result.machine_end);
     json.member("duration_s", result.duration_s);

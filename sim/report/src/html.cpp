@@ -6,6 +6,7 @@
 
 #include "breakaway/format/html_page.hpp"
 #include "breakaway/format/length_text.hpp"
+#include "breakaway/sil/margins.hpp"
 #include "coupled_pictures.hpp"
 #include "motion_picture.hpp"
 #include "pictures.hpp"
@@ -18,7 +19,7 @@ using scenario::Scenario;
 using sil::AxisResult;
 using sil::Result;
 
-void add_outcome(HtmlTable& table, const AxisResult& r) {
+void add_outcome(HtmlTable& table, const config::Axis& axis, const AxisResult& r) {
   table.quantity("Settling time", r.settling_time_s, "s");
   table.row("Final position error", format::length_text(r.final_error_m));
   if (r.ideal) {
@@ -33,6 +34,8 @@ void add_outcome(HtmlTable& table, const AxisResult& r) {
     table.row("Furthest past the target", format::length_text(r.excursions->overshoot_m));
     table.row("Furthest past it by a kick", format::length_text(r.excursions->beyond_m));
     table.quantity("Largest speed", r.excursions->peak_speed_m_s, "m/s");
+    table.row("Way", fmt::format("{:.6g} to {:.6g} m", r.excursions->lowest_m, r.excursions->highest_m));
+    table.row("Left of the limits", sil::to_text(sil::margins(axis, *r.excursions, r.max_force_N)));
   }
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
   for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));
@@ -130,7 +133,7 @@ std::string pictures(const Scenario& s, const Result& r, std::size_t place, cons
 
 std::string one_axis(const Scenario& s, const Result& r) {
   HtmlTable outcome;
-  add_outcome(outcome, r.axes.front());
+  add_outcome(outcome, s.node.axes.front(), r.axes.front());
   add_run(outcome, r);
   return columns(outcome.text(), inputs(s, 0), "Axis") + pictures(s, r, 0, "");
 }
@@ -152,7 +155,7 @@ std::string several_axes(const Scenario& s, const Result& r) {
   for (std::size_t i = 0; i < r.axes.size(); ++i) {
     const std::string name = "Axis " + r.axes[i].name;
     HtmlTable outcome;
-    add_outcome(outcome, r.axes[i]);
+    add_outcome(outcome, s.node.axes[i], r.axes[i]);
     sections += columns(outcome.text(), inputs(s, i), name) + pictures(s, r, i, "Axis " + r.axes[i].name + ": ");
   }
   return sections;

@@ -107,7 +107,7 @@ Picture experiment_over_time(const evaluation::Record& record) {
           format::draw_svg("experiment", format::width_px, 460, commands)};
 }
 
-std::string results(const IdentifiedRun& run) {
+std::string results(const study::IdentifiedRun& run) {
   const Identification& found = run.found;
   format::HtmlTable table;
   table.row("Evaluated", run.source);
@@ -151,7 +151,7 @@ void write_samples(format::JsonWriter& json, const Identification& found) {
 
 }  // namespace
 
-std::string identification_html(const IdentifiedRun& run) {
+std::string identification_html(const study::IdentifiedRun& run) {
   std::string sections =
       format::html_section("What was found", results(run),
                            "Mass and friction are in units of the force that was commanded: where the drive gives more "
@@ -163,7 +163,7 @@ std::string identification_html(const IdentifiedRun& run) {
   return format::html_page(run.title, run.complete, run.complete ? "identified" : run.ending, sections);
 }
 
-std::string identification_json(const IdentifiedRun& run) {
+std::string identification_json(const study::IdentifiedRun& run) {
   const Identification& found = run.found;
   format::JsonWriter json;
   json.object([&] {

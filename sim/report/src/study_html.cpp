@@ -84,7 +84,7 @@ std::string errors_section(const StudyRow& row, double tolerance_m, const std::s
 
 std::string seconds(double time_s) { return std::isfinite(time_s) ? fmt::format("{:.4g} s", time_s) : "never"; }
 
-std::string summary(const ReportedRow& reported, double tolerance_m) {
+std::string summary(const config::Node& node, const ReportedRow& reported, double tolerance_m) {
   const StudyRow& row = reported.row;
   const StudyRun& slowest = study::slowest_run(row);
   HtmlTable table;
@@ -97,6 +97,7 @@ std::string summary(const ReportedRow& reported, double tolerance_m) {
   table.row("Furthest past it by a kick", format::length_text(study::worst_excursions(row).beyond_m));
   table.quantity("Largest speed", study::worst_excursions(row).peak_speed_m_s, "m/s");
   table.quantity("Largest force", study::largest_force_N(row), "N");
+  table.row("Left of the limits", sil::to_text(study::margins(node, row)));
   if (const std::size_t cycles = study::limit_cycles(row); cycles > 0)
     table.row("Limit cycles", fmt::format("{}", cycles));
   if (const std::size_t faulted = study::faulted_runs(row); faulted > 0)
@@ -134,7 +135,7 @@ std::string study_html(const std::vector<ReportedStudy>& studies) {
       const std::string start =
           fmt::format(", {}from {:g} m{}", studies.size() > 1 ? study.file + " " : "", from.position_m,
                       from.velocity_m_s != 0 ? fmt::format(" at {:g} m/s", from.velocity_m_s) : "");
-      sections += format::html_section("Study" + start, summary(reported, tolerance_m), "") +
+      sections += format::html_section("Study" + start, summary(study.node, reported, tolerance_m), "") +
                   times_section(reported.row, start) + errors_section(reported.row, tolerance_m, start) +
                   worst_sections(study, reported, start);
     }

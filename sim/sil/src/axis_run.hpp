@@ -79,7 +79,7 @@ class AxisRun {
     if (status.running && !status.feedback.fresh) ++periods_without_feedback_;
     note_kick(time_s, status.output.kicked, status.output.mode, static_cast<double>(status.output.force_N));
     note_fault(time_s);
-    watch_.look(position_m() - target_m_, mechanism_.axis->state().velocity_m_s);
+    watch_.look(position_m(), position_m() - target_m_, mechanism_.axis->state().velocity_m_s);
     if (trace) note_sample(time_s, now, bus_load, status.output.mode);
   }
   void judge(double time_s) { judge_.look(time_s, target_m_); }

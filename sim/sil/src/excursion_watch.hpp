@@ -17,7 +17,9 @@ class ExcursionWatch {
   }
   void start_kick(double error_m) { kick_towards_ = direction_to_target(error_m); }
 
-  void look(double error_m, double velocity_m_s) {
+  void look(double position_m, double error_m, double velocity_m_s) {
+    figures_.lowest_m = std::min(figures_.lowest_m, position_m);
+    figures_.highest_m = std::max(figures_.highest_m, position_m);
     figures_.overshoot_m = std::max(figures_.overshoot_m, error_m * towards_);
     figures_.beyond_m = std::max(figures_.beyond_m, error_m * kick_towards_);
     figures_.peak_speed_m_s = std::max(figures_.peak_speed_m_s, std::abs(velocity_m_s));

@@ -8,9 +8,12 @@
 #include <mutex>
 #include <thread>
 
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/model/shapes.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_ideal_scenario.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
+#include "breakaway/sil/run_scenario.hpp"
 #include "parallel.hpp"
 
 namespace breakaway::study {
@@ -83,6 +86,35 @@ std::size_t count(const StudyRow& row, Predicate predicate) {
 
 }  // namespace
 
+scenario::Scenario studied_axis(scenario::Scenario s) {
+  if (s.machine)
+    throw InputError{"a study varies the friction of an axis, and a [machine] has its own: simulate it"}.in_file(
+        s.node.file);
+  if (s.ideal())
+    throw InputError{"[loop] is missing: a study runs scenarios with a [loop] and a [drive]"}.in_file(s.node.file);
+  sil::require_complete(s);
+  return s;
+}
+
+std::vector<Start> default_starts(const scenario::Scenario& s) {
+  const config::Axis& axis = s.node.axes.front();
+  const double room_m = axis.controller.target_m - axis.limits.position_min_m;
+  const double far_m = std::min(4.0, 0.8 * room_m), speed_m_s = std::min(4.0, 0.5 * axis.limits.speed_m_s);
+  const bool moving = far_m == 4.0 && speed_m_s == 4.0;  // else it might run out of its limits on the way
+  std::vector<Start> starts{{axis.controller.target_m - far_m, moving ? -speed_m_s : 0}};
+  for (const double distance_m : {0.1, 0.01}) {
+    if (distance_m < far_m) starts.push_back({axis.controller.target_m - distance_m, 0});
+  }
+  return starts;
+}
+
+void require_within_limits(const scenario::Scenario& s, const Start& start) {
+  const std::string problem = scenario::start_problem(s.node.axes.front(), s.worlds.front(), start.position_m);
+  if (!problem.empty())
+    throw InputError{
+        fmt::format("{:g} {:g}: for {} the position {}", start.position_m, start.velocity_m_s, s.node.file, problem)};
+}
+
 double median_settling_time_s(const StudyRow& row) {
   const auto times = sorted_times(row);
   if (times.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -100,9 +132,18 @@ double worst_error_m(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.final_error_m; });
 }
 sil::Excursions worst_excursions(const StudyRow& row) {
-  return {largest(row, [](const StudyRun& run) { return run.excursions.overshoot_m; }),
-          largest(row, [](const StudyRun& run) { return run.excursions.beyond_m; }),
-          largest(row, [](const StudyRun& run) { return run.excursions.peak_speed_m_s; })};
+  sil::Excursions worst{
+      .overshoot_m = largest(row, [](const StudyRun& run) { return run.excursions.overshoot_m; }),
+      .beyond_m = largest(row, [](const StudyRun& run) { return run.excursions.beyond_m; }),
+      .peak_speed_m_s = largest(row, [](const StudyRun& run) { return run.excursions.peak_speed_m_s; })};
+  for (const StudyRun& run : row.runs) {
+    worst.lowest_m = std::min(worst.lowest_m, run.excursions.lowest_m);
+    worst.highest_m = std::max(worst.highest_m, run.excursions.highest_m);
+  }
+  return worst;
+}
+std::vector<sil::Margin> margins(const config::Node& node, const StudyRow& row) {
+  return sil::margins(node.axes.front(), worst_excursions(row), largest_force_N(row));
 }
 double largest_force_N(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.max_force_N; });

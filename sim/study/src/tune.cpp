@@ -80,6 +80,12 @@ InputError impossible(const TunedAxis& axis, const TuneOptions& options, const I
 
 }  // namespace
 
+Objective objective_of(std::string_view name) {
+  for (const Objective objective : {Objective::time, Objective::accuracy, Objective::gentle})
+    if (to_string(objective) == name) return objective;
+  throw InputError{"objective", fmt::format("\"{}\": give time, accuracy or gentle", name)};
+}
+
 std::string_view to_string(Objective objective) {
   return objective == Objective::time ? "time" : objective == Objective::accuracy ? "accuracy" : "gentle";
 }

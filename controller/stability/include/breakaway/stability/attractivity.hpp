@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,7 @@ struct Attractivity {
 
   // The part of E that is certified to be attractive when all of E is not: E shrunk about 0 by this, 0..1.
   double certified_share_of_E() const;
+  bool global() const { return std::isinf(level_J); }
 };
 
 // Works on the symmetric part of the damping: the skew part, as of gyroscopes, does no work, so (10) does not see it.

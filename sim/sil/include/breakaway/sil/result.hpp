@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +86,8 @@ struct Excursions {
   double overshoot_m = 0;     // the furthest past the target, seen from where the move began
   double beyond_m = 0;        // the furthest past the target that a kick led, seen from where it began
   double peak_speed_m_s = 0;  // the largest |velocity|
+  double lowest_m = std::numeric_limits<double>::infinity();  // the ends of its way
+  double highest_m = -std::numeric_limits<double>::infinity();
 };
 
 struct AxisResult {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "breakaway/scenario/machine_scenario.hpp"
@@ -52,6 +53,10 @@ class Basin {
     fates_[place(column, row)] = fate;
     times_s_[place(column, row)] = time_s;
   }
+
+  // Of all points of the shard, row by row.
+  std::span<const Fate> fates() const { return fates_; }
+  std::span<const double> times_s() const { return times_s_; }
 
   std::size_t count(Fate fate) const;
 

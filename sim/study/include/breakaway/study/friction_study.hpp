@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "breakaway/scenario/scenario.hpp"
+#include "breakaway/sil/margins.hpp"
 #include "breakaway/sil/result.hpp"
 
 namespace breakaway::study {
@@ -48,6 +49,14 @@ struct StudyRow {
   std::vector<StudyRun> runs;
 };
 
+// The scenario, if a study can run it: of an axis that moves alone, with all that a simulation needs. Throws
+// InputError.
+scenario::Scenario studied_axis(scenario::Scenario scenario);
+// From far, near and very near, as far as the limits of the axis allow.
+std::vector<Start> default_starts(const scenario::Scenario& scenario);
+// Throws InputError where the axis cannot begin there.
+void require_within_limits(const scenario::Scenario& scenario, const Start& start);
+
 // Times of runs that never settled count as infinite. Empty rows give NaN.
 double median_settling_time_s(const StudyRow& row);
 double worst_settling_time_s(const StudyRow& row);
@@ -55,6 +64,8 @@ double worst_error_m(const StudyRow& row);
 // The run that settled last or not at all, the first of several. Requires a run.
 const StudyRun& slowest_run(const StudyRow& row);
 sil::Excursions worst_excursions(const StudyRow& row);
+// What the row left of the limits of the node's only axis.
+std::vector<sil::Margin> margins(const config::Node& node, const StudyRow& row);
 double largest_force_N(const StudyRow& row);
 std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);

@@ -31,6 +31,8 @@ enum class Objective : std::uint8_t {
   gentle,    // the least peak force, and at that the least overshoot, in gentle_share of the least time
 };
 std::string_view to_string(Objective objective);
+// Throws InputError for another name than those.
+Objective objective_of(std::string_view name);
 
 inline constexpr double gentle_share = 1.5, overshoot_costs = 1.05;
 

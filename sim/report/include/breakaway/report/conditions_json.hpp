@@ -1,3 +1,4 @@
+// The conditions of a certificate, each with its margin.
 #pragma once
 
 #include <vector>
@@ -5,7 +6,7 @@
 #include "breakaway/format/json_writer.hpp"
 #include "breakaway/stability/attractivity.hpp"
 
-namespace breakaway::cli {
+namespace breakaway::report {
 
 inline void write_conditions(format::JsonWriter& json, const std::vector<stability::Condition>& conditions) {
   json.array("conditions", [&] {
@@ -20,4 +21,4 @@ inline void write_conditions(format::JsonWriter& json, const std::vector<stabili
   });
 }
 
-}  // namespace breakaway::cli
+}  // namespace breakaway::report

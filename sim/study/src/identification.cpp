@@ -1,0 +1,95 @@
+#include "breakaway/study/identification.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/identified.hpp"
+#include "breakaway/evaluation/record_csv.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::study {
+namespace {
+
+using scenario::Scenario;
+
+void require_alone(const Scenario& s) {
+  if (s.machine)
+    throw InputError{"an experiment identifies an axis that moves alone, and this one is part of a [machine]"}.in_file(
+        s.node.file);
+}
+
+}  // namespace
+
+IdentifiedRun run_identification(const Scenario& s, const config::ExperimentRequest& request,
+                                 const sil::ExperimentProgress& progress) {
+  require_alone(s);
+  const auto parameters = config::experiment_parameters<double>(s.node, s.node.axes.front(), request);
+  sil::ExperimentRun run = sil::run_experiment(s, parameters, progress);
+  const std::string ending{to_string(run.ending)};
+  if (!run.fault.empty())
+    throw InputError{fmt::format("the experiment was stopped by \"{}\"{}", run.fault,
+                                 run.ending == identify::Ending::none ? "" : ": " + ending)}
+        .in_file(s.node.file);
+  if (run.ending == identify::Ending::no_room)
+    throw InputError{fmt::format("{} (it begins at {:g} m, and the travel is from {:g} to {:g} m)", ending,
+                                 s.worlds.front().position_m, parameters.lowest_m, parameters.highest_m)}
+        .in_file(s.node.file);
+  return {.title = s.node.title,
+          .file = s.node.file,
+          .source = "an experiment on the emulated drive of " + s.node.file,
+          .ending = ending,
+          .complete = run.ending == identify::Ending::complete,
+          .record = std::move(run.record),
+          .found = {}};
+}
+
+IdentifiedRun recorded_identification(const Scenario& s, std::string_view csv, const std::string& name) {
+  require_alone(s);
+  const config::Axis& axis = s.node.axes.front();
+  if (!s.node.loop || !axis.drive)
+    throw InputError{"[loop] and [drive] are needed, which say what a period and a count are"}.in_file(s.node.file);
+  const evaluation::RecordUnits units{.period_s = s.node.period_s(),
+                                      .resolution_m = axis.drive->encoder_resolution_m,
+                                      .force_step_N = config::force_step_N(axis),
+                                      .axis = axis.name};
+  try {
+    return {.title = s.node.title,
+            .file = name,
+            .source = name,
+            .ending = "a record from elsewhere",
+            .complete = true,
+            .record = evaluation::record_of_csv(csv, units),
+            .found = {}};
+  } catch (const InputError& error) {
+    throw error.in_file(name);
+  }
+}
+
+void evaluate(IdentifiedRun& run) try {
+  run.found = evaluation::evaluate(run.record);
+} catch (const InputError& error) {
+  const InputError whole = run.complete ? error : InputError{fmt::format("{} ({})", error.what(), run.ending)};
+  throw whole.in_file(run.file);
+}
+
+std::string with_found(std::string_view text, const Scenario& s, const evaluation::Identification& found) {
+  const config::Axis& axis = s.node.axes.front();
+  const evaluation::LatencyEstimate& latency = found.latency;
+  config::IdentifiedAxis entered{.mass_kg = found.mass.mass_kg,
+                                 .mass_uncertainty = found.mass_uncertainty,
+                                 .friction_lower_N = found.bounds_N.least,
+                                 .friction_upper_N = found.bounds_N.most};
+  // The only coast that is told of it.
+  if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake)
+    entered.presliding_stiffness_N_per_m = found.presliding_N_per_m;
+  if (latency.lag_is_seen) {
+    entered.lag_s = latency.lag_s;
+    entered.lag_uncertainty = std::max(0.2, 3 * latency.lag_error_s / latency.lag_s);
+  }
+  return config::with_identified(text, s.node.file, axis.name, entered);
+}
+
+}  // namespace breakaway::study
