@@ -183,7 +183,8 @@ class Build:
             subprocess.run(["cmake", "-S", str(self.source), "-B", str(self.build), "-G", "Ninja",
                             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1",
                             "-DCMAKE_CXX_FLAGS=" + " ".join(COMPILE),
-                            "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=4"], check=True,
+                            "-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_UNITY_BUILD_BATCH_SIZE=4",
+                            "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"], check=True,
                            stdout=subprocess.DEVNULL)
         for _ in range(30):
             command = ["cmake", "--build", str(self.build), f"-j{jobs}", "--target", *self.tests, "--", "-k", "0"]
