@@ -59,13 +59,12 @@ option(BREAKAWAY_DEVELOPER_WARNINGS "Compile with the project's warnings as erro
 if(BREAKAWAY_DEVELOPER_WARNINGS)
   target_compile_options(breakaway_developer_warnings INTERFACE
     -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor -Wcast-align
-    -Werror)
+    -Wnull-dereference -Werror)
   # g++ collects its garbage less often: a tenth less of its time for a fifth more of its memory, of which a file takes 1 GB.
   target_compile_options(breakaway_developer_warnings INTERFACE
     $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)
-  # Where one file's names are not another's, and where the optimiser does not lose itself in all of a leaf at once.
-  if(NOT CMAKE_UNITY_BUILD)
-    target_compile_options(breakaway_developer_warnings INTERFACE -Wshadow -Wnull-dereference)
+  if(NOT CMAKE_UNITY_BUILD)  # where one file's names are not another's
+    target_compile_options(breakaway_developer_warnings INTERFACE -Wshadow)
   endif()
 endif()
 
