@@ -93,6 +93,8 @@ check_tidy() {
 }
 
 require_packages run test
+# Where npm comes from elsewhere than Debian, Debian's would not go with it.
+command -v npm >/dev/null || require_packages npm
 $quick || require_packages emulate
 cd -- "$root"
 

@@ -12,6 +12,7 @@
 namespace {
 
 using breakaway::canopen::ObjectAddress;
+using breakaway::canopen::ObjectType;
 using breakaway::canopen::ObjectValue;
 using breakaway::canopen::SdoAbort;
 using breakaway::canopen::SdoServer;
@@ -24,10 +25,10 @@ constexpr std::string_view text = "a text that is longer than one segment, and t
 // The kind of an object is in its index: refused, a number of 1 to 4 bytes, or a text of any length.
 struct Dictionary {
   ObjectValue read(ObjectAddress address) noexcept {
-    if (address.index % 4 == 0) return {.abort = SdoAbort::no_such_object, .size = 0, .number = 0, .text = {}};
-    if (address.index % 4 == 1) return {.abort = SdoAbort::none, .size = 0, .number = 0, .text = text_of(address)};
-    const auto size = static_cast<std::uint8_t>(1 + address.subindex % 4);
-    return {.abort = SdoAbort::none, .size = size, .number = 0xA1B2C3D4U, .text = {}};
+    if (address.index % 4 == 0) return {.abort = SdoAbort::no_such_object};
+    if (address.index % 4 == 1) return {.text = text_of(address)};
+    const auto type = static_cast<ObjectType>(1 + address.subindex % 4);
+    return {.type = type, .number = 0xA1B2C3D4U};
   }
   SdoAbort write(ObjectAddress address, std::span<const std::uint8_t> bytes) noexcept {
     require(bytes.size() <= 4 && address.index % 4 != 0);

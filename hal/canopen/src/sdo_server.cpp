@@ -53,9 +53,10 @@ hal::CanFrame SdoServer::aborted(SdoAbort code) noexcept {
 
 hal::CanFrame SdoServer::upload(const ObjectValue& value) noexcept {
   if (value.abort != SdoAbort::none) return aborted(value.abort);
-  segments_left_ = value.size == 0;
-  if (value.size > 0) {
-    const auto unused = static_cast<unsigned>(bytes_of_number - std::min<std::size_t>(value.size, bytes_of_number));
+  const std::size_t size = size_bytes(value.type);
+  segments_left_ = size == 0;
+  if (size > 0) {
+    const auto unused = static_cast<unsigned>(bytes_of_number - std::min(size, bytes_of_number));
     hal::CanFrame frame = answer(reply::uploaded_expedited | unused << 2U);
     store_little_endian(frame.data, value.number, 4);
     return frame;

@@ -33,6 +33,7 @@ void add_attract(CLI::App& app, int& exit_code);
 void add_basin(CLI::App& app, int& exit_code);
 void add_synthesize(CLI::App& app, int& exit_code);
 void add_tradeoff(CLI::App& app, int& exit_code);
+void add_eds(CLI::App& app, int& exit_code);
 void add_schema(CLI::App& app, int& exit_code);
 void add_drive(CLI::App& app, int& exit_code);  // on Linux
 void add_watch(CLI::App& app, int& exit_code);  // on Linux

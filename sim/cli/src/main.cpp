@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   cli::add_basin(app, exit_code);
   cli::add_synthesize(app, exit_code);
   cli::add_tradeoff(app, exit_code);
+  cli::add_eds(app, exit_code);
   cli::add_schema(app, exit_code);
 #ifdef __linux__
   cli::add_drive(app, exit_code);

@@ -30,8 +30,8 @@ struct Objects {
                                                          "eight by", "fourteen bytes", "more than two segments"};
 
   ObjectValue read(ObjectAddress address) const noexcept {
-    if (address == ObjectAddress{0x2000, 1}) return {.size = 2, .number = number};
-    if (address == ObjectAddress{0x2000, 2}) return {.size = 4, .number = 0xFFFF'FFFE};
+    if (address == ObjectAddress{0x2000, 1}) return {.type = ObjectType::u16, .number = number};
+    if (address == ObjectAddress{0x2000, 2}) return {.type = ObjectType::i32, .number = 0xFFFF'FFFE};
     if (address.index == 0x2001 && address.subindex < texts.size()) return {.text = texts[address.subindex]};
     return {.abort = address.index == 0x2000 ? SdoAbort::no_such_subindex : SdoAbort::no_such_object};
   }

@@ -24,6 +24,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <type_traits>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -38,22 +39,33 @@ namespace breakaway::firmware {
 namespace internal {
 
 constexpr canopen::ObjectValue refused(canopen::SdoAbort abort) noexcept {
-  return {.abort = abort, .size = 0, .number = 0, .text = {}};
+  return {.abort = abort, .type = canopen::ObjectType::text, .number = 0, .text = {}};
 }
 constexpr canopen::ObjectValue shown_text(std::string_view text) noexcept {
-  return {.abort = canopen::SdoAbort::none, .size = 0, .number = 0, .text = text};
+  return {.abort = canopen::SdoAbort::none, .type = canopen::ObjectType::text, .number = 0, .text = text};
+}
+template <class Integer>
+consteval canopen::ObjectType integer_type() noexcept {
+  using enum canopen::ObjectType;
+  static_assert(sizeof(Integer) == 1 || sizeof(Integer) == 2 || sizeof(Integer) == 4);
+  constexpr bool is_signed = std::is_signed_v<Integer>;
+  if (sizeof(Integer) == 1) return is_signed ? i8 : u8;
+  if (sizeof(Integer) == 2) return is_signed ? i16 : u16;
+  return is_signed ? i32 : u32;
 }
 template <class Integer>
 constexpr canopen::ObjectValue shown(Integer value) noexcept {
-  static_assert(sizeof(Integer) <= 4);
   return {.abort = canopen::SdoAbort::none,
-          .size = sizeof(Integer),
+          .type = integer_type<Integer>(),
           .number = static_cast<std::uint32_t>(value),
           .text = {}};
 }
 template <class Scalar>
 constexpr canopen::ObjectValue shown_real(Scalar value) noexcept {
-  return shown(std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+  return {.abort = canopen::SdoAbort::none,
+          .type = canopen::ObjectType::r32,
+          .number = std::bit_cast<std::uint32_t>(static_cast<float>(value)),
+          .text = {}};
 }
 constexpr canopen::ObjectValue shown_ns(hal::Duration duration) noexcept {
   constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
@@ -103,7 +115,7 @@ class NodeObjects {
     const bool is_target =
         address.index >= first_axis_index && address.subindex == static_cast<std::uint8_t>(AxisEntry::target);
     if (!is_target) return canopen::SdoAbort::read_only;
-    if (bytes.size() != present.size) return canopen::SdoAbort::length_mismatch;
+    if (bytes.size() != canopen::size_bytes(present.type)) return canopen::SdoAbort::length_mismatch;
     return write_target(*loop_->axis(address.index - std::size_t{first_axis_index}),
                         canopen::load_little_endian<std::int32_t>(bytes));
   }

@@ -25,10 +25,23 @@
 
 namespace breakaway::canopen {
 
+// The types that objects have. The low half of the number is the size in bytes, 0 for text.
+enum class ObjectType : std::uint8_t {
+  text = 0x00,
+  u8 = 0x01,
+  u16 = 0x02,
+  u32 = 0x04,
+  i8 = 0x11,
+  i16 = 0x12,
+  i32 = 0x14,
+  r32 = 0x24,
+};
+constexpr std::uint8_t size_bytes(ObjectType type) noexcept { return static_cast<std::uint8_t>(type) & 0x0FU; }
+
 // What an object dictionary answers: a number of 1 to 4 bytes, a text, or why there is neither.
 struct ObjectValue {
   SdoAbort abort = SdoAbort::none;
-  std::uint8_t size = 0;  // bytes of the number; 0: it is a text
+  ObjectType type = ObjectType::text;
   std::uint32_t number = 0;
   std::string_view text{};  // must stay where it is, because it is read in segments
 };
@@ -91,7 +104,7 @@ class SdoServer {
     const ObjectValue present = dictionary.read(object());
     if (present.abort != SdoAbort::none) return present.abort;
     if (!is_expedited()) return SdoAbort::unsupported_access;
-    return dictionary.write(object(), written_bytes(present.size));
+    return dictionary.write(object(), written_bytes(size_bytes(present.type)));
   }
   hal::CanFrame upload(const ObjectValue& value) noexcept;
   hal::CanFrame next_segment() noexcept;

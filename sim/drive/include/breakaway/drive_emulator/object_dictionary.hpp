@@ -61,6 +61,8 @@ class ObjectDictionary {
   std::int64_t get(Address address) const { return existing(address).value; }
   void set(Address address, std::int64_t value) { existing(address).value = value; }
   const Entry* find(Address address) const { return look_up(address); }
+  // All of them, by address.
+  const std::map<Address, Entry>& entries() const { return entries_; }
 
   void restore_power_on_values(std::uint16_t first_index, std::uint16_t last_index);
 
