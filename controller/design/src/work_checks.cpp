@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "breakaway/law/shaped_move.hpp"
 #include "breakaway/law/work_aim.hpp"
 #include "check.hpp"
 
@@ -21,7 +22,9 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
   const SpringLoad& load = *c.spring_load;
   const double ratio = load.load_kg / load.motor_kg, swings = load.resonance_Hz() * c.period_s;
   const auto unsure = [](const Interval& i) { return (i.most - i.least) / (i.most + i.least); };
-  const double motor_N = load.motor_friction.upper_N, load_N = load.load_friction.upper_N;
+  const auto share = [](double motor_N, double load_N) { return std::min(motor_N, load_N) / (motor_N + load_N); };
+  const double least_share = std::min(share(load.motor_friction.lower_N, load.load_friction.lower_N),
+                                      share(load.motor_friction.upper_N, load.load_friction.upper_N));
   const double friction_ratio = std::min(load.motor_friction.lower_N / load.motor_friction.upper_N,
                                          load.load_friction.lower_N / load.load_friction.upper_N);
   return {
@@ -40,9 +43,9 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
             "[uncertainty] of mass and force_gain against a tenth", "know them better", Equality::holds),
       below("friction_is_known", tested_of_work, least_friction_ratio, friction_ratio,
             "0.4 against the least over the greatest friction of either side", "know it better", Equality::holds),
-      below("friction_is_shared", tested_of_work, least_friction_share, std::min(motor_N, load_N) / (motor_N + load_N),
-            "a tenth against the share that the side which rubs less has in the greatest friction of both",
-            "simulate it", Equality::holds),
+      below("friction_is_shared", tested_of_work, least_friction_share, least_share,
+            "a tenth against the share that the side which rubs less has in the friction of both", "simulate it",
+            Equality::holds),
       below("work_loop_is_fast", tested_of_work, c.lag_s.most, most_lag * c.period_s,
             "the time constant of the current loop against a fifth of period_s", "take a longer period_s",
             Equality::holds),
@@ -51,6 +54,13 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
       below("work_stands_alone", tested_of_work, (c.presliding_stiffness_N_per_m > 0) + c.move.has_value(), 0,
             "friction that bends and limits of a move against none", "leave them out, or simulate it",
             Equality::holds)};
+}
+
+// One approach counts so many periods of its highest speed, of which it plans half at least; and to a hundred
+// thousandth of its way a float holds the plan.
+double farthest_m(const AxisDesign& axis, const WorkDesign<float>& design) {
+  const double counted_s = law::ShapedMove<float>::most_planned_periods * axis.work->period_s;
+  return std::min(axis.max_approach_speed_m_s / 2 * counted_s, 1e5 * static_cast<double>(design.kicks.begin_m()));
 }
 
 }  // namespace
@@ -79,12 +89,19 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
                          static_cast<double>(design.kicks.begin_m()), design.reach_m,
                          "where the approach may end against the reach of a kick",
                          "use a stronger drive, a stiffer joint, or know friction better", Equality::holds));
-  checks.push_back(below("tolerance_above_floor", "nearer than the floor an axis is not kicked",
-                         design.least_tolerance_m, axis.position_tolerance_m,
-                         "the least tolerance against position_tolerance_m",
-                         "take a tolerance of " + brief(design.least_tolerance_m * 1.001) +
-                             ", a stiffer joint, less backlash, or narrower bounds of friction",
-                         Equality::holds));
+  const double count_m = c.encoder_resolution_m;
+  checks.push_back(below("kicks_reach_the_tolerance", "what rests outside its tolerance, kicks must aim at",
+                         axis.position_tolerance_m + count_m, design.reach_m,
+                         "position_tolerance_m and a count against the reach of a kick",
+                         design.reach_m - count_m > design.least_tolerance_m
+                             ? "take a tolerance below " + brief(0.999 * (design.reach_m - count_m))
+                             : std::string{"use a finer encoder, or a stronger drive"}));
+  checks.push_back(
+      below("tolerance_above_floor", "nearer than the floor an axis is not kicked, and the spring may lead it back",
+            design.least_tolerance_m, axis.position_tolerance_m, "the least tolerance against position_tolerance_m",
+            "take a tolerance of " + brief(design.least_tolerance_m * 1.001) +
+                ", a stiffer joint, less backlash, or narrower bounds of friction",
+            Equality::holds));
   return checks;
 }
 
@@ -99,6 +116,7 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
                 .resonance_Hz = design.resonance_Hz,
                 .reach_m = design.reach_m,
                 .hand_over_m = static_cast<double>(design.kicks.begin_m()),
+                .farthest_m = farthest_m(axis, design),
                 .most_kicks = law::WorkAim<float>::most_kicks,
                 .rest_s = design.kicks.still_periods * c.period_s,
                 .peak_speed_m_s = design.peak_speed_m_s,
@@ -108,7 +126,8 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
   const std::string read = on_load ? "load" : "motor", unread = on_load ? "motor" : "load";
   p.promise = "at rest the true error of the " + read + " is at most " + brief(p.error_m) +
               " m, no kick leads it more than " + brief(p.beyond_m) + " m beyond the target, and the " + unread +
-              " may rest " + brief(p.unseen_m) + " m from where the " + read + " says";
+              " may rest " + brief(p.unseen_m) + " m from where the " + read + " says; a target may be set " +
+              brief(p.farthest_m) + " m away";
   return p;
 }
 
@@ -127,19 +146,24 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
   // A load that has not moved pulls by no more than its greatest friction, of which each swing of the motor loses 2 A1.
   const double pull_N = load.load_friction.upper_N - 2 * (load.motor_friction.lower_N - c.load_N);
   const double back_m = std::max(pull_N, 0.0) / load.stiffness_N_per_m + load.gap_m;
-  return {"friction of the motor stays between " + bounds(load.motor_friction) + ", that of the load between " +
-              bounds(load.load_friction) + ", at any position, speed and time, as it likes",
-          "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) + " N/m, or up to " +
-              brief(most_stiffer) + " times as stiff, with damping of at least " + brief(load.damping_Ns_per_m) +
-              " N s/m and a gap of at most " + brief(load.gap_m) + " m, and by nothing that drives them",
-          "motor and load together have a mass of " + range(c.mass_kg, " kg") +
-              ", shared as stated, and the drive gives " + range(c.force_gain, " times the force") +
-              " that is commanded, behind a current loop with a time constant of " + range(c.lag_s, " s"),
-          "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
-          "a reading is off by half a count at most, and no command is lost; a sample that is lost costs a period",
-          "the axis rests when it is enabled, at least " + brief(back_m) +
-              " m inside its position limits: so far the motor may swing back before the load breaks away",
-          tested};
+  return {
+      "friction of the motor stays between " + bounds(load.motor_friction) + ", that of the load between " +
+          bounds(load.load_friction) + ", at any position, speed and time, as it likes",
+      "motor and load are joined by a spring of " + brief(load.stiffness_N_per_m) + " N/m, or up to " +
+          brief(most_stiffer) + " times as stiff, with damping of at least " + brief(load.damping_Ns_per_m) +
+          " N s/m and a gap of at most " + brief(load.gap_m) + " m, and by nothing that drives them",
+      "motor and load together have a mass of " + range(c.mass_kg, " kg") + ", shared as stated, and the drive gives " +
+          range(c.force_gain, " times the force") +
+          " that is commanded, behind a current loop with a time constant of " + range(c.lag_s, " s"),
+      "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
+      "a reading is off by half a count at most, and no command is lost; a sample that is lost costs a period, and of "
+      "a hundred no more than one is",
+      "the axis rests when it is enabled, at least " + brief(back_m) +
+          " m inside its position limits: so far the motor may swing back before the load breaks away",
+      "a target is no further away when it is set than the promise says",
+      "friction that is at its least at rest and rises with speed, or falls again and again while the axis rests, "
+      "may let the bent spring creep: then the run may end by name, as drifting or hunting",
+      tested};
 }
 
 }  // namespace breakaway::design::detail

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 
 #include "breakaway/design/pulse_work.hpp"
 #include "breakaway/law/shaped_move.hpp"
@@ -20,6 +19,8 @@ using std::numbers::pi;
 
 constexpr double sure_share = 1.002;  // by which a pulse exceeds what it has to
 constexpr double more_periods = 8;    // in which a swing may show the same count by chance
+constexpr double counts_to_leave_hold = 1.5;
+constexpr double least_counts = 0.51;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // The class with its worst masses and forces.
@@ -42,6 +43,14 @@ struct Jointed {
   double spring_m() const {
     const double other_N = load.encoder_on_load ? A1 : A2;
     return ((Bs + other_N) * (Bs + other_N) / (2 * K) + other_N * G) / g;
+  }
+
+  // How far the spring may lead the side that is read once that was seen to rest, if friction falls then. No pulse does
+  // any work, so that Theorem E has it within eps; and an axis that reads a count and a half more is kicked again.
+  // Where that side alone holds all that the spring can pull, it stays.
+  double creep_m() const {
+    const double read_N = load.encoder_on_load ? A2 : A1;
+    return Bs > read_N ? std::min(spring_m(), counts_to_leave_hold * unseen_m()) : 0;
   }
 
   double rest_s() const {
@@ -91,8 +100,9 @@ struct Jointed {
     return axes.latency_periods + 1 + 2 * (axes.lag_s.most + axes.jitter_s) / axes.period_s;
   }
 
-  // The least travel of the encoder's side in a kick, of some that follow each other, whichever way the spring is bent
-  // when they start; under friction that is constant and of either side its least, its greatest or between.
+  // The least travel of the encoder's side in a kick, of some, however the spring is bent when they start; under
+  // friction that is constant for each way and of either side its least, its greatest or between. The meter allows for
+  // readings that show a count too little, and these show one too much.
   double least_travel_m(double y_m, double command_N, int periods, double enough_m) const {
     const double gained_m = std::max(axes.force_gain.most * command_N - held_back_N(), 0.0) * axes.period_s *
                             axes.period_s / (lighter * load.motor_kg);
@@ -101,41 +111,46 @@ struct Jointed {
                             .load_kg = heavier * load.load_kg,
                             .stiffness_N_per_m = K,
                             .gap_m = G,
-                            .motor_friction_N = B1,
-                            .load_friction_N = B2,
+                            .motor_friction = {B1, B1},
+                            .load_friction = {B2, B2},
                             .period_s = axes.period_s,
                             .latency_periods = axes.latency_periods,
                             .metered = !load.encoder_on_load,
                             .encoder_on_load = load.encoder_on_load,
                             .most_travel_m = g * (y_m - spring_m()) / (axes.force_gain.most * command_N) -
-                                             unseen_m() * (1 + late) - gained_m * (late + late * late) / 2,
+                                             2 * unseen_m() * (1 + late) - gained_m * (late + late * late) / 2,
                             .late_periods = late,
                             .bent_m = 0};
-    double least_m = infinite;
-    const auto stiffer = load.encoder_on_load ? std::span{stiffer_joints} : std::span{stiffer_joints}.first(1);
-    for (const double times : stiffer) {
+    double least_m = least_of_bends_m(trial, axes.force_gain.least * command_N, periods, enough_m);
+    if (least_m < enough_m) return least_m;
+    if (trial.metered) {
+      if (!(lighter < heavier) && !(axes.force_gain.least < axes.force_gain.most)) return least_m;
+      // The faster a motor is, the sooner the meter ends its pulse.
+      trial.motor_kg = lighter * load.motor_kg;
+      trial.load_kg = lighter * load.load_kg;
+      return std::min(least_m, least_of_bends_m(trial, axes.force_gain.most * command_N, periods, enough_m));
+    }
+    for (const double times : stiffer_joints) {
       trial.stiffness_N_per_m = times * K;
-      least_m = std::min(least_m, least_of_kicks_m(trial, axes.force_gain.least * command_N, periods, enough_m));
+      least_m = std::min(least_m, least_of_bends_m(trial, axes.force_gain.least * command_N, periods, enough_m));
       if (least_m < enough_m) return least_m;
     }
     return least_m;
   }
 
-  // From either way that the spring may be bent.
-  double least_of_kicks_m(detail::WorkTrial trial, double force_N, int periods, double enough_m) const {
+  // A kick that does nothing leaves the spring bent as it was, and so do all that follow it: no bend may let one.
+  double least_of_bends_m(detail::WorkTrial trial, double force_N, int periods, double enough_m) const {
     double least_m = infinite;
-    for (const auto [of_motor, of_load] : shares) {
-      trial.motor_friction_N = A1 + of_motor * (B1 - A1);
-      trial.load_friction_N = A2 + of_load * (B2 - A2);
-      const double held_N = std::min(trial.motor_friction_N, trial.load_friction_N);
-      for (const double bent : {1.0, -1.0}) {
-        trial.bent_m = bent * (held_N / trial.stiffness_N_per_m + G / 2);
-        for (int kick = 0; kick < 2; ++kick) {
-          const auto end = trial.run(force_N, periods);
-          least_m = std::min(least_m, load.encoder_on_load ? end.load_m : end.motor_m);
-          if (least_m < enough_m) return least_m;
-          trial.bent_m = end.bent_m;
-        }
+    for (const auto& [of_motor, of_load] : shares) {
+      trial.motor_friction = {A1 + of_motor.towards_N * (B1 - A1), A1 + of_motor.back_N * (B1 - A1)};
+      trial.load_friction = {A2 + of_load.towards_N * (B2 - A2), A2 + of_load.back_N * (B2 - A2)};
+      const double ahead_N = std::min(trial.motor_friction.back_N, trial.load_friction.towards_N);
+      const double behind_N = std::min(trial.motor_friction.towards_N, trial.load_friction.back_N);
+      for (const double bent : bends) {
+        trial.bent_m = bent * (bent > 0 ? ahead_N : behind_N) / trial.stiffness_N_per_m + std::copysign(G / 2, bent);
+        const auto end = trial.run(force_N, periods);
+        least_m = std::min(least_m, load.encoder_on_load ? end.load_m : end.motor_m);
+        if (least_m < enough_m) return least_m;
       }
     }
     return least_m;
@@ -150,12 +165,16 @@ struct Jointed {
   double K, G, M, heavier, lighter, A1, A2, B1, B2, Bs, g;
 
  private:
+  // Of the way from the least friction to the greatest.
   struct Shares {
-    double of_motor, of_load;
+    detail::WorkTrial::Friction of_motor, of_load;
   };
   // Without a meter a pulse is whole swings of the told stiffness only.
-  static constexpr std::array<double, 3> stiffer_joints{1, 2, 6};
-  static constexpr std::array<Shares, 4> shares{{{1, 1}, {0.5, 0.5}, {0, 1}, {1, 0}}};
+  static constexpr std::array<double, 2> stiffer_joints{2, 6};
+  static constexpr std::array<Shares, 6> shares{
+      {{{1, 1}, {1, 1}}, {{1, 0}, {1, 0}}, {{1, 0}, {1, 1}}, {{0, 0}, {1, 1}}, {{1, 1}, {0, 0}}, {{0, 0}, {0, 0}}}};
+  // Of what both sides hold; which is ahead where the bend is above 0.
+  static constexpr std::array<double, 5> bends{1, -1, 0.6, 0.3, 0};
 
   // Of the force that acts: whose work is at most what friction takes on the way. More than the drive has is not told
   // apart.
@@ -380,6 +399,8 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
   k.slow_lag = static_cast<Real>(axes.lag_s.most > 0 ? std::exp(-axes.period_s / axes.lag_s.most) : 0);
   k.load_N = static_cast<Real>(axes.load_N);
   k.spring_m = static_cast<Real>(d.spring_m);
+  d.creep_m = axis.creep_m();
+  k.creep_m = static_cast<Real>(d.creep_m);
   k.friction_per_gain_N = static_cast<Real>(axis.g / axes.force_gain.most);
   k.speeding_s_per_kg = static_cast<Real>(axes.force_gain.most * axes.period_s / (axis.lighter * axis.load.motor_kg));
   k.held_back_N = static_cast<Real>(axis.held_back_N() / axes.force_gain.most);
@@ -392,7 +413,8 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
   if (k.table.count == 0) return d;
   d.floor_m = static_cast<double>(k.table.least_m());
   d.reach_m = static_cast<double>(k.table.reach_m());
-  d.least_tolerance_m = std::max(d.floor_m + axes.reading_error_m(), 0.51 * axes.encoder_resolution_m);
+  d.least_tolerance_m =
+      std::max(d.floor_m + axes.reading_error_m(), least_counts * axes.encoder_resolution_m) + d.creep_m;
   double most_Ns = 0;
   for (std::size_t i = 0; i < k.table.count; ++i) {
     const auto& e = k.table.entries[i];

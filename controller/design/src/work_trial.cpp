@@ -15,7 +15,8 @@ constexpr int longest_swings = 60;
 
 // The friction of each side is an impulse that at most stops it.
 WorkTrial::End WorkTrial::run(double force_N, int periods) const {
-  const std::array<double, 2> mass_kg{motor_kg, load_kg}, friction_N{motor_friction_N, load_friction_N};
+  const std::array<double, 2> mass_kg{motor_kg, load_kg};
+  const std::array<Friction, 2> friction{motor_friction, load_friction};
   const double swing_s = 2 * std::numbers::pi / std::sqrt(stiffness_N_per_m * (1 / motor_kg + 1 / load_kg));
   const int steps = std::max(4, static_cast<int>(std::ceil(period_s * steps_per_swing / swing_s)));
   const double h = period_s / steps;
@@ -28,7 +29,9 @@ WorkTrial::End WorkTrial::run(double force_N, int periods) const {
                                                                      : 0);
     const std::array<double, 2> on_N{push_N - spring_N, spring_N};
     for (std::size_t side = 0; side < 2; ++side) {
-      const double free_m_s = v[side] + on_N[side] * h / mass_kg[side], most_m_s = friction_N[side] * h / mass_kg[side];
+      const double free_m_s = v[side] + on_N[side] * h / mass_kg[side];
+      const bool towards = v[side] > 0 || (v[side] == 0 && free_m_s > 0);
+      const double most_m_s = (towards ? friction[side].towards_N : friction[side].back_N) * h / mass_kg[side];
       v[side] = free_m_s - std::clamp(free_m_s, -most_m_s, most_m_s);
       x[side] += h * v[side];
     }

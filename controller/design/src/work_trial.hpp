@@ -1,4 +1,5 @@
-// A kick of the coast "work" as the controller gives it, tried on a motor and a load under constant friction.
+// A kick of the coast "work" as the controller gives it, tried on a motor and a load whose friction is constant for
+// each way.
 #pragma once
 
 #include <array>
@@ -10,7 +11,10 @@ namespace breakaway::design::detail {
 // What a trial starts from, and what the meter looks at.
 struct WorkTrial {
   double motor_kg, load_kg, stiffness_N_per_m, gap_m;
-  double motor_friction_N, load_friction_N;
+  struct Friction {
+    double towards_N, back_N;  // against motion towards the target, and against motion away from it
+  };
+  Friction motor_friction, load_friction;
   double period_s;
   int latency_periods;
   bool metered, encoder_on_load;

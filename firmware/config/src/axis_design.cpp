@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/machine_design.hpp"
@@ -64,6 +65,25 @@ void require_room_for_moves(const Node& node, const Axis& axis, const design::De
   for (const TargetChange& change : axis.controller.targets) require(change.position_m);
 }
 
+// Under the coast "work" an approach counts its periods, and a float holds its plan, over so much only.
+void require_reachable_targets(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !report.work) return;
+  const double most_m = report.work->farthest_m, room_m = axis.limits.position_max_m - axis.limits.position_min_m;
+  const auto require = [&](double way_m, std::string_view what) {
+    if (way_m <= most_m) return;
+    throw InputError{place(node, axis) +
+                     fmt::format("{} {:g} m away, and under the coast \"work\" an approach is certified over {:.4g} m "
+                                 "at most; narrow that, or raise max_approach_speed_m_s",
+                                 what, way_m, most_m)};
+  };
+  if (room_m < unlimited) return require(room_m, "[limits] of position let a target be");
+  double from_m = axis.controller.target_m;
+  for (const TargetChange& change : axis.controller.targets) {
+    require(std::abs(change.position_m - from_m), "[controller] has a target that is");
+    from_m = change.position_m;
+  }
+}
+
 }  // namespace
 
 design::AxisDesign axis_design(const Node& node, const Axis& axis) {
@@ -97,6 +117,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
     reports.push_back(design::design_axis(axis_design(node, axis)));
     require_room_for_kicks(node, axis, reports.back());
     require_room_for_moves(node, axis, reports.back());
+    require_reachable_targets(node, axis, reports.back());
   }
   return reports;
 } catch (const InputError& error) {
@@ -108,6 +129,7 @@ std::string why_not_certified(const Node& node, const Axis& axis) try {
   const design::DesignReport report = design::design_axis(axis_design(node, axis));
   require_room_for_kicks(node, axis, report);
   require_room_for_moves(node, axis, report);
+  require_reachable_targets(node, axis, report);
   return report.certified ? std::string{} : report.reasons.front();
 } catch (const InputError& error) {
   return error.what();

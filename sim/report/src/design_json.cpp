@@ -55,6 +55,7 @@ void write_promise(format::JsonWriter& json, const design::WorkPromise& promise)
   json.member("resonance_Hz", promise.resonance_Hz);
   json.member("reach_m", promise.reach_m);
   json.member("hand_over_m", promise.hand_over_m);
+  json.member("farthest_m", promise.farthest_m);
   json.member("most_kicks", promise.most_kicks);
   json.member("rest_s", promise.rest_s);
   json.member("peak_speed_m_s", promise.peak_speed_m_s);

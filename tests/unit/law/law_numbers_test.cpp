@@ -255,7 +255,8 @@ TEST(UsableKicks, OfTheCoastWorkHaveNoNumberAtOrBelowZeroThatMustBeAboveIt) {
       [](K& k) -> double& { return k.approach.acceleration_m_s2; }, [](K& k) -> double& { return k.approach.begin_m; });
   expect(
       may_be_zero, [](K& k) -> double& { return k.slow_lag; }, [](K& k) -> double& { return k.load_N; },
-      [](K& k) -> double& { return k.spring_m; }, [](K& k) -> double& { return k.approach.friction_N; },
+      [](K& k) -> double& { return k.spring_m; }, [](K& k) -> double& { return k.creep_m; },
+      [](K& k) -> double& { return k.approach.friction_N; },
       [](K& k) -> double& { return k.approach.stiffness_N_per_m; },
       [](K& k) -> double& { return k.approach.damping_Ns_per_m; },
       [](K& k) -> double& { return k.approach.short_of_target_m; });

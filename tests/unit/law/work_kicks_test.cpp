@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <numbers>
 #include <vector>
 
@@ -305,6 +307,58 @@ TEST(WorkAim, RefusesAtItsFloorNothingAndWhatTheSpringMayAddAll) {
   EXPECT_EQ(aim.refusal(std::nextafter(design.kicks.table.least_m(), 0.0F)), ControlFault::below_floor);
 }
 
+TEST(WorkAim, KeepsOfTheToleranceWhatTheSpringMayMoveAHeldAxisBy) {
+  const auto design = design::design_work_kicks<float>(belt());
+  ASSERT_GT(design.creep_m, 0);
+  const WorkAim<float> aim{design.kicks, parameters_of<float>(belt(), 2 * design.least_tolerance_m)};
+  EXPECT_EQ(aim.tolerance_m(), static_cast<float>(2 * design.least_tolerance_m) - design.kicks.creep_m);
+}
+
+// How far the spring of an axis that rests moves its motor where that side's friction falls to its least.
+double crept_m(const design::BrakedClass& c, double load_N) {
+  const design::SpringLoad& load = *c.spring_load;
+  const double held_N = std::min(load.motor_friction.upper_N, load.load_friction.upper_N);
+  const double from_m = held_N / load.stiffness_N_per_m + load.gap_m / 2, h = 1e-6;
+  const std::array<double, 2> mass_kg{load.motor_kg, load.load_kg}, friction_N{load.motor_friction.lower_N, load_N};
+  std::array<double, 2> x{from_m, 0}, v{};
+  for (int k = 0; k < 200'000; ++k) {
+    const double apart_m = x[0] - x[1], half_m = load.gap_m / 2;
+    const double pull_N = load.stiffness_N_per_m * (apart_m - std::clamp(apart_m, -half_m, half_m));
+    for (const std::size_t side : {0U, 1U}) {
+      const double free_m_s = v[side] + (side == 0 ? -pull_N : pull_N) * h / mass_kg[side];
+      const double most_m_s = friction_N[side] * h / mass_kg[side];
+      v[side] = free_m_s - std::clamp(free_m_s, -most_m_s, most_m_s);
+      x[side] += v[side] * h;
+    }
+  }
+  return from_m - x[0];
+}
+
+TEST(WorkLawHolds, BackAllThatTheBentSpringMayMoveAnAxisByWhereFrictionFalls) {
+  for (const double gap_m : {0.0, 2e-5, 1e-3})
+    for (const double load_N : {1.25, 1.7, 2.25}) {
+      design::BrakedClass c = belt();
+      c.spring_load->gap_m = gap_m;
+      c.encoder_resolution_m = 2e-3;
+      const double kept_m = design::design_work_kicks<double>(c).creep_m, crept = crept_m(c, load_N);
+      EXPECT_LE(crept, kept_m) << gap_m << ", " << load_N;
+      if (gap_m == 0) {
+        EXPECT_GT(crept, 0.45 * kept_m) << "else too much is kept";
+      }
+    }
+}
+
+TEST(WorkLawHolds, NothingBackWhereTheSideThatIsReadHoldsAllThatTheSpringPulls) {
+  design::BrakedClass c = belt();
+  c.spring_load->load_friction = {0.8, 1.25};
+  EXPECT_EQ(design::design_work_kicks<double>(c).creep_m, 0);
+  c.spring_load->load_friction.upper_N = 1.3;
+  EXPECT_DOUBLE_EQ(design::design_work_kicks<double>(c).creep_m, 1.5 * c.encoder_resolution_m);
+  c.encoder_resolution_m = 1e-3;
+  const auto coarse = design::design_work_kicks<double>(c);
+  EXPECT_DOUBLE_EQ(coarse.creep_m, coarse.spring_m);
+}
+
 TEST(WorkAim, GivesSixtyFourKicksToATarget) {
   const auto design = design::design_work_kicks<float>(belt());
   const auto p = parameters_of<float>(belt(), design.least_tolerance_m);
@@ -362,6 +416,41 @@ TEST(ShapedMove, GoesAsFarAsItPlansAndKeepsItsLimits) {
   }
 }
 
+// As fast as two periods of its acceleration, and as a hundredth of one.
+TEST(ShapedMove, IsNoFasterThanItMayWhereAPeriodOfItsAccelerationAlreadyIs) {
+  auto approach = design::design_work_kicks<float>(belt()).kicks.approach;
+  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = approach.short_of_target_m = 0;
+  for (const float share : {2.0F, 0.01F}) {
+    const float most_m_s = share * approach.acceleration_m_s2 * 1e-3F;
+    ShapedMove<float> move{approach, 1e-3F, most_m_s, 1};
+    const double start_m = -2e5 * static_cast<double>(most_m_s) * 1e-3;
+    double x = start_m, v = 0;
+    while (!move.see(static_cast<float>(x), 0, 0)) {
+      const double a = static_cast<double>(move.force_N() / approach.mass_kg);
+      x += (v + a * 0.5e-3) * 1e-3;
+      v += a * 1e-3;
+      ASSERT_LE(std::abs(v), static_cast<double>(most_m_s) * (1 + 1e-5)) << share;
+    }
+    EXPECT_NEAR(x, 0, 1e-5 * std::abs(start_m)) << "rounding adds up over two hundred thousand periods, " << share;
+  }
+}
+
+TEST(ShapedMove, GoesNoFasterWhereItsTargetIsFurtherThanItCountsPeriods) {
+  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = 0;
+  ShapedMove<double> move{approach, 1e-3, 0.1, 1};
+  double x = -1000, v = 0, most_m_s = 0;
+  while (!move.see(x, 0, 0)) {
+    const double a = move.force_N() / approach.mass_kg;
+    x += (v + a * 0.5e-3) * 1e-3;
+    v += a * 1e-3;
+    most_m_s = std::max(most_m_s, v);
+  }
+  EXPECT_LE(most_m_s, 0.1 * (1 + 1e-9));
+  EXPECT_NEAR(v, 0, 1e-9);
+  EXPECT_GT(x, -1000 + 0.5 * 0.1 * 1e-3 * ShapedMove<double>::most_planned_periods) << "it leads at least as far";
+}
+
 TEST(ShapedMove, SaysWhichWayItGoesAndForHowManyPeriods) {
   const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
   for (const double side : {1.0, -1.0}) {
@@ -417,6 +506,10 @@ TEST(WorkLawEnds, ByNameWhereNoKickWouldBeRight) {
             ControlFault::below_floor);
   EXPECT_EQ(end_of_stuck_axis(design.floor_m * 3, design.least_tolerance_m), ControlFault::jammed);
   EXPECT_EQ(end_of_stuck_axis(design.floor_m * 0.9, design.least_tolerance_m), ControlFault::none);
+  const double asked_m = 4 * design.floor_m;
+  EXPECT_EQ(end_of_stuck_axis(asked_m - 1.01 * design.creep_m, asked_m), ControlFault::none);
+  EXPECT_EQ(end_of_stuck_axis(asked_m - 0.9 * design.creep_m, asked_m), ControlFault::jammed)
+      << "this much the spring might move it out of its tolerance";
 }
 
 }  // namespace

@@ -192,6 +192,7 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("slow_lag", kicks.slow_lag, "");
   visit.value("load_N", kicks.load_N, "N");
   visit.value("spring_m", kicks.spring_m, "m");
+  visit.value("creep_m", kicks.creep_m, "m");
   visit.value("friction_per_gain_N", kicks.friction_per_gain_N, "N");
   visit.value("speeding_s_per_kg", kicks.speeding_s_per_kg, "s/kg");
   visit.value("held_back_N", kicks.held_back_N, "N");

@@ -66,6 +66,7 @@ struct WorkPromise {
   double resonance_Hz;       // at the least stiffness
   double reach_m;            // the distance up to which a kick aims at the target
   double hand_over_m;        // an axis that rests further away is approached, not kicked
+  double farthest_m;         // a target that one approach is certain to lead to
   int most_kicks;            // after which the run ends by name
   double rest_s;             // without a count of motion, that proves rest
   double peak_speed_m_s;     // of the motor, which no kick exceeds

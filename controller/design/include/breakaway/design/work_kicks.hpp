@@ -30,6 +30,7 @@ struct WorkDesign {
   bool swing_is_counted = false;  // a period of the resonance has no more periods than a pulse may have
   double pulse_needed_N = 0;  // the least command that is sure to move the load, in the longest pulse that is counted
   double spring_m = 0;        // eps
+  double creep_m = 0;         // by which the spring may move an axis that is held, before it is kicked again
   double unseen_m = 0;        // that the side without the encoder may rest off where it seems to
   double floor_m = 0;         // nearer than this an axis is not kicked
   double reach_m = 0;

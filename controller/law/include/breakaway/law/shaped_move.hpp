@@ -23,6 +23,8 @@ template <class Scalar>
 class ShapedMove {
  public:
   static constexpr std::size_t most_periods = 63;  // over which readings are compared
+  // Of speeding up and of constant speed together. What is further than they lead takes more than one approach.
+  static constexpr std::int32_t most_planned_periods = 1'000'000;
 
   ShapedMove() noexcept = default;
   ShapedMove(const ShapedApproach<Scalar>& a, Scalar period_s, Scalar max_speed_m_s, std::uint8_t latency) noexcept
@@ -80,7 +82,7 @@ class ShapedMove {
 
  private:
   void set_share(Scalar share) noexcept {
-    most_gain_m_ = a_->acceleration_m_s2 * share * period_s_ * period_s_;
+    most_gain_m_ = std::min(a_->acceleration_m_s2 * share * period_s_, max_speed_m_s_) * period_s_;
     const Scalar most = max_speed_m_s_ / (a_->acceleration_m_s2 * share * period_s_);
     most_rising_ = most < Scalar(30000) ? std::max(static_cast<std::int32_t>(most), std::int32_t{1}) : 30000;
   }
@@ -88,12 +90,13 @@ class ShapedMove {
   void begin(Scalar x) noexcept {
     primed_ = true;
     direction_ = x > 0 ? Scalar{-1} : Scalar{1};
-    const Scalar distance_m = std::max(std::abs(x) - a_->short_of_target_m, Scalar{0});
-    const Scalar ratio = distance_m / most_gain_m_;
+    const Scalar all_m = std::max(std::abs(x) - a_->short_of_target_m, Scalar{0});
+    const Scalar ratio = all_m / most_gain_m_;
     rising_ = std::min(static_cast<std::int32_t>(std::sqrt(std::min(ratio, Scalar(1e9)))) + 1, most_rising_);
     const auto rising = static_cast<Scalar>(rising_);
-    const Scalar both = std::min(ratio / rising, Scalar(1e6));  // N + C
+    const Scalar both = std::min(ratio / rising, static_cast<Scalar>(most_planned_periods));  // N + C
     kept_ = std::max(static_cast<std::int32_t>(both) + 1 - rising_, std::int32_t{0});
+    const Scalar distance_m = std::min(all_m, rising * static_cast<Scalar>(rising_ + kept_) * most_gain_m_);
     // Of the acceleration, in a period: one n-th enters or leaves the mean.
     step_ = direction_ * distance_m /
             (rising * static_cast<Scalar>(rising_ + kept_) * period_s_ * period_s_ *
@@ -102,7 +105,7 @@ class ShapedMove {
     period_ = 0;
     end_ = 2 * rising_ + kept_ + a_->swing_periods;
     place_m_ = x;
-    speed_m_s_ = gain_ = friction_N_ = velocity_m_s_ = 0;
+    rounded_m_ = speed_m_s_ = gain_ = friction_N_ = velocity_m_s_ = 0;
     newest_ = seen_ = 0;
     planning_ = true;
   }
@@ -121,7 +124,9 @@ class ShapedMove {
     gain_ += static_cast<Scalar>(sense(period_) - sense(gone)) * step_;
     friction_N_ += static_cast<Scalar>(moves(period_) - moves(gone)) * friction_step_N_;
     // The reference at the middle of the period that begins.
-    place_m_ += (speed_m_s_ + gain_ * period_s_ / 2) * period_s_;
+    const Scalar step_m = (speed_m_s_ + gain_ * period_s_ / 2) * period_s_ - rounded_m_, before_m = place_m_;
+    place_m_ += step_m;
+    rounded_m_ = (place_m_ - before_m) - step_m;
     speed_m_s_ += gain_ * period_s_;
     ++period_;
   }
@@ -145,6 +150,7 @@ class ShapedMove {
   Scalar direction_ = 1;
   Scalar step_{}, friction_step_N_{};
   Scalar place_m_{}, speed_m_s_{}, gain_{}, friction_N_{};  // of the plan
+  Scalar rounded_m_{};                                      // that the place is too far on, for its last digit
   Scalar newest_m_{}, velocity_m_s_{};
   std::array<Scalar, most_periods + 1> readings_{};
   std::size_t newest_ = 0;

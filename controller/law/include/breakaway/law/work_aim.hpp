@@ -18,7 +18,7 @@ class WorkAim {
 
   constexpr explicit WorkAim(Scalar asked_m) noexcept : tolerance_m_{asked_m} {}
   constexpr WorkAim(const WorkKicks<Scalar>& kicks, const AxisParameters<Scalar>& p) noexcept
-      : kicks_{&kicks}, tolerance_m_{p.position_tolerance_m}, least_m_{kicks.table.least_m()} {}
+      : kicks_{&kicks}, tolerance_m_{p.position_tolerance_m - kicks.creep_m}, least_m_{kicks.table.least_m()} {}
 
   constexpr void restart() noexcept { count_ = 0; }
   constexpr Scalar tolerance_m() const noexcept { return tolerance_m_; }
