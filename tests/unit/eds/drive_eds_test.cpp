@@ -86,7 +86,8 @@ TEST_P(DriveEds, SaysWhatMayBeMapped) {
   WalkedDrive drive{GetParam()};
   for (const Entry& entry : eds_of(GetParam()).entries()) {
     if (entry.is_text()) continue;
-    const auto mapped = static_cast<std::uint32_t>(entry.index << 16U | entry.sub << 8U | 8 * entry.size());
+    const auto mapped = static_cast<std::uint32_t>(entry.index) << 16U | static_cast<std::uint32_t>(entry.sub) << 8U |
+                        static_cast<std::uint32_t>(8 * entry.size());
     const Entry first{0x1603, 1, {{"DataType", "7"}}}, sent{0x1A03, 1, {{"DataType", "7"}}};
     const bool received = drive.write(first, mapped) == SdoAbort::none;
     const bool transmitted = drive.write(sent, mapped) == SdoAbort::none;
