@@ -156,13 +156,13 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
           range(c.force_gain, " times the force") +
           " that is commanded, behind a current loop with a time constant of " + range(c.lag_s, " s"),
       "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
-      "a reading is off by half a count at most, and no command is lost; a sample that is lost costs a period, and of "
-      "a hundred no more than one is",
+      std::string{"a reading is off by half a count at most, and no command is lost; a sample that is lost costs a "} +
+          "period, and of a hundred no more than one is",
       "the axis rests when it is enabled, at least " + brief(back_m) +
           " m inside its position limits: so far the motor may swing back before the load breaks away",
       "a target is no further away when it is set than the promise says",
-      "friction that is at its least at rest and rises with speed, or falls again and again while the axis rests, "
-      "may let the bent spring creep: then the run may end by name, as drifting or hunting",
+      std::string{"friction that is at its least at rest and rises with speed, or falls again and again while the "} +
+          "axis rests, may let the bent spring creep: then the run may end by name, as drifting or hunting",
       tested};
 }
 

@@ -91,7 +91,7 @@ void enter_lag(AxisEdits& edits, const IdentifiedAxis& found) {
 
 std::string with_identified(std::string_view text, const std::string& file, const std::string& axis,
                             const IdentifiedAxis& found) {
-  const std::string edited = with_document(text, file, [&](const toml::table& document) {
+  std::string edited = with_document(text, file, [&](const toml::table& document) {
     const toml::table& tables = axis_in(document, axis, file);
     AxisEdits edits{tables};
     const double mass_kg = with_digits(found.mass_kg, 5);

@@ -188,7 +188,7 @@ Value numbers(std::vector<double>& to, std::string_view unit, Range range) {
           .form = {.type = Form::Type::array, .parts = {{.type = Form::Type::number, .range = range}}}};
 }
 
-Value table(std::function<void(const Section&)> read, std::string name) {
+Value table(std::function<void(const Section&)> read, const std::string& name) {
   return {"a table",
           [read = std::move(read), name](const Entry& entry) {
             if (!entry.node.is_table()) return false;
@@ -198,7 +198,7 @@ Value table(std::function<void(const Section&)> read, std::string name) {
           {.type = Form::Type::table, .table = name}};
 }
 
-Value tables(std::function<void(const Section&)> read_entry, std::string name) {
+Value tables(std::function<void(const Section&)> read_entry, const std::string& name) {
   return {"an array of one or more tables",
           [read_entry = std::move(read_entry), name](const Entry& entry) {
             if (!entry.node.is_array() || !entry.node.as_array()->is_homogeneous(toml::node_type::table)) return false;

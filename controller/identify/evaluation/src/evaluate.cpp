@@ -140,6 +140,7 @@ Identification evaluate(const Record& record, const Margins& margins) {
         "record an experiment"};
   found.presliding_N_per_m = presliding_stiffness_N_per_m(record, broken, found.latency);
   std::vector<double> at_rest_N;
+  at_rest_N.reserve(broken.size());
   for (const BreakAway& one : broken) at_rest_N.push_back(one.seen.friction_N.most);
   Friction friction{record, m, 0.005, std::ranges::min(at_rest_N), settling, {}};
   std::size_t next = 0;

@@ -70,8 +70,8 @@ Value text(std::string& to);
 Value numbers(std::vector<double>& to, std::string_view unit, Range range = {});
 // A table, or an array of tables. `name` is that of the table in KnownTables, for a table that stands in several
 // places.
-Value table(std::function<void(const Section&)> read, std::string name = {});
-Value tables(std::function<void(const Section&)> read_entry, std::string name = {});
+Value table(std::function<void(const Section&)> read, const std::string& name = {});
+Value tables(std::function<void(const Section&)> read_entry, const std::string& name = {});
 
 // The key must hold one of the names of `choices`.
 template <class T>
