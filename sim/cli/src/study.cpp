@@ -158,12 +158,14 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
 
 std::string json(const std::vector<Study>& studies, const StudyOptions& options) {
   std::vector<report::StudiedAxis> axes;
+  axes.reserve(studies.size());
   for (const Study& study : studies) axes.push_back({study.name, study.scenario.node, study.rows});
   return report::to_json(axes, options);
 }
 
 std::string junit(const std::vector<Study>& studies, const std::vector<Requirement>& required) {
   std::vector<report::StudiedFile> files;
+  files.reserve(studies.size());
   for (const Study& study : studies) files.push_back({study.name, study.rows});
   return report::to_junit(files, required);
 }
