@@ -133,6 +133,7 @@ void require_ordered(const Section& section, std::string_view lower, double low,
 ShapePtr read_shape(const Section& section) {
   const Kind* known = nullptr;
   std::vector<std::pair<std::string_view, const Kind*>> names;
+  names.reserve(std::size(kinds));
   for (const Kind& kind : kinds) names.emplace_back(kind.name, &kind);
   section.read_alone(required("kind", choice(known, std::move(names))));
   try {
