@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "breakaway/design/coordinator.hpp"
+#include "breakaway/law/coordinator_parameters.hpp"
 #include "breakaway/law/kick_coordinator.hpp"
 #include "breakaway/stability/machine_certificate.hpp"
 #include "environment.hpp"

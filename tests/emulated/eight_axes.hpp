@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "breakaway/law/coordinator_parameters.hpp"
 #include "breakaway/law/kick_coordinator.hpp"
 #include "replay.hpp"
 

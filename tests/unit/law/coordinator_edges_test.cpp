@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "breakaway/law/coordinated_axis.hpp"
 #include "coordinator_fixture.hpp"
 
 namespace breakaway::law::coordinator_test {
@@ -130,20 +131,7 @@ TEST(CoordinatorEdges, AsManyAxesAsItHasRoomForRunTogether) {
   EXPECT_EQ(p.release_periods, 0);
   EXPECT_EQ(p.most_kicks, 0U);
   p.period_s = 1e-3;
-  for (auto& axis : p.axes)
-    axis = {.position_gain_N_per_m = 400,
-            .velocity_gain_Ns_per_m = 40,
-            .mass_kg = 2,
-            .lower_N = 2.5,
-            .upper_N = 4.5,
-            .sure_N = 4.51,
-            .brake_N = 0.5,
-            .kick_N = 40,
-            .max_force_N = 50,
-            .gate_m = 0.02,
-            .tolerance_m = 1e-5,
-            .resolution_m = 1e-6,
-            .hold_off = {}};
+  for (auto& axis : p.axes) axis = an_axis<32>();
   Wide coordinator{p};
   const auto step = [&](std::size_t axes) {
     for (std::size_t i = 0; i < axes; ++i) coordinator.update(i, {0, 0, true});

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "breakaway/law/coordinator_parameters.hpp"
 #include "breakaway/law/kick_coordinator.hpp"
 
 namespace breakaway::law::coordinator_test {
@@ -13,7 +14,25 @@ using Parameters = CoordinatorParameters<double, 4>;
 using Coordinator = KickCoordinator<double, 4>;
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Two axes of 2 kg with friction 2.5 to 4.5 N; each asks a quarter of its force of the other.
+// 2 kg with friction 2.5 to 4.5 N.
+template <std::size_t Axes>
+CoordinatedAxisParameters<double, Axes> an_axis() {
+  return {.position_gain_N_per_m = 400,
+          .velocity_gain_Ns_per_m = 40,
+          .mass_kg = 2,
+          .lower_N = 2.5,
+          .upper_N = 4.5,
+          .sure_N = 4.51,
+          .brake_N = 0.5,
+          .kick_N = 40,
+          .max_force_N = 50,
+          .gate_m = 0.02,
+          .tolerance_m = 1e-5,
+          .resolution_m = 1e-6,
+          .hold_off = {}};
+}
+
+// Two of these; each asks a quarter of its force of the other.
 inline Parameters two_axes() {
   Parameters p;
   p.period_s = 1e-3;
@@ -22,20 +41,7 @@ inline Parameters two_axes() {
   p.still_periods = 3;
   p.release_periods = 5;
   p.most_kicks = 10;
-  for (std::size_t i = 0; i < 2; ++i)
-    p.axes[i] = {.position_gain_N_per_m = 400,
-                 .velocity_gain_Ns_per_m = 40,
-                 .mass_kg = 2,
-                 .lower_N = 2.5,
-                 .upper_N = 4.5,
-                 .sure_N = 4.51,
-                 .brake_N = 0.5,
-                 .kick_N = 40,
-                 .max_force_N = 50,
-                 .gate_m = 0.02,
-                 .tolerance_m = 1e-5,
-                 .resolution_m = 1e-6,
-                 .hold_off = {}};
+  for (std::size_t i = 0; i < 2; ++i) p.axes[i] = an_axis<4>();
   p.axes[0].hold_off[1] = p.axes[1].hold_off[0] = 0.25;
   return p;
 }

@@ -12,6 +12,7 @@
 
 #include "../../campaign/random_braked_axis.hpp"
 #include "../../recorded_figures.hpp"
+#include "breakaway/law/coordinator_parameters.hpp"
 #include "breakaway/law/kick_coordinator.hpp"
 
 namespace breakaway::law::recorded_machines {

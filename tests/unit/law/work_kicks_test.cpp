@@ -1,50 +1,21 @@
-// The parts of the coast "work": the meter that ends a pulse, the rest that waits for the other mass, the move that
-// leaves nothing swinging, and the names with which a run ends.
+// The coast "work": the meter that ends a pulse, what its kicks aim at and hold back, and the names with which a run
+// ends.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <cstddef>
-#include <numbers>
+#include <cstdint>
 #include <vector>
 
 #include "../../two_mass_axis.hpp"
+#include "belt_fixture.hpp"
 #include "breakaway/design/work_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
 
-namespace breakaway::law {
+namespace breakaway::law::work_test {
 namespace {
-
-// 1 kg, two fifths of it the motor's, 2.5 to 4.5 N, that swings 50 times a second.
-design::BrakedClass belt() {
-  design::BrakedClass c = breakaway::testing::axes_of_the_scenes(0);
-  design::SpringLoad load{.motor_kg = 0.4,
-                          .load_kg = 0.6,
-                          .stiffness_N_per_m = 0.24 * std::pow(2 * std::numbers::pi * 50, 2),
-                          .motor_friction = {1.25, 2.25},
-                          .load_friction = {1.25, 2.25}};
-  c.spring_load = load;
-  return c;
-}
-
-template <class Real>
-AxisParameters<Real> parameters_of(const design::BrakedClass& c, double tolerance_m) {
-  AxisParameters<Real> p;
-  p.mass_kg = 1;
-  p.stiffness_N_per_m = 100;
-  p.approach_damping_Ns_per_m = 15;
-  p.kick_damping_Ns_per_m = 25;
-  p.friction = {static_cast<Real>(c.friction.lower_N), static_cast<Real>(c.friction.upper_N)};
-  p.max_force_N = static_cast<Real>(c.max_force_N);
-  p.max_approach_speed_m_s = 10;
-  p.position_tolerance_m = static_cast<Real>(tolerance_m);
-  p.encoder_resolution_m = static_cast<Real>(c.encoder_resolution_m);
-  p.period_s = static_cast<Real>(c.period_s);
-  p.coast = Coast::work;
-  return p;
-}
 
 template <class Real>
 class WorkLaw : public ::testing::Test {};
@@ -172,133 +143,6 @@ TEST(WorkMeter, LeavesAPulseAloneWhereTheEncoderIsOnTheLoad) {
   EXPECT_EQ(given, 20);
 }
 
-TEST(WorkCycle, TakesAnAxisForRestingOnlyAfterTheOtherMassCanHaveSwungOut) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-  cycle.set_period(1e-3F);
-  cycle.see(0);
-  cycle.release(0);
-  int waited = 0;
-  while (!cycle.at_rest() && waited < 10000) cycle.see(0), ++waited;
-  EXPECT_GE(waited, kicks.still_periods);
-  // A swing of the load of 0.6 kg beside a motor that sticks takes 2 pi sqrt(m2 / K).
-  EXPECT_GE(kicks.still_periods * 1e-3, std::numbers::pi * std::sqrt(0.6 / belt().spring_load->stiffness_N_per_m));
-  cycle.see(1e-6F);
-  EXPECT_FALSE(cycle.at_rest()) << "a count starts the wait anew";
-}
-
-// A motor that is let go half a count from where a load that sticks would have it.
-double swings_within_a_count_s(const design::BrakedClass& c) {
-  const design::SpringLoad& load = *c.spring_load;
-  const double K = design::most_stiffer * load.stiffness_N_per_m, A = load.motor_friction.lower_N, h = 1e-6;
-  double x = c.encoder_resolution_m / 2, v = 0, time_s = 0, last_s = 0;
-  while (time_s - last_s < 0.01) {
-    const double free_m_s = v - K * x * h / load.motor_kg, most_m_s = A * h / load.motor_kg;
-    v = free_m_s - std::clamp(free_m_s, -most_m_s, most_m_s);
-    x += v * h;
-    time_s += h;
-    if (v != 0) last_s = time_s;
-  }
-  return last_s;
-}
-
-TEST(WorkCycle, WaitsForASwingThatTheCountDoesNotShow) {
-  for (const double q : {1e-6, 2e-4, 2e-3, 2e-2}) {
-    design::BrakedClass c = belt();
-    c.encoder_resolution_m = q;
-    EXPECT_GE(design::design_work_kicks<double>(c).rest_s, swings_within_a_count_s(c)) << q;
-  }
-}
-
-TEST(WorkCycle, LosesItsPatienceSoManyPeriodsAfterTheFirstReading) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  for (const float at_m : {0.0F, 0.3F}) {
-    WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-    int readings = 0;
-    for (; !cycle.patient() && readings < 100000; ++readings) cycle.see(at_m);
-    EXPECT_EQ(readings, kicks.patient_periods + 1) << at_m;
-  }
-}
-
-TEST(WorkCycle, TakesReadingsWithinTheNoiseForNoMotion) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  WorkCycle<float> cycle{kicks, 5e-6F, 50, 1};  // a count, and one of noise
-  for (int k = 0; k <= kicks.patient_periods; ++k) cycle.see(k % 2 == 0 ? 0 : 2e-6F);
-  EXPECT_TRUE(cycle.patient());
-  cycle.see(3e-6F);
-  EXPECT_FALSE(cycle.patient());
-}
-
-TEST(WorkCycle, AReadingAtTheEdgeOfTheNoiseIsNoMotion) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  for (const float side : {1.0F, -1.0F}) {
-    WorkCycle<float> cycle{kicks, 0x1p-19F, 50, 1};
-    cycle.see(side * 0x1p-20F);
-    for (int k = 0; k < kicks.patient_periods; ++k) cycle.see(0);
-    EXPECT_TRUE(cycle.patient());
-  }
-}
-
-TEST(WorkCycle, IsOverdueAfterFourTimesWhatItsRestMayTake) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-  for (const bool seen : {false, true}) {
-    cycle = {kicks, 1e-6F, 50, 1};
-    if (seen) cycle.see(0);
-    cycle.release(100);
-    int periods = 0;
-    for (; !cycle.overdue() && periods < 100000; ++periods) EXPECT_EQ(cycle.next_steps(7), 0);
-    EXPECT_EQ(periods, 4 * (100 + kicks.still_periods));
-  }
-  cycle.kick(-1, 1e-3F, {10, 3, 0});
-  EXPECT_NEAR(cycle.pulse_N(), 10, 1e-5);
-}
-
-TEST(WorkCycle, BeginsAnewWhereItIsRestarted) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-  for (int k = 0; k < 5; ++k) cycle.see(0);
-  cycle.release(10);
-  cycle.restart();
-  EXPECT_EQ(cycle.next_steps(7), 7) << "the force comes from elsewhere";
-  int readings = 0;
-  for (; !cycle.patient() && readings < 100000; ++readings) cycle.see(0);
-  EXPECT_EQ(readings, kicks.patient_periods + 1);
-  cycle.release(10);
-  EXPECT_EQ(cycle.next_steps(7), 0);
-  cycle.set_free();
-  EXPECT_EQ(cycle.next_steps(7), 7);
-}
-
-// Eight metres away a float steps by about a count.
-TEST(WorkCycle, TakesTheLastDigitOfANumberForNoMotion) {
-  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  for (const float side : {1.0F, -1.0F}) {
-    WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-    const float at_m = side * 8, next_m = std::nextafter(at_m, side * 9);
-    for (int k = 0; k <= kicks.patient_periods; ++k) cycle.see(k % 2 == 0 ? at_m : next_m);
-    EXPECT_TRUE(cycle.patient());
-    cycle.see(std::nextafter(next_m, side * 9));
-    EXPECT_FALSE(cycle.patient());
-  }
-}
-
-TEST(WorkCycle, GivesOnePeriodAtLeastAndNoMoreForceThanThereIs) {
-  auto kicks = design::design_work_kicks<float>(belt()).kicks;
-  kicks.metered = false;
-  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
-  cycle.set_period(1e-3F);
-  cycle.see(0);
-  cycle.kick(1, 1e-3F, {10, 0, 0});
-  EXPECT_GT(cycle.next_steps(0), 0);
-  EXPECT_EQ(cycle.next_steps(0), 0);
-  cycle.kick(1, 1e-3F, {-10, 3, 0});
-  EXPECT_EQ(cycle.pulse_N(), 0);
-  cycle.limit_force(5);
-  cycle.kick(1, 1e-3F, {10, 3, 0});
-  EXPECT_NEAR(cycle.pulse_N(), 5, 1e-5);
-}
-
 TEST(WorkAim, RefusesAtItsFloorNothingAndWhatTheSpringMayAddAll) {
   const auto design = design::design_work_kicks<float>(belt());
   const WorkAim<float> aim{design.kicks, parameters_of<float>(belt(), design.least_tolerance_m)};
@@ -374,119 +218,6 @@ TEST(WorkAim, GivesSixtyFourKicksToATarget) {
   }
 }
 
-// The force of a plan that nothing feeds back to, at this frequency.
-double swing_left(const ShapedApproach<double>& approach, double start_m, double frequency_Hz) {
-  ShapedMove<double> move{approach, 1e-3, 10, 1};
-  std::complex<double> sum = 0;
-  double all = 0;
-  for (int k = 0; k < 5000 && !move.see(start_m, 0, 0); ++k) {
-    const double force_N = move.force_N();
-    sum += force_N * std::polar(1.0, -2 * std::numbers::pi * frequency_Hz * k * 1e-3);
-    all += std::abs(force_N);
-  }
-  return std::abs(sum) / all;
-}
-
-TEST(ShapedMove, LeavesNothingSwingingAtTheResonance) {
-  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  approach.stiffness_N_per_m = approach.damping_Ns_per_m = 0;
-  for (const double start_m : {-0.1, 0.037, -4e-3}) {
-    EXPECT_LT(swing_left(approach, start_m, 50), 1e-12) << start_m;
-    EXPECT_GT(swing_left(approach, start_m, 3), 1e-3) << start_m;
-  }
-}
-
-TEST(ShapedMove, GoesAsFarAsItPlansAndKeepsItsLimits) {
-  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = 0;
-  for (const double most_m_s : {10.0, 0.3}) {
-    for (const double start_m : {-0.4, 0.1, 0.02}) {
-      ShapedMove<double> move{approach, 1e-3, most_m_s, 1};
-      double x = start_m, v = 0;
-      while (!move.see(x, 0, 0)) {
-        const double a = move.force_N() / approach.mass_kg;
-        EXPECT_LE(std::abs(a), approach.acceleration_m_s2 * (1 + 1e-9));
-        x += (v + a * 0.5e-3) * 1e-3;
-        v += a * 1e-3;
-        EXPECT_LE(std::abs(v), most_m_s * (1 + 1e-9));
-      }
-      EXPECT_NEAR(std::abs(x), approach.short_of_target_m, 1e-12) << start_m;
-      EXPECT_NEAR(v, 0, 1e-12) << start_m;
-    }
-  }
-}
-
-// As fast as two periods of its acceleration, and as a hundredth of one.
-TEST(ShapedMove, IsNoFasterThanItMayWhereAPeriodOfItsAccelerationAlreadyIs) {
-  auto approach = design::design_work_kicks<float>(belt()).kicks.approach;
-  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = approach.short_of_target_m = 0;
-  for (const float share : {2.0F, 0.01F}) {
-    const float most_m_s = share * approach.acceleration_m_s2 * 1e-3F;
-    ShapedMove<float> move{approach, 1e-3F, most_m_s, 1};
-    const double start_m = -2e5 * static_cast<double>(most_m_s) * 1e-3;
-    double x = start_m, v = 0;
-    while (!move.see(static_cast<float>(x), 0, 0)) {
-      const double a = static_cast<double>(move.force_N() / approach.mass_kg);
-      x += (v + a * 0.5e-3) * 1e-3;
-      v += a * 1e-3;
-      ASSERT_LE(std::abs(v), static_cast<double>(most_m_s) * (1 + 1e-5)) << share;
-    }
-    EXPECT_NEAR(x, 0, 1e-5 * std::abs(start_m)) << "rounding adds up over two hundred thousand periods, " << share;
-  }
-}
-
-TEST(ShapedMove, GoesNoFasterWhereItsTargetIsFurtherThanItCountsPeriods) {
-  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = 0;
-  ShapedMove<double> move{approach, 1e-3, 0.1, 1};
-  double x = -1000, v = 0, most_m_s = 0;
-  while (!move.see(x, 0, 0)) {
-    const double a = move.force_N() / approach.mass_kg;
-    x += (v + a * 0.5e-3) * 1e-3;
-    v += a * 1e-3;
-    most_m_s = std::max(most_m_s, v);
-  }
-  EXPECT_LE(most_m_s, 0.1 * (1 + 1e-9));
-  EXPECT_NEAR(v, 0, 1e-9);
-  EXPECT_GT(x, -1000 + 0.5 * 0.1 * 1e-3 * ShapedMove<double>::most_planned_periods) << "it leads at least as far";
-}
-
-TEST(ShapedMove, SaysWhichWayItGoesAndForHowManyPeriods) {
-  const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  for (const double side : {1.0, -1.0}) {
-    ShapedMove<double> move{approach, 1e-3, 10, 1};
-    move.see(-side * 0.1, 0, 0);
-    EXPECT_EQ(move.heading(), side);
-    int periods = 0;
-    for (; !move.see(-side * 0.1, 0, 0); ++periods) static_cast<void>(move.force_N());
-    EXPECT_NEAR(move.braking_periods(), periods, 1);
-  }
-}
-
-// Thirty thousand periods of speeding up are the most that it counts.
-TEST(ShapedMove, CountsThePeriodsOfTheLongestWayAndTheHighestSpeed) {
-  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  approach.short_of_target_m = 0;
-  approach.acceleration_m_s2 = 1;
-  ShapedMove<double> move{approach, 1e-3, 1e9, 1};
-  move.see(-1e-6 * 30000.0 * 40000.0, 0, 0);
-  EXPECT_EQ(move.braking_periods(), 2 * 30000 + (40000 + 1 - 30000) + approach.swing_periods);
-}
-
-TEST(ShapedMove, BeginsAnewFromWhereTheAxisIsWhenItsTargetMoves) {
-  const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
-  ShapedMove<double> move{approach, 1e-3, 10, 1}, begun_there{approach, 1e-3, 10, 1};
-  for (int k = 0; k < 20; ++k) {
-    move.see(-0.1, 0, 0);
-    static_cast<void>(move.force_N());
-  }
-  move.retarget(0.05);
-  for (int k = 0; k < 200; ++k) {
-    EXPECT_EQ(move.see(-0.15, 0, 0), begun_there.see(-0.15, 0, 0)) << k;
-    EXPECT_EQ(move.force_N(), begun_there.force_N()) << k;
-  }
-}
-
 // Where an axis that does not move at all ends.
 ControlFault end_of_stuck_axis(double at_m, double tolerance_m) {
   const auto design = design::design_work_kicks<float>(belt());
@@ -513,4 +244,4 @@ TEST(WorkLawEnds, ByNameWhereNoKickWouldBeRight) {
 }
 
 }  // namespace
-}  // namespace breakaway::law
+}  // namespace breakaway::law::work_test

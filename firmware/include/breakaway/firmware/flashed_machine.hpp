@@ -15,7 +15,7 @@
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/flashed_node.hpp"
-#include "breakaway/law/kick_coordinator.hpp"
+#include "breakaway/law/coordinator_parameters.hpp"
 
 namespace breakaway::firmware {
 

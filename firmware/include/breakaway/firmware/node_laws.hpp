@@ -7,7 +7,7 @@
 #include "breakaway/firmware/flashed_machine.hpp"
 #include "breakaway/firmware/flashed_node.hpp"
 #include "breakaway/law/axis_controller.hpp"
-#include "breakaway/law/kick_coordinator.hpp"
+#include "breakaway/law/coordinated_axis.hpp"
 
 namespace breakaway::firmware {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "breakaway/law/kick_coordinator.hpp"
+#include "breakaway/law/coordinator_parameters.hpp"
 #include "breakaway/stability/machine_certificate.hpp"
 
 namespace breakaway::design {
