@@ -1,0 +1,217 @@
+// The way from an unknown axis to a certified one: new, tune and identify, what a study says and requires, and all that
+// by pipes.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "command.hpp"
+
+namespace breakaway::testing {
+namespace {
+
+constexpr const char* seven_numbers =
+    " --mass 12 --friction-lower 15 --friction-upper 28 --encoder 5e-7 --rate 1000 --force 200 --move 0.4";
+
+TEST_F(Command, WritesAFileFromSevenNumbersThatEveryOtherCommandTakes) {
+  const std::string file = path("new.toml");
+  const Ended made = run("new" + std::string{seven_numbers} + " -o " + file);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.out.find("certified"), std::string::npos) << made.out;
+  EXPECT_EQ(run("design " + file).exit_code, 0);
+  const Ended motion = run("simulate " + file + " --json -");
+  EXPECT_EQ(motion.exit_code, 0) << motion.err;
+  EXPECT_LE(figure(motion.out, "beyond_m"), 2.5e-7);
+  EXPECT_EQ(run("study --laws 2 " + file).exit_code, 0);
+  const std::string kept = content(file);
+  expect_refused("new" + std::string{seven_numbers} + " -o " + file, {"new.toml", "is there already", "--overwrite"});
+  EXPECT_EQ(content(file), kept);
+  EXPECT_EQ(run("new --overwrite" + std::string{seven_numbers} + " -o " + file).exit_code, 0);
+}
+
+TEST_F(Command, TunesAnAxisIntoAFileThatEveryOtherCommandTakes) {
+  const std::string file = path("new.toml"), tuned = path("tuned.toml");
+  ASSERT_EQ(run("new" + std::string{seven_numbers} + " -o " + file).exit_code, 0);
+  const Ended ended = run("tune --laws 2 " + file + " --for time -o " + tuned + " --json " + path("tuned.json") +
+                          " --picture " + path("tuned.svg"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("settling time is limited most by the force"), std::string::npos) << ended.out;
+  EXPECT_NE(content(path("tuned.svg")).find("<svg"), std::string::npos);
+  const std::string json = content(path("tuned.json"));
+  expect_keys(json, {"objective", "distance_m", "least_tolerance_m", "chosen", "numbers", "limits", "tried", "why"});
+  const Ended study = run("study --laws 2 --start -0.4 0 --json - " + tuned);
+  ASSERT_EQ(study.exit_code, 0) << study.err;
+  EXPECT_EQ(figure(study.out, "worst_settling_time_s"), figure(json, "worst_settling_s"));
+  EXPECT_EQ(run("design " + tuned).exit_code, 0);
+  const std::string kept = content(tuned);
+  expect_refused("tune --laws 0 " + file + " -o " + tuned, {"tuned.toml", "is there already", "--overwrite"});
+  expect_refused("tune --laws 0 " + file + " -o - --json -", {"two outputs"});
+  expect_refused("tune --laws 0 " + file + " --picture tuned.pdf", {"tuned.pdf", ".svg"});
+  expect_refused("tune " + file + " --for speed", {"--for", "speed"});
+  expect_refused("tune " + file + " --seed -1", {"--seed: -1 is not a whole number, 0 or above"});
+  expect_refused("tune " + path("none.toml"), {"none.toml"});
+  EXPECT_EQ(content(tuned), kept);
+}
+
+TEST_F(Command, RequiresWhatAScriptAsksOfAStudy) {
+  const std::string study = "study " + scenarios + "braked_axis.toml --laws 0 --start -0.1 0";
+  EXPECT_EQ(run(study + " --require 'worst_settling_s<=0.5' --require 'settled>=4'").exit_code, 0);
+  const Ended slow =
+      run(study + " --require 'worst_settling_s<=0.01' --require 'faulted<=0' --junit " + path("study.xml"));
+  EXPECT_EQ(slow.exit_code, 1);
+  EXPECT_EQ(std::ranges::count(slow.err, '\n'), 1) << slow.err;
+  for (const char* part : {"braked_axis.toml", "worst_settling_s<=0.01", "it is 0.1"})
+    EXPECT_NE(slow.err.find(part), std::string::npos) << part << " in " << slow.err;
+  const std::string junit = content(path("study.xml"));
+  EXPECT_NE(junit.find("tests=\"6\" failures=\"1\""), std::string::npos) << junit;
+  EXPECT_NE(junit.find("worst_settling_s&lt;=0.01"), std::string::npos) << junit;
+  expect_refused(study + " --require 'speed<=1'", {"speed", "worst_settling_s", "overshoot_m"});
+  expect_refused(study + " --require 'worst_settling_s<=fast'", {"fast", "not a finite number"});
+  expect_refused(study + " --require worst_settling_s", {"worst_settling_s<=0.5"});
+  expect_refused(study + " --json - --junit -", {"two outputs"});
+  expect_refused(study + " --start -0.1", {"--start", "POSITION VELOCITY"});
+  EXPECT_EQ(run("study " + scenarios + "braked_axis.toml --laws 0 --start=-0.1,0").exit_code, 0);
+}
+
+TEST_F(Command, NamesTheWorstLawOfAStudyAndTheCommandThatRunsItAgain) {
+  const Ended all = run("study " + scenarios + "can_axis_pid.toml --laws 12 --start -0.01 0");
+  const auto worst = all.out.find("worst from -0.01 m: random, seed 12, "), again = all.out.find("again: breakaway ");
+  ASSERT_NE(worst, std::string::npos) << all.out;
+  ASSERT_NE(again, std::string::npos) << all.out;
+  const std::string command = all.out.substr(again + 17, all.out.find('\n', again) - again - 17);
+  const std::string law = all.out.substr(worst, again - worst);
+  EXPECT_NE(run(command).out.find(law), std::string::npos) << command << law;
+
+  fs::copy(scenarios + "can_axis_pid.toml", path("a b.toml"));
+  const Ended spaced = run("study '" + path("a b.toml") + "' --laws 0 --start -0.01 0");
+  EXPECT_NE(spaced.out.find("again: breakaway study '" + path("a b.toml") + "' --start"), std::string::npos);
+}
+
+TEST_F(Command, AsksForTheNumbersOfANewAxisThatAreNotGiven) {
+  const auto answered = [&](const std::string& answers, const std::string& given) {
+    std::ofstream{path("answers")} << answers;
+    return run("new -o - " + given + " < " + path("answers"));
+  };
+  const Ended given = run("new -o -" + std::string{seven_numbers});
+  const Ended asked = answered("15\nmany\n-28\n28\n 5e-7 \n1000\n200\n0.4\n", "--mass 12");
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_EQ(asked.out, given.out);
+  EXPECT_NE(asked.err.find("many is not a finite number above 0"), std::string::npos) << asked.err;
+  EXPECT_EQ(asked.err.find("Mass"), std::string::npos) << asked.err;
+  const Ended silent = answered("15\n", "--mass 12");
+  EXPECT_EQ(silent.exit_code, 2);
+  EXPECT_NE(silent.err.find("add --friction-upper NUMBER"), std::string::npos) << silent.err;
+  expect_refused("new --mass nan", {"nan", "--mass"});
+}
+
+// Writes to standard output.
+const std::string new_axis = "new" + std::string{seven_numbers} + " -o - ";
+
+TEST_F(Command, ReadsStandardInputWhereAFileIsTaken) {
+  const std::string piped = new_axis + "| '" BREAKAWAY_COMMAND "' ";
+  for (const char* command : {"design - --json - ", "simulate - --json - ", "study - --laws 1 --json - ",
+                              "identify - --json - ", "tune - --laws 0 --json - "}) {
+    const Ended ended = run(piped + command);
+    EXPECT_EQ(ended.exit_code, 0) << command << ended.err;
+    EXPECT_TRUE(ended.out.starts_with("{\n")) << command << ended.out;
+  }
+}
+
+TEST_F(Command, CallsStandardInputByItsName) {
+  const std::string piped = new_axis + "| sed s/^mass_kg/mass/ | '" BREAKAWAY_COMMAND "' ";
+  for (const char* command : {"design -", "simulate -", "study -", "identify -", "tune -"})
+    expect_refused(piped + command, {"breakaway: standard input:", "[plant] mass", "nearest valid key"});
+  expect_refused("identify - --log - < /dev/null", {"-: two inputs would come from there", "--log"});
+}
+
+TEST_F(Command, ReportsAStudyWithTheWorstLawAndTheCommandThatRunsItAgain) {
+  const Ended ended =
+      run("study " + scenarios + "braked_axis.toml --laws 6 --start -0.01 0 --report " + path("study.html"));
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const std::string page = content(path("study.html"));
+  for (const char* part : {"Settling times", "Errors", "Worst law", "Response", "Position error", "<svg"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  const auto at = page.find("breakaway study ");
+  ASSERT_NE(at, std::string::npos);
+  const std::string again = page.substr(at, page.find('<', at) - at);
+  EXPECT_NE(ended.out.find(again), std::string::npos) << again;
+  const auto worst = [](const Ended& e) { return figure(e.out, "worst_settling_time_s"); };
+  const Ended all = run("study " + scenarios + "braked_axis.toml --laws 6 --start -0.01 0 --json -");
+  EXPECT_EQ(worst(run(again.substr(std::string{"breakaway "}.size()) + " --json -")), worst(all)) << again;
+}
+
+TEST_F(Command, IdentifiesAnAxisAndWritesAFileThatDesignTakes) {
+  const std::string range = " --from -4.5 --to -3.5", axis = scenarios + "braked_axis.toml";
+  const std::string outputs =
+      " -o " + path("found.toml") + " --csv " + path("run.csv") + " --json " + path("found.json");
+  const Ended ended = run("identify " + axis + range + outputs);
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("latency        1 period"), std::string::npos) << ended.out;
+  const std::string found = content(path("found.json"));
+  expect_keys(found,
+              {"mass_kg", "mass_uncertainty", "friction_bounds_N", "latency_periods", "chance_outside", "friction"});
+  EXPECT_NEAR(figure(found, "mass_kg"), 1, 0.02);
+  EXPECT_EQ(figure(found, "latency_periods"), 1);
+  EXPECT_NE(run("design " + path("found.toml")).exit_code, 2);
+  EXPECT_NE(content(path("found.toml")).find("# a drum of 20 mm radius"), std::string::npos);
+  const Ended again = run("identify " + axis + " --log " + path("run.csv") + " --json -");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NEAR(figure(again.out, "mass_kg"), figure(found, "mass_kg"), 1e-6);
+}
+
+// From seven numbers and an experiment to an axis at rest, by the commands that the one before names.
+TEST_F(Command, LeadsFromAnExperimentToACertifiedAxis) {
+  const std::string axis = path("the axis.toml"), found = path("found it.toml"), tuned = path("tuned.toml");
+  ASSERT_EQ(run("new" + std::string{seven_numbers} + " -o '" + axis + "'").exit_code, 0);
+  std::string under_pd = content(axis);
+  under_pd.replace(under_pd.find("coast = \"brake\""), 15, "coast = \"pd\"");
+  std::ofstream{path("pd.toml")} << under_pd;
+  for (const std::string& file : {axis, path("pd.toml")}) {
+    const Ended identified = run("identify '" + file + "' --overwrite -o '" + found + "'");
+    ASSERT_EQ(identified.exit_code, 0) << identified.err;
+    EXPECT_EQ(run("design '" + found + "'").exit_code, 1) << "the tolerance is below that of the wider bounds";
+    EXPECT_NE(identified.out.find("certificate    none: tolerance_above_floor"), std::string::npos) << identified.out;
+    const std::string next = "next: breakaway tune '" + found + "' -o '" + path("found it_tuned.toml") + "'";
+    EXPECT_NE(identified.out.find(next), std::string::npos) << identified.out;
+    const Ended tuning = run("tune --laws 0 '" + found + "' --overwrite -o " + tuned);
+    ASSERT_EQ(tuning.exit_code, 0) << tuning.err;
+    EXPECT_EQ(run("design " + tuned).exit_code, 0);
+    EXPECT_EQ(run("simulate " + tuned).exit_code, 0);
+  }
+  const Ended again = run("identify " + tuned + " --overwrite -o " + tuned);
+  EXPECT_NE(again.out.find("next: breakaway "), std::string::npos) << again.out;
+}
+
+TEST_F(Command, LeadsToDesignWhereWhatWasIdentifiedIsCertified) {
+  const std::string found = path("found.toml");
+  const Ended ended = run("identify " + scenarios + "braked_axis.toml --from -4.5 --to -3.5 -o " + found);
+  EXPECT_NE(ended.out.find("next: breakaway design " + found + "\n"), std::string::npos) << ended.out;
+  EXPECT_EQ(run("design " + found).exit_code, 0);
+}
+
+TEST_F(Command, IdentifiesWithinTheTravelThatIsGivenWhereTheFileHasNone) {
+  std::string text = content(scenarios + "braked_axis.toml");
+  const std::string limit = "position_m = 10\n";
+  text.erase(text.rfind(limit), limit.size());
+  const std::string identify = "identify " + scenario(text);
+  expect_refused(identify, {"[limits] position_m", "is missing"});
+  expect_refused(identify + " --from -4.5", {"[limits] position_m", "is missing"});
+  EXPECT_EQ(run(identify + " --from -4.5 --to -3.5").exit_code, 0);
+}
+
+TEST_F(Command, NamesWhatCannotBeIdentified) {
+  expect_refused("identify " + scenarios + "belt_axis.toml", {"belt_axis.toml", "no single mass", "spring"});
+  expect_refused("identify " + scenarios + "two_axes.toml", {"--axis NAME"});
+  expect_refused("identify " + scenarios + "impulsive_example.toml", {"[loop] period_s", "missing"});
+  expect_refused("identify " + scenarios + "braked_axis.toml --from 1 --to 2",
+                 {"outside its travel", "begins at -4 m", "1 to 2 m"});
+  expect_refused("identify " + scenarios + "braked_axis.toml --duration 2", {"out of time", "give it more time"});
+  expect_refused("identify " + scenarios + "braked_axis.toml --duration 0.1", {"--duration 0.1", "2 to 3600 s"});
+  expect_refused("identify " + scenarios + "braked_axis.toml --log " + scenarios + "braked_axis.toml",
+                 {"braked_axis.toml", "no column"});
+  const Ended nowhere = run("identify " + scenarios + "braked_axis.toml --log " + path("none.csv"));
+  EXPECT_EQ(nowhere.err.find("none.csv"), nowhere.err.rfind("none.csv")) << nowhere.err;
+}
+
+}  // namespace
+}  // namespace breakaway::testing
