@@ -14,7 +14,6 @@ namespace {
 // What random axes were drawn from, all of which settled: tests/campaign.
 constexpr double most_ratio = 10, most_unsure = 0.1, most_lag = 0.2, least_friction_ratio = 0.4,
                  least_friction_share = 0.1;
-constexpr int least_swing_periods = 3;
 
 constexpr const char* tested_of_work = "tested, not proved: what sufficed for all of many axes with a load on a spring";
 
@@ -31,7 +30,7 @@ std::vector<Check> checks_of_class(const BrakedClass& c) {
       below("motor_holds_the_load_force", "rest without a force", c.load_N, load.motor_friction.lower_N,
             "the force beside the drive's against the least friction of the motor",
             "feed a known force forward, or narrow its bounds"),
-      below("swing_is_sampled", tested_of_work, swings, 1.0 / least_swing_periods,
+      below("swing_is_sampled", tested_of_work, swings, 1 / least_swing_periods,
             "the swings of the load in a period against a third",
             "shorten period_s, or take coast = \"brake\", which may hold a spring as stiff", Equality::holds),
       below("swing_is_counted", "a pulse lasts whole swings", 1 / swings, longest_pulse_periods,

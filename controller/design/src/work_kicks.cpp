@@ -387,7 +387,7 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
   d.unseen_m = axis.load.unseen_m(axes.load_N) + axis.G / 2;
   d.rest_s = axis.rest_s();
   d.holds = axis.A1 > 0;
-  d.swing_is_counted = swing <= longest_pulse_periods;
+  d.swing_is_counted = d.resonance_Hz * axes.period_s * least_swing_periods <= 1 && swing <= longest_pulse_periods;
   if (!d.holds || !d.swing_is_counted) return d;
   d.spring_m = axis.spring_m();
   d.pulse_needed_N = axis.least_N(swing);

@@ -25,6 +25,10 @@ std::string with_load(const std::string& stiffness_N_per_m, const std::string& f
               text);
 }
 
+std::string by_work(const std::string& text) {
+  return with(with(text, "coast = \"brake\"", "coast = \"work\""), "tolerance_m = 5e-6", "tolerance_m = 2e-3");
+}
+
 TEST(Certificate, TakesALoadInThatResonatesFastEnough) {
   const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
   EXPECT_EQ(why_not(with_load("2e8", friction)), "");
@@ -39,9 +43,6 @@ TEST(Certificate, TakesALoadInThatResonatesFastEnough) {
 
 TEST(Certificate, OfTheCoastWorkTakesALoadAndItsBacklashIn) {
   const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
-  const auto by_work = [](const std::string& text) {
-    return with(with(text, "coast = \"brake\"", "coast = \"work\""), "tolerance_m = 5e-6", "tolerance_m = 2e-3");
-  };
   const std::string belt = by_work(with_load("3.4e4", friction));
   EXPECT_EQ(why_not(belt), "");
   EXPECT_EQ(why_not(more("[plant]", "backlash = { gap_m = 1e-5 }", belt)), "");
@@ -55,6 +56,48 @@ TEST(Certificate, OfTheCoastWorkTakesALoadAndItsBacklashIn) {
   expect_refused(with(belt, "mass = 0.02", "mass = 0.2"), "masses_and_gain_are_known");
   const std::string rigid = with(under_pd(), "coast = \"pd\"", "coast = \"work\"");
   expect_refused(rigid, "[controller] coast = \"work\" is for a load on a spring");
+}
+
+// Motor 1.3 to 2.4 N: the load must have a tenth of what both have at their least, and of what they have at their
+// greatest.
+TEST(Certificate, OfTheCoastWorkAsksBothSidesForTheirShareOfLeastAndOfGreatestFriction) {
+  const auto shared = [](const std::string& bounds_N) { return why_not(by_work(with_load("3.4e4", bounds_N))); };
+  const std::string enough = shared(", friction_lower_N = 0.16, friction_upper_N = 0.29");
+  EXPECT_EQ(enough.find("friction_is_shared"), std::string::npos) << enough;
+  EXPECT_NE(shared(", friction_lower_N = 0.13, friction_upper_N = 0.29").find("friction_is_shared"), std::string::npos);
+  EXPECT_NE(shared(", friction_lower_N = 0.16, friction_upper_N = 0.25").find("friction_is_shared"), std::string::npos);
+}
+
+// What rests outside its tolerance is kicked, and what is further away than a kick reaches is approached again: a
+// tolerance between the two would leave an axis with neither.
+TEST(Certificate, OfTheCoastWorkRefusesAToleranceThatNoKickReaches) {
+  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const double reach_m = examine(parse_node(belt, "axis.toml")).front().work->reach_m, count_m = 1e-6;
+  const auto asked = [&](double tolerance_m) {
+    const std::string roomy = with(belt, "following_error_m = 2", "following_error_m = 100");
+    return why_not(with(roomy, "tolerance_m = 2e-3", joined({"tolerance_m = ", std::to_string(tolerance_m)})));
+  };
+  EXPECT_EQ(asked(0.99 * (reach_m - count_m)), "");
+  EXPECT_NE(asked(1.01 * reach_m).find("kicks_reach_the_tolerance"), std::string::npos) << asked(1.01 * reach_m);
+}
+
+// Its approach counts its periods, and a float holds its plan, over so much only.
+TEST(Certificate, OfTheCoastWorkRefusesTargetsThatAreTooFarAway) {
+  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const double most_m = examine(parse_node(belt, "axis.toml")).front().work->farthest_m;
+  const auto said_of = [](const std::string& text) { return refusal([&] { static_cast<void>(why_not(text)); }); };
+  const auto between_limits = [&](double room_m) {
+    return with(belt, "position_m = 1\n", joined({"position_m = ", std::to_string(room_m / 2), "\n"}));
+  };
+  EXPECT_EQ(why_not(between_limits(0.99 * most_m)), "");
+  EXPECT_NE(said_of(between_limits(1.01 * most_m)).find("[limits] of position let a target be"), std::string::npos);
+  const std::string unlimited = with(belt, "position_m = 1\n", "");
+  const auto unlimited_to = [&](double target_m) {
+    const std::string change = "targets = [ { time_s = 0.5, position_m = " + std::to_string(target_m) + " } ]\n";
+    return with(unlimited, "target_m = 0\n", "target_m = 0\n" + change);
+  };
+  EXPECT_EQ(why_not(unlimited_to(-0.99 * most_m)), "");
+  EXPECT_NE(said_of(unlimited_to(-1.01 * most_m)).find("[controller] has a target that is"), std::string::npos);
 }
 
 // A node is certified, flashed and run from what its own reader says, which no simulation has looked at.
@@ -78,10 +121,8 @@ TEST(ReadNode, TakesALoadToTheLetter) {
 }
 
 TEST(Certificate, OfTheCoastWorkIsWrittenAsItIsFlashed) {
-  const Node node = parse_node(with(with(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"),
-                                         "coast = \"brake\"", "coast = \"work\""),
-                                    "tolerance_m = 5e-6", "tolerance_m = 2e-3"),
-                               "axis.toml");
+  const Node node =
+      parse_node(by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1")), "axis.toml");
   ASSERT_TRUE(is_by_work(node));
   const auto reports = examine(node);
   const WorkNode<float> flashed = certified_by_work(node, reports);

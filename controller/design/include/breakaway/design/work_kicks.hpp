@@ -16,6 +16,8 @@
 
 namespace breakaway::design {
 
+// A swing of the least stiffness lasts at least so many periods: a pulse lasts whole ones, and readings must show them.
+constexpr double least_swing_periods = 3;
 // By which the true joint may be stiffer than is told. Nothing but the approach asks: at a faster swing its feedback
 // acts too late and drives it.
 constexpr double most_stiffer = 2.5;
@@ -27,7 +29,7 @@ struct WorkDesign {
   law::WorkKicks<Real> kicks{};
   bool holds = false;             // the force beside the drive's leaves some of the motor's friction
   bool moves_load = false;        // some pulse within max_force_N is sure to
-  bool swing_is_counted = false;  // a period of the resonance has no more periods than a pulse may have
+  bool swing_is_counted = false;  // a swing of the joint lasts at least 3 periods, and at most as long as a pulse may
   double pulse_needed_N = 0;  // the least command that is sure to move the load, in the longest pulse that is counted
   double spring_m = 0;        // eps
   double creep_m = 0;         // by which the spring may move an axis that is held, before it is kicked again
