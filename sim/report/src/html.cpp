@@ -34,7 +34,8 @@ void add_outcome(HtmlTable& table, const config::Axis& axis, const AxisResult& r
     table.row("Furthest past the target", format::length_text(r.excursions->overshoot_m));
     table.row("Furthest past it by a kick", format::length_text(r.excursions->beyond_m));
     table.quantity("Largest speed", r.excursions->peak_speed_m_s, "m/s");
-    table.row("Way", fmt::format("{:.6g} to {:.6g} m", r.excursions->lowest_m, r.excursions->highest_m));
+    table.row("Way", fmt::format("{} to {}", format::length_text(r.excursions->lowest_m),
+                                 format::length_text(r.excursions->highest_m)));
     table.row("Left of the limits", sil::to_text(sil::margins(axis, *r.excursions, r.max_force_N)));
   }
   table.row("Kicks", fmt::format("{}", r.kicks.size()));

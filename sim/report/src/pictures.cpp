@@ -77,9 +77,9 @@ Picture response(const config::Node& node, const Axis& axis, const AxisResult& r
                          series("velocity", result, &sil::Sample::velocity_m_s) +
                          series("force", result, &sil::Sample::force_N) +
                          fmt::format(
-                             "set multiplot layout {},1 margins 0.1, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
+                             "set multiplot layout {},1 margins 0.12, 0.97, {:.3f}, {:.3f} spacing 0.05\n"
                              "set xrange [0:{}]\nset offsets 0, 0, graph 0.06, graph 0.06\nset key at "
-                             "screen 0.1, screen 1 left top horizontal\n",
+                             "screen 0.12, screen 1 left top horizontal\n",
                              panels, 72.0 / height_px, 1 - 60.0 / height_px, number(result.trace.back().time_s));
   commands += panel(
       result, true, false,
