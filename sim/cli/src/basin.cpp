@@ -22,6 +22,7 @@
 #include "commands.hpp"
 #include "plane_option.hpp"
 #include "progress.hpp"
+#include "shard_option.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -42,14 +43,6 @@ struct BasinCommand {
 };
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-study::Shard read_shard(const std::string& text) {
-  const auto shard = two_integers(text, '/');
-  if (!shard || (*shard)[1] < 1 || (*shard)[0] < 0 || (*shard)[0] > (*shard)[1]) {
-    throw InputError{fmt::format("--shard {}: give i/n with n >= 1 and i from 1 to n; 0 is the same as n", text)};
-  }
-  return {(*shard)[0], (*shard)[1]};
-}
 
 study::Grid read_grid(const BasinCommand& options, int coordinates) {
   return {options.points, options.window, read_plane(options.plane, coordinates)};

@@ -18,9 +18,11 @@
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "breakaway/study/requirement.hpp"
+#include "breakaway/study/study_table.hpp"
 #include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
+#include "shard_option.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -29,8 +31,8 @@ using namespace study;
 using scenario::Scenario;
 
 struct StudyCommand {
-  std::string scenario, against, axis, json, junit, report;
-  std::vector<std::string> required;
+  std::string scenario, against, axis, json, junit, report, csv, shard = "0/1";
+  std::vector<std::string> required, merge;
   std::vector<std::pair<double, double>> starts;
   StudyOptions study;
   bool progress = false;
@@ -61,9 +63,18 @@ void require_starts_within_limits(const Study& study, const StudyCommand& comman
   throw InputError{fmt::format("--start {}", error.what())};
 }
 
+std::string table_label(const StudyCommand& command, const StudyOptions& options) {
+  return study_table_label(config::file_contents(command.scenario), command.axis, options);
+}
+
+// The runs of one file, done here or, if they are to be merged, elsewhere.
 Study run(const std::string& file, const StudyCommand& command, StudyOptions options) {
   Study study{file, config::shown_name(file), command.axis, read_studied_axis(file, command.axis), {}};
   require_starts_within_limits(study, command);
+  if (!command.merge.empty()) {
+    study.rows = merged_study(command.merge, table_label(command, options), options);
+    return study;
+  }
   Progress progress{study.name, command.progress};
   options.progress = [&](int done, int all) { progress.tell(static_cast<double>(done) / all); };
   study.rows = run_study(study.scenario, options);
@@ -99,19 +110,14 @@ void print_rows(const Study& study) {
   }
 }
 
-std::size_t place_of_slowest(const StudyRow& row) {
-  return static_cast<std::size_t>(&slowest_run(row) - row.runs.data());
-}
-
 // The command that runs the worst law again, without the others but the fixed ones.
 std::string again(const Study& study, const StudyRow& row, const StudyOptions& options) {
-  const std::size_t place = place_of_slowest(row);
-  const std::size_t fixed = row.runs.size() - static_cast<std::size_t>(options.random_laws);
-  const bool random = place >= fixed;
+  const std::size_t place = slowest_run(row).place;
+  const bool random = place >= fixed_laws;
   return fmt::format("breakaway study {}{} --start {:g} {:g} --laws {:d} --seed {}", shell_word(study.file),
                      study.axis.empty() ? "" : " --axis " + shell_word(study.axis), row.start.position_m,
                      row.start.velocity_m_s, random,
-                     options.seed + (random ? static_cast<std::uint64_t>(place - fixed) : 0));
+                     options.seed + (random ? static_cast<std::uint64_t>(place - fixed_laws) : 0));
 }
 
 void print_slowest(const Study& study, const StudyOptions& options) {
@@ -145,6 +151,9 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
       "Friction between {:g} N and {:g} N: both bounds, the scenario's law, static/kinetic, {} random laws (seeds from "
       "{})\n",
       config::truth_of(axis).bounds.lower_N, config::truth_of(axis).bounds.upper_N, options.random_laws, options.seed);
+  if (options.shard.count > 1)
+    fmt::print("Of these, part {} of {} only\n", options.shard.index == 0 ? options.shard.count : options.shard.index,
+               options.shard.count);
   print_told(studies);
   for (const Study& study : studies) print_certificate(study);
   fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
@@ -176,7 +185,7 @@ std::string html(const std::vector<Study>& studies, const StudyOptions& options)
     report::ReportedStudy one{study.name, study.scenario.node, {}};
     for (const StudyRow& row : study.rows)
       one.rows.push_back(
-          {row, run_again(study.scenario, options, row.start, place_of_slowest(row)), again(study, row, options)});
+          {row, run_again(study.scenario, options, row.start, slowest_run(row).place), again(study, row, options)});
     reported.push_back(std::move(one));
   }
   return report::study_html(reported);
@@ -194,8 +203,16 @@ bool keeps(const Study& study, const std::vector<Requirement>& required) {
   return all;
 }
 
+void require_one_table(const StudyCommand& options, const Shard& shard) {
+  if (!options.against.empty() && (shard.count > 1 || !options.merge.empty() || !options.csv.empty()))
+    throw InputError{"--against: a table has the runs of one scenario: leave out --shard, --merge and --csv"};
+  if (!options.merge.empty() && shard.count > 1) throw InputError{"--merge joins whole shards: leave out --shard"};
+}
+
 int study(const StudyCommand& options) {
   StudyOptions what = options.study;
+  what.shard = read_shard(options.shard);
+  require_one_table(options, what.shard);
   std::vector<Requirement> required;
   for (const std::string& text : options.required) required.push_back(read_requirement(text));
   for (const auto& [position_m, velocity_m_s] : options.starts) what.starts.push_back({position_m, velocity_m_s});
@@ -204,10 +221,13 @@ int study(const StudyCommand& options) {
   if (!options.against.empty()) studies.push_back(run(options.against, options, what));
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string page = options.report.empty() ? "" : html(studies, what);
+  if (!options.csv.empty())
+    format::write_output(options.csv, study_table_parts(studies.front().rows, table_label(options, what)));
   if (!options.json.empty()) format::write_output(options.json, json(studies, what));
   if (!page.empty()) format::write_output(options.report, page);
   if (!options.junit.empty()) format::write_output(options.junit, junit(studies, required));
-  if (options.json != "-" && options.junit != "-" && options.report != "-") print_table(studies, what);
+  if (options.json != "-" && options.junit != "-" && options.report != "-" && options.csv != "-")
+    print_table(studies, what);
   const bool kept = keeps(studies.front(), required);
   return kept && all_settled(studies.front()) ? done : failed_check;
 }
@@ -223,7 +243,7 @@ void add_study(CLI::App& app, int& exit_code) {
   files.reads("--against", options->against, "Another scenario to run under the same laws, to compare with");
   command->add_option("--axis", options->axis, "The name of the axis to study, where the scenario has several");
   command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
-      ->check(CLI::Range(0, 100000));
+      ->check(CLI::Range(0, 1'000'000));
   command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")->check(whole_number);
   command
       ->add_option(
@@ -239,11 +259,17 @@ void add_study(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   files.writes("--junit", options->junit,
                "Write runs and requirements as JUnit's XML to this file; - is standard output");
+  files.writes("--csv", options->csv, "Write a line a run to this file, for --merge; - is standard output");
+  command->add_option("--shard", options->shard, "Only part i of n of the runs, as i/n, for --merge");
+  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv, of shards")->check(file_name);
   files.writes_page("--report", options->report,
                     "Write a page with histograms and the worst law of each start to this HTML file (needs gnuplot)");
   add_progress(*command, options->progress);
   command->footer(
-      std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"} +
+      std::string{"Example: breakaway study sim/scenarios/can_axis.toml --against sim/scenarios/can_axis_pid.toml\n"
+                  "         breakaway study axis.toml --laws 1000000 --shard 1/64 --csv 1.csv    (and 2/64 to 64/64, "
+                  "elsewhere)\n"
+                  "         breakaway study axis.toml --laws 1000000 --merge *.csv --report study.html\n"} +
       exit_codes);
   files.then([options, &exit_code] { exit_code = study(*options); });
 }

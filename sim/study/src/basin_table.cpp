@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "breakaway/input/input_error.hpp"
+#include "fingerprint.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -66,42 +67,35 @@ std::string take_line(std::string_view line, Basin& basin) {
   return same ? "" : "contradicts what is known of this point; the tables are not of one system";
 }
 
-// FNV-1a.
-void mix(std::uint64_t& hash, double value) {
-  for (int byte = 0; byte < 64; byte += 8) {
-    hash = (hash ^ ((std::bit_cast<std::uint64_t>(value) >> byte) & 0xFF)) * 0x100000001B3;
-  }
-}
-
-void mix(std::uint64_t& hash, const Eigen::MatrixXd& matrix) {
-  mix(hash, static_cast<double>(matrix.rows()));
-  for (const double entry : matrix.reshaped()) mix(hash, entry);
+void mix(Fingerprint& print, const Eigen::MatrixXd& matrix) {
+  print.mix(static_cast<double>(matrix.rows()));
+  for (const double entry : matrix.reshaped()) print.mix(entry);
 }
 
 // A law by its bounds and by what it gives along a spiral of times, places and speeds.
-void mix(std::uint64_t& hash, const model::FrictionLaw& law) {
-  mix(hash, law.bounds().lower_N);
-  mix(hash, law.bounds().upper_N);
+void mix(Fingerprint& print, const model::FrictionLaw& law) {
+  print.mix(law.bounds().lower_N);
+  print.mix(law.bounds().upper_N);
   for (int i = 0; i < 32; ++i)
-    mix(hash, law.level_N(0.01 * i, std::ldexp(i % 2 == 0 ? 1e-4 : -1e-4, i / 2), 1e-5 * i * i));
+    print.mix(law.level_N(0.01 * i, std::ldexp(i % 2 == 0 ? 1e-4 : -1e-4, i / 2), 1e-5 * i * i));
 }
 
 std::uint64_t fingerprint(const scenario::MachineScenario& s) {
-  std::uint64_t hash = 0xCBF29CE484222325;
+  Fingerprint print;
   for (const Eigen::MatrixXd& matrix : {s.machine.mass, s.machine.damping, s.machine.stiffness, s.machine.directions}) {
-    mix(hash, matrix);
+    mix(print, matrix);
   }
-  mix(hash, Eigen::MatrixXd{s.machine.friction_N});
-  mix(hash, s.duration_s);
+  mix(print, Eigen::MatrixXd{s.machine.friction_N});
+  print.mix(s.duration_s);
   if (s.integrator == scenario::Integrator::time_stepping) {
-    mix(hash, s.step_s);
-    mix(hash, s.theta);
+    print.mix(s.step_s);
+    print.mix(s.theta);
   }
   // What not every machine has is not counted where it is missing, so that older tables stay readable.
-  if (!stability::constant_force(s.machine).isZero(0)) mix(hash, Eigen::MatrixXd{s.machine.force_N});
-  if (s.integrator == scenario::Integrator::adaptive) mix(hash, s.tolerance);
-  for (const model::FrictionLaw& law : s.laws) mix(hash, law);
-  return hash;
+  if (!stability::constant_force(s.machine).isZero(0)) mix(print, Eigen::MatrixXd{s.machine.force_N});
+  if (s.integrator == scenario::Integrator::adaptive) print.mix(s.tolerance);
+  for (const model::FrictionLaw& law : s.laws) mix(print, law);
+  return print.value();
 }
 
 [[noreturn]] void refuse_write(const std::string& path) {

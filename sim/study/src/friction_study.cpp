@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/model/shapes.hpp"
@@ -24,21 +27,29 @@ struct NamedLaw {
   model::FrictionLaw law;
 };
 
-std::vector<NamedLaw> laws_of(const scenario::Scenario& scenario, const StudyOptions& options) {
-  const law::FrictionBounds<double> bounds = scenario.worlds.front().friction.bounds();
-  std::vector<NamedLaw> laws{
-      {"constant at the lower bound", {bounds, model::shape::constant(0)}},
-      {"constant at the upper bound", {bounds, model::shape::constant(1)}},
-      {"of the scenario", scenario.worlds.front().friction},
-      {"static upper, kinetic lower", {bounds, model::shape::static_kinetic(1, 0)}},
+std::uint64_t seed_of(const StudyOptions& options, std::size_t place) { return options.seed + (place - fixed_laws); }
+
+NamedLaw law_at(const scenario::Scenario& scenario, const StudyOptions& options, std::size_t place) {
+  const model::FrictionLaw& own = scenario.worlds.front().friction;
+  const auto named = [&](model::ShapePtr shape) {
+    return NamedLaw{law_name(options, place), {own.bounds(), std::move(shape)}};
   };
-  for (int i = 0; i < options.random_laws; ++i) {
-    model::shape::RandomDwell random;
-    random.seed = options.seed + static_cast<std::uint64_t>(i);
-    random.bound_share = 0.3;
-    laws.push_back({fmt::format("random, seed {}", random.seed), {bounds, model::shape::random_dwell(random)}});
+  switch (place) {
+    case 0:
+      return named(model::shape::constant(0));
+    case 1:
+      return named(model::shape::constant(1));
+    case 2:
+      return {law_name(options, place), own};
+    case 3:
+      return named(model::shape::static_kinetic(1, 0));
+    default:
+      break;
   }
-  return laws;
+  model::shape::RandomDwell random;
+  random.seed = seed_of(options, place);
+  random.bound_share = 0.3;
+  return named(model::shape::random_dwell(random));
 }
 
 sil::Result result_of(scenario::Scenario scenario, const sil::SharedNode& node, const Start& start, const NamedLaw& law,
@@ -52,12 +63,19 @@ sil::Result result_of(scenario::Scenario scenario, const sil::SharedNode& node, 
 }
 
 StudyRun run_one(const scenario::Scenario& scenario, const sil::SharedNode& node, const Start& start,
-                 const NamedLaw& law) {
+                 const NamedLaw& law, std::size_t place) {
   sil::Result result = result_of(scenario, node, start, law, {});
   sil::AxisResult r = std::move(result.axes.front());
-  return {law.name,           r.settled,       r.limit_cycle,
-          r.settling_time_s,  r.final_error_m, r.excursions.value_or(sil::Excursions{}),
-          r.max_force_N,      r.kicks.size(),  std::move(r.reached),
+  return {place,
+          law.name,
+          r.settled,
+          r.limit_cycle,
+          r.settling_time_s,
+          r.final_error_m,
+          r.excursions.value_or(sil::Excursions{}),
+          r.max_force_N,
+          r.kicks.size(),
+          std::move(r.reached),
           std::move(r.faults)};
 }
 
@@ -84,7 +102,28 @@ std::size_t count(const StudyRow& row, Predicate predicate) {
   return static_cast<std::size_t>(std::count_if(row.runs.begin(), row.runs.end(), predicate));
 }
 
+// Where a run stands: its row, and which of the row's runs it is.
+struct RunPlace {
+  std::size_t row, run;
+};
+
+void require_a_run_of_every_row(const StudyOptions& options) {
+  if (static_cast<std::size_t>(options.shard.count) <= laws_of_a_row(options)) return;
+  throw InputError{fmt::format("--shard {}/{}: there are {} laws, which make no more parts than that",
+                               options.shard.index, options.shard.count, laws_of_a_row(options))};
+}
+
 }  // namespace
+
+std::size_t laws_of_a_row(const StudyOptions& options) {
+  return fixed_laws + static_cast<std::size_t>(options.random_laws);
+}
+
+std::string law_name(const StudyOptions& options, std::size_t place) {
+  static constexpr std::array<const char*, fixed_laws> fixed{
+      "constant at the lower bound", "constant at the upper bound", "of the scenario", "static upper, kinetic lower"};
+  return place < fixed_laws ? fixed[place] : fmt::format("random, seed {}", seed_of(options, place));
+}
 
 scenario::Scenario studied_axis(scenario::Scenario s) {
   if (s.machine)
@@ -161,27 +200,34 @@ std::size_t faulted_runs(const StudyRow& row) {
 sil::Result run_again(const scenario::Scenario& scenario, const StudyOptions& options, const Start& start,
                       std::size_t place) {
   const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
-  return result_of(scenario, node, start, laws_of(scenario, options)[place], {.trace = true});
+  return result_of(scenario, node, start, law_at(scenario, options, place), {.trace = true});
 }
 
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options) {
-  const auto laws = laws_of(scenario, options);
+  require_a_run_of_every_row(options);
   const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
+  const std::size_t laws = laws_of_a_row(options);
   std::vector<StudyRow> rows;
-  for (const Start& start : options.starts) rows.push_back({start, std::vector<StudyRun>(laws.size())});
-  const std::size_t all = rows.size() * laws.size();
+  for (const Start& start : options.starts) rows.push_back({start, {}});
+  std::vector<RunPlace> places;
+  for (std::size_t number = 0; number < rows.size() * laws; ++number) {
+    if (!options.shard.owns(static_cast<std::int64_t>(number))) continue;
+    StudyRow& row = rows[number / laws];
+    places.push_back({number / laws, row.runs.size()});
+    row.runs.emplace_back().place = number % laws;
+  }
   const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
   const int threads = static_cast<int>(options.threads > 0 ? options.threads : processors);
   std::mutex progress_mutex;
   int done = 0;
   const auto run_place = [&](std::size_t i) {
-    StudyRow& row = rows[i / laws.size()];
-    const std::size_t law = i % laws.size();
-    row.runs[law] = run_one(scenario, node, row.start, laws[law]);
+    StudyRow& row = rows[places[i].row];
+    StudyRun& run = row.runs[places[i].run];
+    run = run_one(scenario, node, row.start, law_at(scenario, options, run.place), run.place);
     const std::scoped_lock lock{progress_mutex};
-    if (options.progress) options.progress(++done, static_cast<int>(all));
+    if (options.progress) options.progress(++done, static_cast<int>(places.size()));
   };
-  in_parallel(all, threads, 1, [&](int) { return run_place; });
+  in_parallel(places.size(), threads, 1, [&](int) { return run_place; });
   return rows;
 }
 

@@ -213,5 +213,46 @@ TEST_F(Command, NamesWhatCannotBeIdentified) {
   EXPECT_EQ(nowhere.err.find("none.csv"), nowhere.err.rfind("none.csv")) << nowhere.err;
 }
 
+TEST_F(Command, SharesAStudyOutAndMergesItToTheSameBits) {
+  const std::string axis = scenarios + "braked_axis.toml --laws 6 --start -0.1 0 --start -0.01 0 ";
+  ASSERT_EQ(run("study " + axis + "--json " + path("whole.json") + " --csv " + path("whole.csv")).exit_code, 0);
+  std::string tables;
+  for (const char* part : {"3/3", "1/3", "2/3"}) {
+    const std::string table = path(std::string{part[0]} + ".csv");
+    const Ended ended = run("study " + axis + "--shard " + part + " --csv " + table);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_NE(ended.out.find(std::string{"part "} + part[0] + " of 3 only"), std::string::npos) << ended.out;
+    tables += " " + table;
+  }
+  const Ended merged = run("study " + axis + "--merge" + tables + " --json " + path("all.json") + " --csv " +
+                           path("all.csv") + " --report " + path("study.html"));
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(content(path("all.csv")), content(path("whole.csv")));
+  EXPECT_EQ(content(path("all.json")), content(path("whole.json")));
+  expect_refused("study " + axis + "--merge " + path("1.csv"), {"of 20 runs are in none of the files"});
+  expect_refused("study " + axis + "--seed 2 --merge" + tables, {"another file, --axis, --laws or --seed"});
+  expect_refused("study " + axis + "--shard 4/3", {"--shard 4/3", "i from 1 to n"});
+  expect_refused("study " + axis + "--shard 1/11", {"--shard 1/11", "10 laws"});
+  expect_refused("study " + axis + "--shard 1/2 --merge " + path("1.csv"), {"leave out --shard"});
+  expect_refused("study " + axis + "--csv x.csv --against " + scenarios + "can_axis.toml",
+                 {"--against", "one scenario"});
+}
+
+TEST_F(Command, OfATaskOfAClusterDoesItsPart) {
+  const std::string script = "PATH=\"$(dirname '" BREAKAWAY_COMMAND "'):$PATH\" bash '" BREAKAWAY_SOURCE_DIR
+                             "/sim/study/cluster/study.sbatch' ";
+  const std::string axis = scenarios + "braked_axis.toml --laws 2 --start -0.01 0 ";
+  for (const char* task : {"1", "2"}) {
+    const std::string call = "cd " + folder_.string() + " && export SLURM_ARRAY_TASK_ID=" + task +
+                             " SLURM_ARRAY_TASK_COUNT=2; " + script + axis + "> said 2>&1";
+    ASSERT_EQ(std::system(call.c_str()), 0) << content(path("said"));
+  }
+  const Ended merged = run("study " + axis + "--merge " + path("braked_axis.toml.*.csv"));
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_NE(merged.out.find("6/6"), std::string::npos) << merged.out;
+  EXPECT_NE(std::system((script + axis + "> " + path("said") + " 2>&1").c_str()), 0);
+  EXPECT_NE(content(path("said")).find("submit this by sbatch --array"), std::string::npos) << content(path("said"));
+}
+
 }  // namespace
 }  // namespace breakaway::testing

@@ -12,6 +12,7 @@
 
 #include "breakaway/scenario/machine_scenario.hpp"
 #include "breakaway/sil/certificates.hpp"
+#include "breakaway/study/shard.hpp"
 
 namespace breakaway::study {
 
@@ -26,18 +27,9 @@ struct Grid {
   double coordinate(int index) const { return half_width * ((2.0 * index - (points - 1)) / (points - 1)); }
 };
 
-// The rows (values of the second entry) of which index and row have the same remainder by count. Interleaved rows share
-// out the slow regions evenly, too.
-struct Shard {
-  int index = 0;
-  int count = 1;
-
-  bool owns(int row) const { return row % count == index % count; }
-};
-
 enum class Fate : std::int8_t { pending = -2, undecided = -1, lost = 0, attracted = 1 };
 
-// Nine bytes a point of the shard.
+// Of the shard's rows, which are values of the second entry. Nine bytes a point.
 class Basin {
  public:
   Basin(const Grid& grid, const Shard& shard);

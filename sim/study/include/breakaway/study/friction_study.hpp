@@ -14,6 +14,7 @@
 #include "breakaway/scenario/scenario.hpp"
 #include "breakaway/sil/margins.hpp"
 #include "breakaway/sil/result.hpp"
+#include "breakaway/study/shard.hpp"
 
 namespace breakaway::study {
 
@@ -22,6 +23,9 @@ struct Start {
   double velocity_m_s = 0;
 };
 
+// Constant at either bound, the scenario's own, static and kinetic: the first of every row. Random laws follow.
+inline constexpr std::size_t fixed_laws = 4;
+
 struct StudyOptions {
   std::vector<Start> starts;
   int random_laws = 100;
@@ -29,9 +33,12 @@ struct StudyOptions {
   unsigned threads = 0;    // 0: one for each processor. The result does not depend on it.
   // Called with the number of runs done and in all, from one thread at a time.
   std::function<void(int done, int all)> progress;
+  // Of all runs, numbered row by row; no more parts than laws, so that each has a run of every row.
+  Shard shard{};
 };
 
 struct StudyRun {
+  std::size_t place = 0;  // of its law among all laws of a row
   std::string law;
   bool settled = false;
   bool limit_cycle = false;
@@ -46,8 +53,12 @@ struct StudyRun {
 
 struct StudyRow {
   Start start;
-  std::vector<StudyRun> runs;
+  std::vector<StudyRun> runs;  // by their places: under all laws, or under those of a shard
 };
+
+std::size_t laws_of_a_row(const StudyOptions& options);
+// The name of the law at a place of a row.
+std::string law_name(const StudyOptions& options, std::size_t place);
 
 // The scenario, if a study can run it: of an axis that moves alone, with all that a simulation needs. Throws
 // InputError.
@@ -71,12 +82,13 @@ std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);
 std::size_t faulted_runs(const StudyRow& row);
 
-// One run of run_study once more, with its trace: under the law at this place of a row's runs. Requires the same.
+// One run of run_study once more, with its trace: under the law at this place of a row. Requires the same.
 sil::Result run_again(const scenario::Scenario& scenario, const StudyOptions& options, const Start& start,
                       std::size_t place);
 
 // Requires what run_loop_scenario or, without a [loop], run_ideal_scenario requires, and a single axis. The scenario's
-// own start is not used. Under the ideal law no excursions are seen, and a force is NaN.
+// own start is not used. Under the ideal law no excursions are seen, and a force is NaN. Throws InputError for a shard
+// of more parts than there are laws.
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options);
 
 }  // namespace breakaway::study
