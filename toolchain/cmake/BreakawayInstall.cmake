@@ -38,6 +38,7 @@ if(TARGET breakaway_cli)
   install(FILES "${described}/breakaway.1" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   install(FILES "${described}/breakaway" DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   install(FILES "${described}/breakaway.schema.json" DESTINATION ${CMAKE_INSTALL_DATADIR}/breakaway)
+  install(FILES "${PROJECT_SOURCE_DIR}/sim/study/cluster/study.sbatch" DESTINATION ${CMAKE_INSTALL_DATADIR}/breakaway)
 endif()
 if(TARGET breakaway_node)
   # The unit names the program where it is installed, and `cmake --install --prefix` says that no earlier than now.
