@@ -23,6 +23,7 @@ PARSERS = {
                      [f"firmware/include/breakaway/firmware/{name}.hpp"
                       for name in ("remote_control", "node_objects", "served_port", "control_node")]),
     "law_image": ("the law image for C", ["firmware/c/", "firmware/include/breakaway/firmware/law_image.hpp"]),
+    "data_sheet": ("EDS and DCF files of drives", ["firmware/config/src/data_sheet.cpp"]),
     "record_csv": ("records for `breakaway identify --log`", ["controller/identify/evaluation/src/record_csv.cpp"]),
     "scenario": ("nodes, axes and scenes in TOML", ["firmware/config/src/read_", "firmware/config/src/toml_section.cpp",
                                                     "sim/scenario/"]),

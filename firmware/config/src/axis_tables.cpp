@@ -9,6 +9,7 @@
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "read_told.hpp"
+#include "sheet_rows.hpp"
 #include "surroundings.hpp"
 
 namespace breakaway::config {
@@ -234,9 +235,10 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
   section.read(
       std::vector<Key>{
           optional("node_id", integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
-          required("rated_torque_Nm", thousandths(d.rated_torque_mNm, "N m")),
+          sheet_row(section, d),
+          optional("rated_torque_Nm", thousandths(d.rated_torque_mNm, "N m")),
           optional("rated_current_A", thousandths(d.rated_current_mA, "A")),
-          required("max_torque_per_mille",
+          optional("max_torque_per_mille",
                    integer([&](std::int64_t n) { d.max_torque_per_mille = static_cast<std::uint16_t>(n); }, 1, 32767)),
           required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
           optional("peak_force_N", number(d.peak_force_N, "N", positive)),
@@ -252,6 +254,7 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
       } +
       homing_rows(d.homing) + std::move(others));
+  take_from_sheet(section, d);
   // The simulation takes steps of a fraction of it, so a run would take for ever.
   if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
     section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");

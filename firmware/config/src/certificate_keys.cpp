@@ -80,6 +80,7 @@ constexpr std::array rows{
     CertificateKey{"targets", "time_s", apart},
 
     CertificateKey{"drive", "node_id", apart},
+    CertificateKey{"drive", "eds", counted},
     CertificateKey{"drive", "rated_torque_Nm", counted},
     CertificateKey{"drive", "rated_current_A", apart},
     CertificateKey{"drive", "max_torque_per_mille", counted},

@@ -1,4 +1,5 @@
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/config/drive_sheet.hpp"
 
 #include <fmt/format.h>
 
@@ -112,6 +113,16 @@ std::vector<Key> of_machines_alone() {
   return elsewhere({"sweep", "feedback", "impulse"}, "it is for a [machine] without axes; leave it out");
 }
 
+void check_data_sheets(const Node& node) {
+  for (const Axis& axis : node.axes) {
+    if (!axis.drive || !axis.drive->data_sheet || !node.loop) continue;
+    if (const auto lacking = what_is_lacking(node, axis))
+      throw InputError{
+          fmt::format("[drive] eds of axis {}: {} {}", axis.name, axis.drive->data_sheet->name(), *lacking)}
+          .in_file(node.file);
+  }
+}
+
 // The least period that is at least this long and that drives can be told.
 hal::Duration rounded_up(hal::Duration period) {
   hal::Duration step = std::chrono::microseconds{1};
@@ -159,6 +170,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);
   if (loop && node.bit_rate) check_period(*loop, *node.loop);
+  check_data_sheets(node);
   if (coupling) node.coupling = read_coupling(*coupling, node);
   look_at_root(root, node);
   return node;

@@ -11,6 +11,7 @@
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "played_sheet.hpp"
 #include "read_coupled.hpp"
 #include "read_friction.hpp"
 #include "read_plant.hpp"
@@ -109,7 +110,7 @@ class WorldReader {
     for (std::size_t i = 0; i < node.axes.size(); ++i) {
       AxisWorld& world = worlds_[i].world;
       world.friction = {truth_of(node.axes[i]).bounds, std::move(worlds_[i].shape)};
-      if (node.axes[i].drive) world.drive = emulator(node.axes[i], worlds_[i]);
+      if (node.axes[i].drive) world.drive = emulator(node, node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
       require_counted_start(node, node.axes[i], world.position_m);
@@ -235,7 +236,7 @@ class WorldReader {
             optional("accuracy_m", number(run_.accuracy_m, "m", positive))};
   }
 
-  drive_emulator::EmulatorConfig emulator(const Axis& described, const ReadAxis& axis) const {
+  drive_emulator::EmulatorConfig emulator(const Node& node, const Axis& described, const ReadAxis& axis) const {
     const Drive& drive = *described.drive;
     drive_emulator::EmulatorConfig c;
     c.node_id = drive.node_id;
@@ -253,6 +254,7 @@ class WorldReader {
     c.max_tpdo_delay = std::max(axis.min_tpdo_delay, axis.max_tpdo_delay);
     c.seed = axis.seed;
     c.quirks = axis.quirks;
+    if (drive.data_sheet && node.loop) play_sheet(node, described, c);
     return c;
   }
 

@@ -67,7 +67,7 @@ EmulatorConfig unusual_drive() {
   return config;
 }
 
-class DriveEds : public testing::TestWithParam<EmulatorConfig> {};
+class DriveEds : public ::testing::TestWithParam<EmulatorConfig> {};
 
 TEST_P(DriveEds, SaysWhatAnswersOnTheBus) {
   WalkedDrive drive{GetParam()};
@@ -98,7 +98,7 @@ TEST_P(DriveEds, SaysWhatMayBeMapped) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Drives, DriveEds,
-                         testing::Values(EmulatorConfig{}, unusual_drive(), drive_of_scenario("can_axis.toml")));
+                         ::testing::Values(EmulatorConfig{}, unusual_drive(), drive_of_scenario("can_axis.toml")));
 
 TEST(DriveEdsText, FollowsTheNodeIdWhereTheDriveDoes) {
   const EdsFile file = eds_of({});

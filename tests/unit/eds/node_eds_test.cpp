@@ -44,7 +44,7 @@ EdsFile eds_of(const config::Node& node) {
   return EdsFile{to_eds(node_device(node), "node.eds", std::chrono::system_clock::from_time_t(0))};
 }
 
-class NodeEds : public testing::TestWithParam<const char*> {
+class NodeEds : public ::testing::TestWithParam<const char*> {
  protected:
   config::Node node = node_of(GetParam());
 };
@@ -62,7 +62,7 @@ TEST_P(NodeEds, LeavesNoObjectOut) {
 TEST_P(NodeEds, ListsEveryObjectOnce) { expect_lists_complete(eds_of(node)); }
 
 INSTANTIATE_TEST_SUITE_P(Files, NodeEds,
-                         testing::Values("sim/scenarios/can_axis.toml", "firmware/examples/two_axes.toml"));
+                         ::testing::Values("sim/scenarios/can_axis.toml", "firmware/examples/two_axes.toml"));
 
 TEST(NodeEdsText, SaysNamesPeriodAndTheLimitsOfATarget) {
   const EdsFile file = eds_of(node_of("firmware/examples/two_axes.toml"));

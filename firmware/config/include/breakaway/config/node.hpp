@@ -10,12 +10,14 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
+#include "breakaway/config/data_sheet.hpp"
 #include "breakaway/design/spring_load.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
@@ -108,6 +110,7 @@ struct Drive {
   hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
   hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer
+  std::shared_ptr<const DataSheet> data_sheet{};                    // what its maker says; nothing: no file was given
 
   // Force at the axis of one per mille of the rated torque.
   double force_quantum_N() const { return 1e-6 * rated_torque_mNm * force_per_torque_N_per_Nm; }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <iterator>
@@ -128,6 +129,9 @@ class Section {
   Section nested(const toml::table& inner, std::string_view key, const std::string& name = {}) const;
 
   bool has(std::string_view key) const { return table_->contains(key); }
+
+  // From where the file names other files.
+  std::filesystem::path folder() const { return std::filesystem::path{file_}.parent_path(); }
 
   // Returns the text under `key` if there is any, for a key that decides which other keys are valid.
   std::optional<std::string_view> word(std::string_view key) const { return (*table_)[key].value<std::string_view>(); }
