@@ -27,7 +27,8 @@ TEST(Certificate, KnowsEveryKeyThatAReaderOfAxesKnows) {
   std::string text;
   for (const char* file :
        {"firmware/config/src/axis_tables.cpp", "firmware/config/src/read_node.cpp", "firmware/config/src/read_told.cpp",
-        "firmware/config/src/wiring.cpp", "sim/scenario/src/read_scenario.cpp", "sim/scenario/src/read_quirks.cpp"})
+        "firmware/config/src/sheet_rows.cpp", "firmware/config/src/wiring.cpp", "sim/scenario/src/read_scenario.cpp",
+        "sim/scenario/src/read_quirks.cpp"})
     text += source(file);
   std::set<std::string, std::less<>> known;
   for (const CertificateKey& key : certificate_keys()) {
@@ -81,6 +82,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"controller.position_tolerance_m", {"position_tolerance_m = 5e-6", "position_tolerance_m = 6e-6"}},
       {"controller.target_m", {"target_m = 0", "target_m = 2"}},
       {"controller.targets", {"target_m = 0", "targets = [{ time_s = 1, position_m = 2 }]"}},
+      {"drive.eds", {"rated_torque_Nm = 0.5", "eds = \"of_no_drive.eds\""}},
       {"drive.rated_torque_Nm", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.6"}},
       {"drive.max_torque_per_mille", {"max_torque_per_mille = 2000", "max_torque_per_mille = 1000"}},
       {"drive.force_per_torque_N_per_Nm", {"force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 55"}},
