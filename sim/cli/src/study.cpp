@@ -251,6 +251,7 @@ void add_study(CLI::App& app, int& exit_code) {
           "Position in m and velocity in m/s; may be repeated; default -4 -4, -0.1 0, -0.01 0, within the limits")
       ->type_name("POSITION VELOCITY")
       ->delimiter(',')
+      ->allow_extra_args(false)  // a third number would be a position without a velocity
       ->check(finite_number);
   files.writes("--json", options->json, "Write every run as JSON to this file; - is standard output");
   command

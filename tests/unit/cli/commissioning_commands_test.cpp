@@ -70,6 +70,7 @@ TEST_F(Command, RequiresWhatAScriptAsksOfAStudy) {
   expect_refused(study + " --require worst_settling_s", {"worst_settling_s<=0.5"});
   expect_refused(study + " --json - --junit -", {"two outputs"});
   expect_refused(study + " --start -0.1", {"--start", "POSITION VELOCITY"});
+  expect_refused(study + " --start -0.1 0 -0.2", {"not expected: -0.2"});
   EXPECT_EQ(run("study " + scenarios + "braked_axis.toml --laws 0 --start=-0.1,0").exit_code, 0);
 }
 
@@ -197,6 +198,20 @@ TEST_F(Command, IdentifiesWithinTheTravelThatIsGivenWhereTheFileHasNone) {
   expect_refused(identify, {"[limits] position_m", "is missing"});
   expect_refused(identify + " --from -4.5", {"[limits] position_m", "is missing"});
   EXPECT_EQ(run(identify + " --from -4.5 --to -3.5").exit_code, 0);
+}
+
+// A soft or a damped spring hides in parabolas, and not in a friction that gives energy.
+TEST_F(Command, RefusesToIdentifyALoadThatPushesTheAxis) {
+  ASSERT_EQ(run("new" + std::string{seven_numbers} + " -o " + path("rigid.toml")).exit_code, 0);
+  for (const char* load : {"mass_kg = 2.696\nstiffness_N_per_m = 380.44\ndamping_Ns_per_m = 6.405\n",
+                           "mass_kg = 17.83\nstiffness_N_per_m = 4.6387e5\ndamping_Ns_per_m = 575.2\n"}) {
+    std::string text = content(path("rigid.toml"));
+    text.insert(text.find("[friction]"), std::string{"[plant.load]\n"} + load + "\n");
+    std::ofstream{path("sprung.toml")} << text;
+    expect_refused("identify " + path("sprung.toml") + " -o " + path("found.toml"),
+                   {"sprung.toml", "friction comes out at -", "a load swings on a spring", "\"work\""});
+    EXPECT_FALSE(fs::exists(path("found.toml")));
+  }
 }
 
 TEST_F(Command, NamesWhatCannotBeIdentified) {

@@ -107,6 +107,17 @@ void require_rigid(const std::vector<Switch>& switches, const Record& record) {
       residual_m)};
 }
 
+// Friction takes energy, so it never comes out at 0 or below where nothing else pushes the axis.
+void require_friction(const Identification& found) {
+  if (found.friction_seen_N.least > 0) return;
+  throw InputError{fmt::format(
+      "friction comes out at {:.4g} N at the least, and it cannot be 0 or less, so that something else pushes the "
+      "axis: "
+      "a load swings on a spring, or a weight pulls; for a load take the coast \"work\" and the load's data, and "
+      "balance a weight, or lock what swings",
+      found.friction_seen_N.least)};
+}
+
 }  // namespace
 
 Identification evaluate(const Record& record, const Margins& margins) {
@@ -154,6 +165,7 @@ Identification evaluate(const Record& record, const Margins& margins) {
   number_motions(found);
   found.margins = margins;
   sum_up(found, margins);
+  require_friction(found);
   return found;
 }
 
