@@ -16,12 +16,12 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "An axis with dry friction is let stick and
 # design are built against Eigen and {fmt}.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
-if(BREAKAWAY_BUILD_PYTHON)  # the module is of this Python only
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, can-utils, sdpa")
+if(BREAKAWAY_BUILD_PYTHON)  # the module is of this Python only, and wants numpy
   math(EXPR next_minor "${BREAKAWAY_PYTHON_MINOR} + 1")
-  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS
+  string(APPEND CPACK_DEBIAN_PACKAGE_SUGGESTS
     ", python3 (>= 3.${BREAKAWAY_PYTHON_MINOR}~), python3 (<< 3.${next_minor}), python3-numpy")
 endif()
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "g++, cmake, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, can-utils, sdpa")
 # The loader's cache takes in libbreakaway_law.so.
 file(WRITE "${PROJECT_BINARY_DIR}/triggers" "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/triggers")
