@@ -137,7 +137,7 @@ struct Met {
 TEST(HybridModes, WhatStopsTogetherSticksOrSlidesAsGaussPrincipleSays) {
   std::mt19937 random(1);
   Met met;
-  for (int trial = 0; trial < 1500; ++trial) {
+  for (int trial = 0; trial < 600; ++trial) {
     const Index coordinates = whole(random, 1, 4), directions = whole(random, 1, 5);
     const LinearMachine<> machine = drawn_machine(random, coordinates, directions);
     const Modes modes(machine);
@@ -150,9 +150,9 @@ TEST(HybridModes, WhatStopsTogetherSticksOrSlidesAsGaussPrincipleSays) {
     expect_signs(state, signs, "machine " + std::to_string(trial));
     if (stopped != 0) met.add(state, stopped);
   }
-  EXPECT_GT(met.stick, 100);
-  EXPECT_GT(met.slide, 100);
-  EXPECT_GT(met.mixed, 100);
+  EXPECT_GT(met.stick, 50);
+  EXPECT_GT(met.slide, 50);
+  EXPECT_GT(met.mixed, 50);
 }
 
 // Forces of friction of which some are at their limits, and a coordinate without friction that changes the load on all
@@ -160,6 +160,7 @@ TEST(HybridModes, WhatStopsTogetherSticksOrSlidesAsGaussPrincipleSays) {
 struct AtLimits {
   LinearMachine<> machine;
   State state;
+  VectorXd bears;
   std::vector<Index> at_limit;
 };
 AtLimits at_limits(std::mt19937& random, Index rubbing, Index directions) {
@@ -169,12 +170,14 @@ AtLimits at_limits(std::mt19937& random, Index rubbing, Index directions) {
   machine.mass = MatrixXd::Identity(n, n);
   machine.mass.topLeftCorner(rubbing, rubbing) = drawn_mass(random, rubbing);
   machine.damping = MatrixXd::Zero(n, n);
+  for (double& x : machine.damping.reshaped()) x = 0.125 * whole(random, -8, 8);
   machine.stiffness = 3 * MatrixXd::Identity(n, n);
   machine.stiffness.topRightCorner(rubbing, 1) = drawn(random, rubbing, 1, 1);
   machine.stiffness.bottomLeftCorner(1, rubbing) = machine.stiffness.topRightCorner(rubbing, 1).transpose();
   machine.directions = MatrixXd::Zero(n, directions);
   machine.friction_N.resize(directions);
-  VectorXd bears(directions);
+  VectorXd& bears = result.bears;
+  bears.resize(directions);
   for (Index i = 0; i < directions; ++i) {
     do {
       for (Index k = 0; k < rubbing; ++k) machine.directions(k, i) = whole(random, -2, 2);
@@ -184,9 +187,9 @@ AtLimits at_limits(std::mt19937& random, Index rubbing, Index directions) {
     bears[i] = limited ? (whole(random, 0, 1) == 0 ? 1 : -1) * machine.friction_N[i] : whole(random, -1, 1);
     if (limited) result.at_limit.push_back(i);
   }
-  machine.force_N = -machine.directions * bears;
   result.state = at_rest(machine);
   result.state.v[rubbing] = whole(random, 0, 1) == 0 ? 1 : -1;
+  machine.force_N = machine.damping * result.state.v - machine.directions * bears;
   return result;
 }
 
@@ -203,7 +206,7 @@ bool parallel(const LinearMachine<>& machine) {
 TEST(HybridModes, OfDirectionsAtTheirLimitsThoseSlideThatTheRateOfTheForcesDrives) {
   std::mt19937 random(2);
   Met met;
-  for (int trial = 0; trial < 1500; ++trial) {
+  for (int trial = 0; trial < 600; ++trial) {
     const Index rubbing = whole(random, 1, 4);
     AtLimits at = at_limits(random, rubbing, rubbing + (rubbing > 1 ? whole(random, -1, 1) : 0));
     if (parallel(at.machine)) continue;
@@ -213,9 +216,9 @@ TEST(HybridModes, OfDirectionsAtTheirLimitsThoseSlideThatTheRateOfTheForcesDrive
     expect_signs(at.state, signs, "machine " + std::to_string(trial));
     met.add(at.state, all);
   }
-  EXPECT_GT(met.stick, 100);
-  EXPECT_GT(met.slide, 100);
-  EXPECT_GT(met.mixed, 100);
+  EXPECT_GT(met.stick, 50);
+  EXPECT_GT(met.slide, 50);
+  EXPECT_GT(met.mixed, 50);
 }
 
 TEST(HybridModes, WhatIsAtItsLimitsStaysWhereItIsToBeKept) {
@@ -226,6 +229,187 @@ TEST(HybridModes, WhatIsAtItsLimitsStaysWhereItIsToBeKept) {
     if (parallel(at.machine)) continue;
     Modes(at.machine).choose(at.state, all_of(at.machine), true);
     expect_signs(at.state, std::vector<int>(static_cast<std::size_t>(rubbing), 0), std::to_string(trial));
+  }
+}
+
+// A mass of 1 with a friction of 1, pushed by `push_N`, and a second coordinate without friction, which is `fast` and
+// takes from the push what it moves.
+LinearMachine<> pushed(double push_N) {
+  LinearMachine<> machine;
+  machine.mass = MatrixXd::Identity(2, 2);
+  machine.damping = MatrixXd::Zero(2, 2);
+  machine.stiffness = (Eigen::Matrix2d{} << 1, -1, -1, 1).finished();
+  machine.directions = Eigen::Vector2d{1, 0};
+  machine.friction_N = VectorXd::Ones(1);
+  machine.force_N = Eigen::Vector2d{push_N, 0};
+  return machine;
+}
+
+double sign_of_pushed(double push_N, double fast) {
+  const LinearMachine<> machine = pushed(push_N);
+  State state = at_rest(machine);
+  state.v[1] = fast;
+  Modes(machine).choose(state, 1);
+  EXPECT_EQ(state.sticking, state.signs[0] == 0 ? 1U : 0U);
+  return state.signs[0];
+}
+
+TEST(HybridModes, ALimitIsWidenedByATieAndReachedATenthOfOneBeforeIt) {
+  constexpr double tie = 1e-12;
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_EQ(sign_of_pushed(side * (1 + 1.1 * tie), -side), side);
+    EXPECT_EQ(sign_of_pushed(side * (1 + 0.9 * tie), -side), 0);
+    EXPECT_EQ(sign_of_pushed(side, side), side);
+    EXPECT_EQ(sign_of_pushed(side, -side), 0);
+    EXPECT_EQ(sign_of_pushed(side, 0), 0);
+    EXPECT_EQ(sign_of_pushed(side * (1 - 0.08 * tie), side), side);
+    EXPECT_EQ(sign_of_pushed(side * (1 - 0.12 * tie), side), 0);
+  }
+}
+
+// Two speeds whose forces change alike and opposite, but for the rounding of their products.
+TEST(HybridModes, AForceThatChangesByRoundingAloneMovesNothing) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double way : {1.0, -1.0}) {
+      LinearMachine<> machine;
+      machine.mass = MatrixXd::Identity(3, 3);
+      machine.damping = MatrixXd::Zero(3, 3);
+      machine.stiffness = (Eigen::Matrix3d{} << 1, -0.1, -0.3, -0.1, 1, 0, -0.3, 0, 1).finished();
+      machine.directions = Eigen::Vector3d{1, 0, 0};
+      machine.friction_N = VectorXd::Ones(1);
+      machine.force_N = Eigen::Vector3d{side, 0, 0};
+      State state = at_rest(machine);
+      state.v = way * Eigen::Vector3d{0, 3, -1};
+      ASSERT_NE(machine.stiffness.row(0).dot(state.v), 0);
+      Modes(machine).choose(state, 1);
+      EXPECT_EQ(state.signs[0], 0);
+      state.v[1] *= 1 + 1e-9;
+      Modes(machine).choose(state, 1);
+      EXPECT_EQ(state.signs[0], side == way ? side : 0);
+    }
+  }
+}
+
+TEST(HybridModes, ADirectionWithoutFrictionNeverSticks) {
+  LinearMachine<> machine = pushed(0);
+  machine.directions = MatrixXd::Zero(2, 2);
+  machine.directions(0, 1) = 1;
+  machine.friction_N = Eigen::Vector2d{0, 1};
+  const Modes modes(machine);
+  State state = at_rest(machine);
+  state.signs[1] = 1;
+  modes.choose(state, 0b01);
+  EXPECT_EQ(state.sticking, 0U);
+  EXPECT_EQ(state.signs, (Eigen::Vector2d{0, 1}));
+}
+
+// What is crossed gives way, whether or not the change of the force says so.
+TEST(HybridModes, TheFaceThatIsCrossedGivesWay) {
+  std::mt19937 random(4);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Index count = whole(random, 1, 3);
+    LinearMachine<> machine = drawn_machine(random, count, count);
+    machine.damping.setZero();
+    const VectorXd bears = drawn(random, count, 1, 1).cwiseProduct(machine.friction_N);
+    VectorXd at_limit = bears;
+    const Index crossed = whole(random, 0, static_cast<int>(count) - 1);
+    const double side = whole(random, 0, 1) == 0 ? 1 : -1;
+    at_limit[crossed] = -side * machine.friction_N[crossed];
+    machine.force_N = -machine.directions * at_limit;
+    const Modes modes(machine);
+    State state = at_rest(machine);
+    state.sticking = all_of(machine);
+    const auto& facets = modes.set(state.sticking).facets;
+    for (std::size_t k = 0; k < facets.size(); ++k) {
+      if (facets[k].share[crossed] != 0) modes.release(state, static_cast<int>(k));
+    }
+    std::vector<int> signs(static_cast<std::size_t>(count), 0);
+    signs[static_cast<std::size_t>(crossed)] = static_cast<int>(side);
+    expect_signs(state, signs, "machine " + std::to_string(trial));
+  }
+}
+
+TEST(HybridModes, TheFaceThatIsCrossedGivesWayWithThoseThatTheRateDrives) {
+  std::mt19937 random(5);
+  Met met;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Index count = whole(random, 2, 4);
+    AtLimits at = at_limits(random, count, count);
+    if (parallel(at.machine) || at.machine.directions.fullPivLu().rank() < count) continue;
+    const DirectionSet all = all_of(at.machine);
+    const std::vector<int> driven = truth(at.machine, at.state, all);
+    const Modes modes(at.machine);
+    const auto& facets = modes.set(all).facets;
+    for (const Index crossed : at.at_limit) {
+      std::vector<int> signs = driven;
+      const auto place = static_cast<std::size_t>(crossed);
+      // Without damping of its own what slides because rounding says so changes nothing for the others.
+      if (signs[place] == 0) signs[place] = at.bears[crossed] > 0 ? -1 : 1;
+      State state = at.state;
+      state.sticking = all;
+      for (std::size_t k = 0; k < facets.size(); ++k) {
+        if (facets[k].share[crossed] != 0) modes.release(state, static_cast<int>(k));
+      }
+      expect_signs(state, signs, "machine " + std::to_string(trial) + ", face of " + std::to_string(crossed));
+      met.add(state, all);
+    }
+  }
+  EXPECT_GT(met.slide, 10);
+  EXPECT_GT(met.mixed, 50);
+}
+
+// A spring that pulls with a force of 2^50 against a constant one: what is left of the two is rounded to less than 4.
+constexpr double large_N = 0x1p50;
+
+// The first of two independent masses is pushed by 2 more than its friction and by such a spring, the second by 8.
+TEST(HybridModes, APushThatRoundingMayHaveMadeSticks) {
+  for (const double side : {1.0, -1.0}) {
+    for (const Index first : {0, 1}) {
+      const Index second = 1 - first;
+      LinearMachine<> machine;
+      machine.mass = machine.stiffness = machine.directions = MatrixXd::Identity(2, 2);
+      machine.damping = MatrixXd::Zero(2, 2);
+      machine.friction_N = Eigen::Vector2d::Ones();
+      machine.force_N.resize(2);
+      machine.force_N[first] = side * (large_N + 3);
+      machine.force_N[second] = -side * 8;
+      State state = at_rest(machine);
+      state.q[first] = side * large_N;
+      Modes(machine).choose(state, 0b11);
+      EXPECT_EQ(state.sticking, only(first));
+      EXPECT_EQ(state.signs[first], 0);
+      EXPECT_EQ(state.signs[second], -side);
+      // The same push of forces that are as small is none of rounding.
+      machine.force_N[first] = side * 3;
+      state = at_rest(machine);
+      Modes(machine).choose(state, 0b11);
+      EXPECT_EQ(state.sticking, 0U);
+    }
+  }
+}
+
+// A strong friction along x holds the large forces. A weak one across it, of which a part is along x, seems to be
+// pushed by rounding alone; the force along y, which is none of it, is four times what it can hold.
+TEST(HybridModes, APushThatNoRoundingCanHaveMadeSlides) {
+  for (const double side : {1.0, -1.0}) {
+    for (const Index strong : {0, 1}) {
+      const Index weak = 1 - strong;
+      LinearMachine<> machine;
+      machine.mass = machine.stiffness = MatrixXd::Identity(2, 2);
+      machine.damping = MatrixXd::Zero(2, 2);
+      machine.directions =
+          (Eigen::Matrix2d{} << 1, 1, 0.5 * static_cast<double>(strong), 0.5 * static_cast<double>(weak)).finished();
+      machine.friction_N.resize(2);
+      machine.friction_N[strong] = 3;
+      machine.friction_N[weak] = 1;
+      machine.force_N = side * Eigen::Vector2d{large_N, 2};
+      State state = at_rest(machine);
+      state.q[0] = side * large_N;
+      Modes(machine).choose(state, 0b11);
+      EXPECT_EQ(state.sticking, only(strong));
+      EXPECT_EQ(state.signs[strong], 0);
+      EXPECT_EQ(state.signs[weak], side);
+    }
   }
 }
 

@@ -182,4 +182,14 @@ TEST(Lcp, TheUnitOfTheMatrixDecidesNothing) {
   }
 }
 
+TEST(Lcp, OneUnknownMayBeOfAnySize) {
+  for (const long double size : {0x1p-900L, 0x1p-40L, 0x1p40L, 0x1p900L}) {
+    const Problem problem{LcpMatrix<long double>::Constant(1, 1, size), LcpVector<long double>::Constant(1, -3 * size)};
+    const auto solution = solved<double>(problem);
+    ASSERT_TRUE(solution);
+    EXPECT_EQ(solution->basic, 1U);
+    EXPECT_EQ(solution->z[0], 3);
+  }
+}
+
 }  // namespace

@@ -275,4 +275,89 @@ TEST(StopProblem, ATieIsNamedByItsDirection) {
   EXPECT_EQ(sliding->ties, 0b010U);
 }
 
+// A hair beyond its limit, by less than the width of a tie, a force sticks: in any unit of force.
+TEST(StopProblem, AForceAtItsLimitToRoundingSticks) {
+  for (const double newton : {1.0, 0x1p40, 0x1p-40}) {
+    StopProblem<double> problem = single(-newton * (1 + 11 * epsilon));
+    problem.forward_N *= newton;
+    problem.backward_N *= newton;
+    const auto sliding = sliding_after_stop(problem);
+    ASSERT_TRUE(sliding) << newton;
+    EXPECT_EQ(sliding->signs[0], 0) << newton;
+  }
+}
+
+TEST(StopProblem, SixteenDirectionsMayAllStick) {
+  std::mt19937 random(8);
+  const StopProblem<Real> problem =
+      problem_of(drawn_directions(random, 20, 16), drawn(random, 20, -0.1, 0.1), Reals::Ones(16), Reals::Ones(16));
+  const auto sliding = sliding_after_stop(in<double>(problem));
+  ASSERT_TRUE(sliding);
+  EXPECT_EQ(sliding->signs, (Eigen::VectorXd::Zero(16)));
+  expect_lawful(in<double>(problem), *sliding, 1e-11L);
+}
+
+// Two directions with a coupling of 1 - `apart`, pushed alike: each bears half of it, and their difference, which
+// nothing pushes, is known to the rounding of 2 push over `apart`.
+StopProblem<double> nearly_one(double apart, double push, double first_N, double second_N) {
+  StopProblem<double> problem(2);
+  problem.coupling << 1, 1 - apart, 1 - apart, 1;
+  problem.acceleration.setConstant(push);
+  problem.rounding.setZero();
+  problem.forward_N << first_N, second_N;
+  problem.backward_N = problem.forward_N;
+  return problem;
+}
+
+constexpr double doubt = 0x1p-20;  // the greatest error of a force, as a share of its range
+
+TEST(StopProblem, AForceThatIsKnownToAMillionthOfItsRangeIsBelieved) {
+  for (const double push : {0.5, -0.5}) {
+    // Six roundings of each of two sums of 2 push, and the range is 2.
+    const double least = 2 * 6 * epsilon * std::abs(push) / (2 * doubt);
+    for (const double other_N : {1.0, 8.0}) {
+      for (const bool swapped : {false, true}) {
+        const auto of = [&](double apart) {
+          return sliding_after_stop(nearly_one(apart, push, swapped ? other_N : 1, swapped ? 1 : other_N));
+        };
+        EXPECT_FALSE(of(0.93 * least)) << push << other_N << swapped;
+        const auto sliding = of(1.07 * least);
+        ASSERT_TRUE(sliding) << push << other_N << swapped;
+        EXPECT_EQ(sliding->signs, Eigen::Vector2d::Zero());
+        EXPECT_NEAR(sliding->force_N.sum(), -2 * push / (2 - 1.07 * least), 1e-15);
+      }
+    }
+  }
+}
+
+// A third one, which both of them push by half of their forces, slides; what pushes it may have been rounded.
+TEST(StopProblem, AnAccelerationThatIsKnownToAMillionthOfItsTermsIsATieAndElseADoubt) {
+  // Seven roundings of each of two sums of 2 push.
+  constexpr double least = 2 * 7 * epsilon / doubt;
+  for (const double side : {1.0, -1.0}) {
+    for (const Index slider : {0, 1, 2}) {
+      const auto of = [&](double apart) {
+        StopProblem<double> problem(3);
+        problem.coupling.setConstant(1 - apart);
+        problem.coupling.row(slider).setConstant(0.5);
+        problem.coupling.col(slider).setConstant(0.5);
+        problem.coupling.diagonal().setOnes();
+        problem.acceleration.setConstant(-0.25 * side);
+        problem.acceleration[slider] = 0.125 * side;
+        problem.rounding.setZero();
+        problem.rounding[slider] = 1;
+        problem.forward_N.setOnes();
+        problem.forward_N[slider] = 0x1p-9;
+        problem.backward_N = problem.forward_N;
+        return sliding_after_stop(problem);
+      };
+      EXPECT_FALSE(of(0.95 * least)) << side << slider;
+      const auto sliding = of(1.1 * least);
+      ASSERT_TRUE(sliding) << side << slider;
+      EXPECT_EQ(sliding->signs, (side * Eigen::Vector3d::Unit(slider)).eval());
+      EXPECT_EQ(sliding->ties, DirectionSet{1} << slider);
+    }
+  }
+}
+
 }  // namespace
