@@ -80,9 +80,15 @@ TEST(ModeChoice, TellsOfAForceThatIsRoundedThatItMayBeNone) {
 TEST(ModeChoice, TakesTheStateForExactWhereItsRoundingAloneLeavesADoubt) {
   for (const double side : {1.0, -1.0}) {
     const LinearMachine<> machine = machine_of(0x1p-20);
-    const Sliding sliding = ModeChoice(machine).sliding(stop_of(machine, side, 1, 0));
+    ModeChoice::Stop stop = stop_of(machine, side, 1, 0);
+    const Sliding sliding = ModeChoice(machine).sliding(stop);
     expect_the_slider_alone(sliding, side);
     EXPECT_EQ(sliding.ties, 0U);
+    stop.stopped = {2, 0, 1};
+    stop.forward_N = stop.backward_N = Vector3d{slider_N, 1, 1};
+    const Sliding first = ModeChoice(machine).sliding(stop);
+    EXPECT_EQ(first.signs, (Vector3d{side, 0, 0}));
+    EXPECT_EQ(first.ties, 0U);
   }
 }
 

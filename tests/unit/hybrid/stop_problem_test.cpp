@@ -242,6 +242,16 @@ TEST(StopProblem, AnAccelerationIsOneFromTheRoundingOfItsTermsOn) {
   EXPECT_EQ(sliding_after_stop(single(1 + 11 * epsilon))->signs[0], 1);
 }
 
+// A sum of 1 - 5 roundings and of 1 + 5 of them is 2, whose rounding is just their difference.
+TEST(StopProblem, AnAccelerationThatEqualsItsRoundingIsNone) {
+  StopProblem<double> problem = single(1 + 5 * epsilon);
+  problem.forward_N[0] = problem.backward_N[0] = 1 - 5 * epsilon;
+  const auto sliding = sliding_after_stop(problem);
+  ASSERT_TRUE(sliding);
+  EXPECT_EQ(sliding->signs[0], 0);
+  EXPECT_EQ(sliding->ties, 1U);
+}
+
 TEST(StopProblem, AnAccelerationThatItsRoundingMayHaveMadeOfZeroIsATie) {
   constexpr double of_the_sum = 5 * 2.5 * epsilon;
   for (const double side : {1.0, -1.0}) {

@@ -73,8 +73,13 @@ class Lemke {
     return free(entering);
   }
 
-  // The row whose variable reaches zero first, -1 for none. Among equals that of the artificial variable, which ends
-  // the search, else the largest pivot, which keeps rounding small.
+  // Of two rows whose variables reach zero together that of the artificial variable, which ends the search, else that
+  // of the larger pivot, which keeps rounding small.
+  bool preferred(int row, int best, int entering) {
+    return basis(row) == artificial() || (basis(best) != artificial() && entry(row, entering) > entry(best, entering));
+  }
+
+  // The row whose variable reaches zero first, -1 for none.
   int ratio_test(int entering) {
     int best = -1;
     Scalar best_ratio = std::numeric_limits<Scalar>::infinity(), greatest = 0;
@@ -83,9 +88,7 @@ class Lemke {
       if (!(entry(row, entering) > rounding * greatest)) continue;
       const Scalar ratio = entry(row, right()) / entry(row, entering);
       const bool equal = best >= 0 && std::abs(ratio - best_ratio) <= rounding * std::abs(best_ratio);
-      const bool preferred = basis(row) == artificial() ||
-                             (best >= 0 && basis(best) != artificial() && entry(row, entering) > entry(best, entering));
-      if (best < 0 || (equal ? preferred : ratio < best_ratio)) {
+      if (best < 0 || (equal ? preferred(row, best, entering) : ratio < best_ratio)) {
         best = row;
         best_ratio = ratio;
       }

@@ -56,9 +56,6 @@ class HybridModes : public HybridMachine<N, M> {
   };
 
   DirectionSet slide_after_stop(State& state, DirectionSet stopped) const;
-  bool slides_held(DirectionSet stopped, DirectionSet released) const {
-    return (set(stopped & ~released).sticking & released) != 0;
-  }
   [[gnu::noinline]] bool holds_too(State& state, DirectionSet held) const;
   Sliding decide_stop(const State& state, const Indices& index, const Vector& balance) const;
   Sliding decide_in_extended_precision(const State& state, const Indices& index) const;
@@ -105,13 +102,8 @@ DirectionSet HybridModes<N, M>::slide_after_stop(State& state, DirectionSet stop
     state.signs[index[0]] = response().row(index[0]).dot(balance) > 0 ? 1 : -1;
     return only(index[0]);
   }
-  Sliding sliding = decide_stop(state, index, balance);
-  DirectionSet released = slide(state, index, sliding, sliding.ties);
-  if (slides_held(stopped, released)) [[unlikely]] {
-    for (Eigen::Index r = 0; r < index.size; ++r) state.signs[index[r]] = 0;
-    sliding = decide_in_extended_precision(state, index);
-    released = slide(state, index, sliding, sliding.ties);
-  }
+  const Sliding sliding = decide_stop(state, index, balance);
+  const DirectionSet released = slide(state, index, sliding, sliding.ties);
   if (sliding.ties == 0 || holds(state, set(stopped & ~released))) return released;
   return slide(state, index, sliding, 0);
 }
