@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/master.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 
 namespace breakaway::firmware {
@@ -57,6 +59,7 @@ enum class FakeStatus : std::uint8_t { ready };
 constexpr std::string_view to_string(FakeStatus) noexcept { return "the drive is ready"; }
 
 struct FakeDrive {
+  using Master = canopen::Master;
   struct Config {
     DriveProbe* probe = nullptr;
     std::uint8_t node_id = 1;
@@ -91,7 +94,7 @@ struct FakeDrive {
   std::uint8_t node_id() const noexcept { return id; }
   float encoder_resolution_m() const noexcept { return scale.encoder_resolution_m; }
   bool heartbeat_lost() const noexcept { return probe->heartbeat_lost; }
-  const canopen::Emcy& last_emcy() const noexcept { return probe->emcy; }
+  std::uint16_t last_error_code() const noexcept { return probe->emcy.code; }
   std::uint16_t take_emergency() noexcept { return std::exchange(probe->new_error, std::uint16_t{0}); }
   bool node_id_conflict() const noexcept { return probe->node_id_conflict; }
   bool reference_lost() const noexcept { return probe->reference_lost; }

@@ -1,9 +1,10 @@
 // ControlLoop: receive, supervise, control, send; once a period, for up to MaxAxes axes on one bus.
 //
-// The frames of a step leave in the order RPDO of every axis, SYNC, then one acyclic frame. Every drive acts on its new
-// command and takes its next sample at that SYNC; the samples have a whole period to come back. So a force computed in
-// step k from the sample of SYNC k-1 acts from SYNC k to SYNC k+1: the latency is one period, and a pulse of n steps
-// lasts n periods.
+// The frames of a step leave in the order command of every axis, SYNC where the protocol has one, questions where it
+// has them, then one acyclic frame. With SYNC every drive acts on its new command and takes its next sample at that
+// SYNC; the samples have a whole period to come back. So a force computed in step k from the sample of SYNC k-1 acts
+// from SYNC k to SYNC k+1: the latency is one period, and a pulse of n steps lasts n periods. Without SYNC a command
+// acts when it arrives, and the sample is the newest that came.
 #pragma once
 
 #include <array>
@@ -16,10 +17,6 @@
 #include <utility>
 
 #include "breakaway/canopen/bus_budget.hpp"
-#include "breakaway/canopen/cob_id.hpp"
-#include "breakaway/canopen/emcy.hpp"
-#include "breakaway/canopen/heartbeat.hpp"
-#include "breakaway/canopen/sync.hpp"
 #include "breakaway/firmware/loop_concepts.hpp"
 #include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
@@ -85,10 +82,7 @@ class ControlLoop {
   };
 
   ControlLoop(Port& port, const LoopConfig& config) noexcept
-      : port_{&port},
-        config_{config},
-        statistics_{config.network.period},
-        heartbeat_{config.network.node_id, config.network.heartbeat_period} {}
+      : port_{&port}, config_{config}, statistics_{config.network.period}, master_{config.network} {}
 
   // Takes an axis in; to be called before the first step. The drive is made for this loop's network and the
   // controller's scale, so that nothing is said twice. A limits.feedback_timeout of 0 means two and a half periods, so
@@ -211,6 +205,8 @@ class ControlLoop {
   std::uint64_t refused_frames() const noexcept { return refused_frames_; }
 
  private:
+  using Master = typename Drive::Master;
+
   struct Axis {
     Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits) noexcept
         : drive{d}, controller{c}, supervisor{limits, model_of(c)} {}
@@ -313,23 +309,14 @@ class ControlLoop {
   [[gnu::noinline]] void receive() noexcept {
     hal::ReceivedFrame received;
     for (int n = 0; n < max_frames_per_step && port_->receive(received); ++n) {
-      const std::uint8_t node = canopen::node_id_of(received.frame.id);
-      const bool for_all =
-          canopen::is_sync(received.frame) || received.frame.id == canopen::heartbeat_cob_id(config_.network.node_id);
+      const std::uint8_t node = Master::node_of(received.frame);
+      const bool for_all = master_.is_own(received.frame);
       for (std::size_t i = 0; i < count_; ++i) {
         Axis& a = *axes_[i];
-        if (for_all || is_write_to(a, received.frame)) a.another_master = true;
+        if (for_all || Master::is_command(received.frame, a.drive.node_id())) a.another_master = true;
         if (a.drive.node_id() == node) a.drive.on_frame(received);
       }
     }
-  }
-
-  // What we send ourselves does not come back. Whoever only reads by SDO does no harm.
-  static bool is_write_to(const Axis& a, const hal::CanFrame& frame) noexcept {
-    constexpr unsigned initiate_download = 1, block_download = 6;
-    const unsigned specifier = frame.data[0] >> 5U;
-    return frame.id == canopen::sdo_request_cob_id(a.drive.node_id()) &&
-           (specifier == initiate_download || specifier == block_download);
   }
 
   void control(Axis& a, hal::Time now) noexcept {
@@ -434,7 +421,7 @@ class ControlLoop {
     if (feedback.state != hal::DriveState::enabling) a.enabling_since = now;
     if (now - a.enabling_since <= enable_time && now - *a.unfulfilled_since <= time_to_set_up(a.drive)) return;
     // An error that the drive told of says more than that it does not come.
-    const std::uint16_t code = a.drive.last_emcy().code;
+    const std::uint16_t code = a.drive.last_error_code();
     a.supervisor.latch(code != 0 ? AxisFault::emergency : AxisFault::enable_timed_out, code, now);
   }
 
@@ -461,8 +448,9 @@ class ControlLoop {
       if (axes_[i]->drive.next_command_frame(frame)) transmit(frame, deadline);
       axes_[i]->drive.on_sync(now);  // the SYNC below
     }
-    transmit(canopen::sync_frame(), deadline);
-    if (heartbeat_.next_frame(frame, canopen::NmtState::operational, now)) {
+    if (master_.next_sync(frame)) transmit(frame, deadline);
+    ask(deadline);
+    if (master_.next_heartbeat(frame, now)) {
       transmit(frame, deadline);
       return;
     }
@@ -475,6 +463,15 @@ class ControlLoop {
     }
   }
 
+  // The questions of a protocol whose drives are asked for their samples.
+  void ask(hal::Time deadline) noexcept {
+    if constexpr (requires(Drive & drive, hal::CanFrame & frame) { drive.next_poll_frame(frame); }) {
+      hal::CanFrame frame;
+      for (std::size_t i = 0; i < count_; ++i)
+        while (axes_[i]->drive.next_poll_frame(frame)) transmit(frame, deadline);
+    }
+  }
+
   void transmit(const hal::CanFrame& frame, hal::Time deadline) noexcept {
     if (port_->send(frame, deadline) != hal::SendResult::queued) ++refused_frames_;
   }
@@ -482,7 +479,7 @@ class ControlLoop {
   Port* port_;
   LoopConfig config_;
   TimingStatistics statistics_;
-  canopen::HeartbeatProducer heartbeat_;
+  Master master_;
   std::array<std::optional<Axis>, MaxAxes> axes_{};
   std::size_t count_ = 0;
   std::size_t next_acyclic_ = 0;

@@ -4,10 +4,9 @@
 #include <concepts>
 #include <cstdint>
 
-#include "breakaway/canopen/emcy.hpp"
-#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/hal/can_port.hpp"
 #include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/network_config.hpp"
 #include "breakaway/law/control_types.hpp"
 
 namespace breakaway::firmware {
@@ -28,10 +27,22 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
   { constant.mode() } noexcept -> std::same_as<law::Mode>;
 };
 
-// A drive on the bus: MotorDrive, and the frames that make it one.
+// The side of a protocol that concerns no single drive: canopen::Master says what the calls do.
+template <class M>
+concept BusMaster = std::constructible_from<M, const hal::NetworkConfig&> &&
+    requires(M& master, const M& constant, const hal::CanFrame& in, hal::CanFrame& out, hal::Time now, std::uint8_t node) {
+  { M::node_of(in) } noexcept -> std::same_as<std::uint8_t>;
+  { constant.is_own(in) } noexcept -> std::same_as<bool>;
+  { M::is_command(in, node) } noexcept -> std::same_as<bool>;
+  { master.next_sync(out) } noexcept -> std::same_as<bool>;
+  { master.next_heartbeat(out, now) } noexcept -> std::same_as<bool>;
+};
+
+// A drive on the bus: MotorDrive, and the frames that make it one. A drive that is asked for its samples has
+// next_poll_frame(out) besides, which is called until it says false.
 template <class D, class Scalar>
-concept BusDrive = hal::MotorDrive<D, Scalar> &&
-    std::constructible_from<D, const typename D::Config&, const canopen::NetworkConfig&, const hal::AxisScale<Scalar>&> &&
+concept BusDrive = hal::MotorDrive<D, Scalar> && BusMaster<typename D::Master> &&
+    std::constructible_from<D, const typename D::Config&, const hal::NetworkConfig&, const hal::AxisScale<Scalar>&> &&
     requires(D& drive, const D& constant, const hal::ReceivedFrame& in, hal::CanFrame& out, hal::Time now,
              std::int32_t count) {
   { drive.on_frame(in) } noexcept;
@@ -42,8 +53,8 @@ concept BusDrive = hal::MotorDrive<D, Scalar> &&
   { constant.node_id() } noexcept -> std::same_as<std::uint8_t>;  // gets the frames of this node
   { constant.encoder_resolution_m() } noexcept -> std::same_as<Scalar>;
   { constant.heartbeat_lost() } noexcept -> std::same_as<bool>;
-  { constant.last_emcy() } noexcept -> std::same_as<const canopen::Emcy&>;
-  { drive.take_emergency() } noexcept -> std::same_as<std::uint16_t>;  // first EMCY error code since the last call, or 0
+  { constant.last_error_code() } noexcept -> std::same_as<std::uint16_t>;  // that it told of, of its own kind; 0: none
+  { drive.take_emergency() } noexcept -> std::same_as<std::uint16_t>;  // the first that it told since the last call, or 0
   { constant.node_id_conflict() } noexcept -> std::same_as<bool>;
   { constant.reference_lost() } noexcept -> std::same_as<bool>;
   { drive.set_reference_counts(count) } noexcept;  // the axis stands at this count now

@@ -41,6 +41,7 @@
 #include <utility>
 
 #include "breakaway/canopen/emcy.hpp"
+#include "breakaway/canopen/master.hpp"
 #include "breakaway/canopen/network_config.hpp"
 #include "breakaway/canopen/nmt.hpp"
 #include "breakaway/canopen/object_address.hpp"
@@ -64,6 +65,7 @@ template <class Scalar>
 class Drive {
  public:
   using Config = DriveConfig<Scalar>;
+  using Master = canopen::Master;
 
   // A drive in Operation enabled leaves it within this of a stop, or does not obey. Drives read a controlword once in
   // some milliseconds.
@@ -206,6 +208,7 @@ class Drive {
   std::optional<canopen::NmtState> nmt_state() const noexcept { return node_.nmt_state(); }
   bool heartbeat_lost() const noexcept { return node_.heartbeat_lost(); }
   const canopen::Emcy& last_emcy() const noexcept { return node_.emcy().last(); }
+  std::uint16_t last_error_code() const noexcept { return last_emcy().code; }
   // The first error code of an EMCY message since the last call; 0: none came.
   std::uint16_t take_emergency() noexcept { return node_.take_emergency(); }
   // Every SYNC is answered twice.
