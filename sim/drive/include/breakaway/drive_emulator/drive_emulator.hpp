@@ -19,6 +19,7 @@
 #include "breakaway/canopen/nmt.hpp"
 #include "breakaway/drive_emulator/config.hpp"
 #include "breakaway/drive_emulator/emergency.hpp"
+#include "breakaway/drive_emulator/emulated_drive.hpp"
 #include "breakaway/drive_emulator/mechanism.hpp"
 #include "breakaway/drive_emulator/object_dictionary.hpp"
 #include "breakaway/drive_emulator/pdo.hpp"
@@ -30,7 +31,7 @@
 
 namespace breakaway::drive_emulator {
 
-class DriveEmulator {
+class DriveEmulator final : public EmulatedDrive {
  public:
   static constexpr std::size_t pdo_count = 4;  // in each direction
   // Called with each frame that the drive puts into its transmit queue, and when. It must not call the drive.
@@ -42,18 +43,12 @@ class DriveEmulator {
   DriveEmulator& operator=(const DriveEmulator&) = delete;
 
   // The boot-up message follows after boot_duration.
-  void power_on(hal::Time time);
-  // From here on there are no frames and no torque, and everything is forgotten.
-  void power_off(hal::Time time);
-
-  // time: when the frame's last bit was on the wire.
-  void on_frame(const hal::CanFrame& frame, hal::Time time);
-  // Runs everything that is due up to and including `time`.
-  void advance_to(hal::Time time);
-  // Returns when advance_to has something to do next; nothing while it has not.
-  std::optional<hal::Time> next_event() const;
-  // Brings the mechanism forward as well, for a look at it between two events.
-  void advance_mechanism_to(hal::Time time);
+  void power_on(hal::Time time) override;
+  void power_off(hal::Time time) override;
+  void on_frame(const hal::CanFrame& frame, hal::Time time) override;
+  void advance_to(hal::Time time) override;
+  std::optional<hal::Time> next_event() const override;
+  void advance_mechanism_to(hal::Time time) override;
 
   // Has the drive fault. 603Fh and the EMCY show the code; the cause is momentary, so that a fault reset succeeds.
   void trip_fault(std::uint16_t code, hal::Time time);
@@ -74,9 +69,8 @@ class DriveEmulator {
   // boot_up: the drive is off or boots.
   canopen::NmtState nmt_state() const { return nmt_; }
   const ObjectDictionary& objects() const { return dictionary_; }
-  const model::AppliedForce& force() const { return drive_.motor().segment(); }
-  // Returns the largest magnitude of the force from the beginning until `end`.
-  double largest_force_N(hal::Time end) const;
+  const model::AppliedForce& force() const override { return drive_.motor().segment(); }
+  double largest_force_N(hal::Time end) const override;
   // The listener is called with each new force segment; the one before ends where it starts.
   void on_force_segment(std::function<void(const model::AppliedForce&)> listener) {
     drive_.on_force_segment(std::move(listener));

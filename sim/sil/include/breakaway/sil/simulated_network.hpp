@@ -5,9 +5,12 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "breakaway/drive_emulator/drive_emulator.hpp"
+#include "breakaway/drive_emulator/emulated_drive.hpp"
+#include "breakaway/odrive_emulator/odrive_emulator.hpp"
 #include "breakaway/sil/result.hpp"
 #include "breakaway/virtual_bus/virtual_bus.hpp"
 
@@ -25,9 +28,11 @@ class SimulatedNetwork {
   // A drive with its motor on `mechanism`, switched on now. The mechanism must outlive the network.
   drive_emulator::DriveEmulator& add_drive(const drive_emulator::EmulatorConfig& config,
                                            drive_emulator::Mechanism& mechanism) {
-    nodes_.push_back(std::make_unique<Node>(bus_.add_port(), config, mechanism));
-    nodes_.back()->drive.power_on(bus_.now());
-    return nodes_.back()->drive;
+    return add<drive_emulator::DriveEmulator>(config, mechanism);
+  }
+  odrive_emulator::OdriveEmulator& add_drive(const odrive_emulator::EmulatorConfig& config,
+                                             drive_emulator::Mechanism& mechanism) {
+    return add<odrive_emulator::OdriveEmulator>(config, mechanism);
   }
 
   // Every frame that leaves the wire from now on is appended to `frames`.
@@ -45,7 +50,7 @@ class SimulatedNetwork {
       bus_.advance_to(std::max(bus_.now(), next_event(time)));
       for (const auto& node : nodes_) node->advance_to(bus_.now());
     }
-    for (const auto& node : nodes_) node->drive.advance_mechanism_to(time);
+    for (const auto& node : nodes_) node->drive->advance_mechanism_to(time);
   }
 
   Port& controller_port() { return controller_port_; }
@@ -55,8 +60,7 @@ class SimulatedNetwork {
 
  private:
   struct Node {
-    Node(Port& p, const drive_emulator::EmulatorConfig& config, drive_emulator::Mechanism& mechanism)
-        : port{p}, drive{config, mechanism, [this](const hal::CanFrame& frame, hal::Time at) { transmit(frame, at); }} {
+    explicit Node(Port& p) : port{p} {
       port.set_listener(
           [](void* self, const hal::ReceivedFrame& received) noexcept { static_cast<Node*>(self)->receive(received); },
           this);
@@ -66,27 +70,39 @@ class SimulatedNetwork {
     void receive(const hal::ReceivedFrame& received) noexcept {
       if (refusal) return;
       try {
-        drive.on_frame(received.frame, received.time);
+        drive->on_frame(received.frame, received.time);
       } catch (...) {
         refusal = std::current_exception();
       }
     }
     void advance_to(hal::Time now) {
       if (refusal) std::rethrow_exception(refusal);
-      drive.advance_to(now);
+      drive->advance_to(now);
     }
     // A full transmit queue loses the frame, as it would in the drive; the controller's supervision sees what follows.
     void transmit(const hal::CanFrame& frame, hal::Time at) {
       static_cast<void>(port.send(frame, at + std::chrono::seconds{1}));
     }
     Port& port;
-    drive_emulator::DriveEmulator drive;
+    std::unique_ptr<drive_emulator::EmulatedDrive> drive;
     std::exception_ptr refusal;
   };
 
+  template <class Emulator, class Config>
+  Emulator& add(const Config& config, drive_emulator::Mechanism& mechanism) {
+    nodes_.push_back(std::make_unique<Node>(bus_.add_port()));
+    Node& node = *nodes_.back();
+    auto drive = std::make_unique<Emulator>(
+        config, mechanism, [&node](const hal::CanFrame& frame, hal::Time at) { node.transmit(frame, at); });
+    Emulator& added = *drive;
+    node.drive = std::move(drive);
+    added.power_on(bus_.now());
+    return added;
+  }
+
   hal::Time next_event(hal::Time latest) const {
     hal::Time next = std::min(latest, bus_.next_event());
-    for (const auto& node : nodes_) next = std::min(next, node->drive.next_event().value_or(latest));
+    for (const auto& node : nodes_) next = std::min(next, node->drive->next_event().value_or(latest));
     return next;
   }
 
