@@ -2,9 +2,13 @@
 // bounded for any bits.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <random>
 #include <string>
 
+#include "breakaway/odrive/bus_budget.hpp"
+#include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/sil/run_scenario.hpp"
 #include "odrive_rig.hpp"
 
 namespace breakaway::closed_loop {
@@ -60,6 +64,66 @@ TEST(OdriveAxis, SettlesAsAccuratelyAsBehindCia402) {
       EXPECT_LE(rig.largest_force_N(), 50 * (1 + 1e-6));
     }
   }
+}
+
+// The two files are of one axis; its tolerance is that of the file.
+TEST(OdriveAxis, OfAFileSettlesLikeThatOfCia402) {
+  const std::string scenarios = std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/";
+  const auto canopen = sil::run_scenario(scenario::read_scenario(scenarios + "can_axis.toml"), {}).axes.front();
+  ASSERT_TRUE(canopen.settled);
+  const auto polled = [&] {
+    auto s = scenario::read_scenario(scenarios + "odrive_axis.toml");
+    s.node.axes.front().drive->odrive->estimates = Estimates::polled;
+    s.worlds.front().odrive->estimate_period = s.worlds.front().odrive->torque_period = {};
+    return s;
+  };
+  for (const auto& s : {scenario::read_scenario(scenarios + "odrive_axis.toml"), polled()}) {
+    const auto odrive = sil::run_scenario(s, {}).axes.front();
+    EXPECT_TRUE(odrive.faults.empty()) << odrive.faults.front().name;
+    EXPECT_TRUE(odrive.settled);
+    EXPECT_LE(std::abs(odrive.final_error_m), 3e-6);
+    EXPECT_LE(odrive.max_force_N, 50 * (1 + 1e-6));
+    std::printf("settles in %.3f s to %.2f um; behind CiA 402 in %.3f s to %.2f um\n", odrive.settling_time_s,
+                1e6 * odrive.final_error_m, canopen.settling_time_s, 1e6 * canopen.final_error_m);
+  }
+}
+
+bool keeps_up(hal::Duration period, double late_share) {
+  OdriveRigConfig config = with(Estimates::polled);
+  config.period = period;
+  OdriveRig rig{config};
+  if (!rig.start()) return false;
+  unsigned samples = 0, late = 0;
+  for (const hal::Time end = rig.now() + 2s; rig.now() < end; ++samples) {
+    rig.step();
+    if (!rig.status().running) return false;
+    late += !rig.status().feedback.fresh;
+  }
+  const double tolerance_m = Rig::parameters_for(period).accuracy_floor_m() + 2e-6;  // and two encoder counts
+  return std::abs(rig.position_m()) <= tolerance_m && late <= late_share * samples;
+}
+
+double shortest_period_us(double late_share) {
+  auto period = 700us;
+  while (keeps_up(period - 5us, late_share)) period -= 5us;
+  return static_cast<double>(period.count());
+}
+
+// Against the rates that worst-case stuffing of its five messages allows, with a frame a period kept free for what is
+// not cyclic, and with none.
+TEST(OdriveLoopRate, ReachesWhatTheBusAllows) {
+  const odrive::Sampling polled{.estimates = Estimates::polled};
+  const double promised_Hz = odrive::bus_budget(1, 1ms, 1'000'000, polled).max_rate_Hz;
+  const double full_Hz = odrive::bus_budget(1, 1ms, 1'000'000, polled, 0).max_rate_Hz;
+  const double none_late_Hz = 1e6 / shortest_period_us(0), few_late_Hz = 1e6 / shortest_period_us(0.01);
+  std::printf("polled: %4.0f Hz of %4.0f, with few late samples %4.0f of %4.0f\n", none_late_Hz, promised_Hz,
+              few_late_Hz, full_Hz);
+  EXPECT_GE(none_late_Hz, 0.95 * promised_Hz);
+  EXPECT_GE(few_late_Hz, 0.95 * full_Hz);
+  constexpr odrive::Sampling cyclic{};
+  static_assert(odrive::bus_budget(1, 1ms, 1'000'000, cyclic).fits(), "cyclic estimates come once a millisecond");
+  static_assert(odrive::bus_budget(2, 1ms, 1'000'000, cyclic).fits());
+  static_assert(!odrive::bus_budget(3, 1ms, 1'000'000, cyclic).fits());
 }
 
 TEST(OdriveAxis, IsWithoutForceWithinThreePeriodsOfAStop) {

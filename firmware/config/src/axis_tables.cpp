@@ -8,6 +8,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "read_odrive.hpp"
 #include "read_told.hpp"
 #include "sheet_rows.hpp"
 #include "surroundings.hpp"
@@ -229,11 +230,13 @@ void check_homing(const Section& section, const Drive& d) {
   }
 }
 
-Drive read_drive(const Section& section, std::size_t place, std::vector<Key> others) {
+Drive read_canopen_drive(const Section& section, std::size_t place, std::vector<Key> others) {
   Drive d;
+  Protocol protocol{};
   d.node_id = static_cast<std::uint8_t>(place + 1);
   section.read(
       std::vector<Key>{
+          optional("protocol", choice(protocol, {{"canopen", Protocol::canopen}})),
           optional("node_id", integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
           sheet_row(section, d),
           optional("rated_torque_Nm", thousandths(d.rated_torque_mNm, "N m")),
@@ -253,8 +256,17 @@ Drive read_drive(const Section& section, std::size_t place, std::vector<Key> oth
           optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
       } +
-      homing_rows(d.homing) + std::move(others));
+      homing_rows(d.homing) + odrive_keys_refused() + std::move(others));
   take_from_sheet(section, d);
+  return d;
+}
+
+Drive read_drive(const Section& section, std::size_t place, const Node& node, std::vector<Key> others) {
+  Protocol protocol = Protocol::canopen;
+  section.read_alone(
+      optional("protocol", choice(protocol, {{"canopen", Protocol::canopen}, {"odrive", Protocol::odrive}})));
+  const Drive d = protocol == Protocol::odrive ? read_odrive(section, place, node)
+                                               : read_canopen_drive(section, place, std::move(others));
   // The simulation takes steps of a fraction of it, so a run would take for ever.
   if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
     section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");
@@ -386,13 +398,15 @@ void check_feedforward(const Section& section, const Axis& axis) {
 
 void check_in_node(const Section& section, const Drive& drive, const Node& node) {
   const unsigned id = drive.node_id;
-  if (node.loop && id == node.loop->node_id)
+  if (node.loop && id == node.loop->node_id && !drive.odrive)
     section.fail("node_id", fmt::format("is {}, as that of the [loop]; change one of them", id));
   for (const Axis& other : node.axes) {
+    if (other.drive && other.drive->protocol() != drive.protocol())
+      section.fail("protocol", fmt::format("differs from that of axis {}; a bus speaks one protocol", other.name));
     if (other.drive && other.drive->node_id == drive.node_id)
       section.fail("node_id", fmt::format("is {}, as that of axis {}; give every drive its own", id, other.name));
   }
-  if (!node.loop) return;
+  if (!node.loop || drive.odrive) return;
   // Drive and node watch each other with one timeout. The node's heartbeats leave with its periods.
   const Loop& loop = *node.loop;
   const auto periods = (loop.heartbeat_period + loop.period - hal::Duration{1}) / loop.period;
@@ -443,11 +457,12 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   need(plant_, "plant").read(std::vector<Key>{required("mass_kg", number(axis.mass_kg, "kg", positive))} + also.plant);
   axis.friction = read_friction(need(friction_, "friction"), axis.mass_kg, also.friction);
   axis.controller = read_controller(need(controller_, "controller"), sampled, drive_.has_value(), also.controller);
-  if (drive_) axis.drive = read_drive(*drive_, place, also.drive);
+  if (drive_) axis.drive = read_drive(*drive_, place, node, also.drive);
   if (drive_) check_in_node(*drive_, *axis.drive, node);
   if (told_) read_told(*told_, axis);
   if (uncertainty_) axis.uncertainty = read_uncertainty(*uncertainty_, axis.friction, node.period_s());
   if (limits_) axis.limits = read_limits(*limits_);
+  if (drive_) take_in_spacing(*drive_, limits_, axis);
   if (move_) axis.move = read_move(*move_, axis.controller);
   check_presliding(*friction_, axis);
   check_fine_stage(*controller_, axis);

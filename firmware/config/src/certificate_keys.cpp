@@ -79,8 +79,15 @@ constexpr std::array rows{
 
     CertificateKey{"targets", "time_s", apart},
 
+    CertificateKey{"drive", "protocol", counted},
     CertificateKey{"drive", "node_id", apart},
     CertificateKey{"drive", "eds", counted},
+    CertificateKey{"drive", "travel_per_turn_m", counted},
+    CertificateKey{"drive", "max_torque_Nm", counted},
+    CertificateKey{"drive", "torque_constant_Nm_per_A", apart},
+    CertificateKey{"drive", "velocity_limit_turns_s", apart},
+    CertificateKey{"drive", "estimates", apart},
+    CertificateKey{"drive", "estimate_period_s", apart},
     CertificateKey{"drive", "rated_torque_Nm", counted},
     CertificateKey{"drive", "rated_current_A", apart},
     CertificateKey{"drive", "max_torque_per_mille", counted},

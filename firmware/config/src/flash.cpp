@@ -24,6 +24,10 @@ void require_flashable(const Node& node) {
     throw InputError{"[loop] is missing: what runs on a controller needs its period_s"}.in_file(node.file);
   for (const Axis& axis : node.axes) {
     if (!axis.drive) refuse(axis, "[drive] is missing: what runs on a controller needs one");
+    if (axis.drive->odrive)
+      refuse(axis,
+             "[drive] protocol is \"odrive\", which is simulated only so far: `simulate` and `study` run it; boards, "
+             "breakaway-node and what watches a bus speak \"canopen\"");
     if (!axis.controller.impulsive) refuse(axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
   }
 }
@@ -73,6 +77,28 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
 }
 
 template <class Real>
+odrive::DriveConfig<Real> odrive_config(const Axis& axis) {
+  const Drive& d = *axis.drive;
+  const Odrive& o = *d.odrive;
+  const double current_A =
+      o.torque_constant_Nm_per_A ? max_force_N(axis) / d.force_per_torque_N_per_Nm / *o.torque_constant_Nm_per_A : 0;
+  return {.node_id = d.node_id,
+          .force_per_torque_N_per_Nm = static_cast<Real>(d.force_per_torque_N_per_Nm),
+          .max_torque_Nm = static_cast<Real>(o.max_torque_Nm),
+          .counts_per_turn = o.travel_per_turn_m / d.encoder_resolution_m,
+          .velocity_limit_turns_s = static_cast<float>(o.velocity_limit_turns_s.value_or(0)),
+          .current_limit_A = static_cast<float>(current_A),
+          .estimates = o.estimates,
+          .estimate_period = o.estimate_period,
+          .heartbeat_period = d.heartbeat_period,
+          .heartbeat_timeout = d.heartbeat_timeout,
+          .invert_direction = d.invert_direction,
+          .absolute_encoder = d.absolute_encoder,
+          .home_here = d.homing.home == cia402::Home::here,
+          .home_counts = homing_config(d).position_counts};
+}
+
+template <class Real>
 firmware::AxisLimits<Real> axis_limits(const Axis& axis) {
   const Limits& l = axis.limits;
   firmware::AxisLimits<Real> limits;
@@ -87,6 +113,8 @@ firmware::AxisLimits<Real> axis_limits(const Axis& axis) {
 
 template cia402::DriveConfig<float> drive_config(const Axis&);
 template cia402::DriveConfig<double> drive_config(const Axis&);
+template odrive::DriveConfig<float> odrive_config(const Axis&);
+template odrive::DriveConfig<double> odrive_config(const Axis&);
 template firmware::AxisLimits<float> axis_limits(const Axis&);
 template firmware::AxisLimits<double> axis_limits(const Axis&);
 

@@ -13,6 +13,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/odrive/bus_budget.hpp"
 #include "read_coupling.hpp"
 #include "surroundings.hpp"
 #include "wiring.hpp"
@@ -56,6 +57,10 @@ std::string read_name(const Section& section, std::string name, const std::vecto
   if (std::ranges::find(before, name, &Axis::name) != before.end())
     section.fail("name", fmt::format("is \"{}\", as that of an axis above; give every axis a name of its own", name));
   return name;
+}
+
+bool speaks_odrive(const Node& node) {
+  return std::ranges::any_of(node.axes, [](const Axis& axis) { return axis.drive && axis.drive->odrive; });
 }
 
 void check_period(const Section& section, const Loop& loop) {
@@ -169,8 +174,12 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   read_axes(root, node, alone, others);
   if (run && node.loop) check_tolerances(*run, node);
   read_bus(bus, node, others.bus);
-  if (loop && node.bit_rate) check_period(*loop, *node.loop);
+  if (loop && node.bit_rate && !speaks_odrive(node)) check_period(*loop, *node.loop);
   check_data_sheets(node);
+  if (coupling && speaks_odrive(node))
+    coupling->fail("mass",
+                   "stands beside a drive of protocol = \"odrive\", whose axes move each alone so far; leave "
+                   "[coupling] out, or take protocol = \"canopen\"");
   if (coupling) node.coupling = read_coupling(*coupling, node);
   look_at_root(root, node);
   return node;
@@ -202,12 +211,38 @@ FileRows passed_over() {
           }};
 }
 
+namespace {
+
+struct Need {
+  std::uint32_t needed_us = 0, available_us = 0;
+  hal::Duration least_period{};
+  bool fits = true;
+};
+
+// Of cyclic estimates a longer period may bring more, so its need is its own; a whole one of theirs brings one.
+Need need_of_odrives(const Node& node) {
+  const Odrive& o = *node.axes.front().drive->odrive;
+  const odrive::Sampling sampling{o.estimates, o.estimate_period};
+  const auto axes = static_cast<unsigned>(node.axes.size());
+  const auto budget = odrive::bus_budget(axes, node.loop->period, *node.bit_rate, sampling);
+  hal::Duration least = std::chrono::microseconds{budget.needed_us};
+  if (o.estimates == odrive::Estimates::cyclic) least = std::max(least, o.estimate_period);
+  return {budget.needed_us, budget.available_us, least, budget.fits()};
+}
+
+Need need_of_canopen(const Node& node) {
+  const auto axes = static_cast<unsigned>(node.axes.size());
+  const auto budget = canopen::bus_budget(axes, node.loop->period, *node.bit_rate);
+  return {budget.needed_us, budget.available_us, budget.least_period, axes <= budget.max_axes};
+}
+
+}  // namespace
+
 void require_fitting_bus(const Node& node) {
   if (!node.loop || !node.bit_rate) return;
-  const auto axes = static_cast<unsigned>(node.axes.size());
-  const hal::Duration period = node.loop->period;
-  const auto budget = canopen::bus_budget(axes, period, *node.bit_rate);
-  if (axes <= budget.max_axes) return;
+  const auto axes = node.axes.size();
+  const Need budget = speaks_odrive(node) ? need_of_odrives(node) : need_of_canopen(node);
+  if (budget.fits) return;
   throw InputError{fmt::format("{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on "
                                "the bus and has {} us; "
                                "choose a period_s of at least {}",

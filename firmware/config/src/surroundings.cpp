@@ -182,6 +182,10 @@ class Outside {
       spring();
     else if (by_work())
       add("[controller] coast = \"work\" is for a load on a spring; give its [plant.load], or take \"brake\"");
+    if (axis_.drive && axis_.drive->odrive)
+      add("[drive] protocol = \"odrive\": a certificate is of samples and forces that begin together at a SYNC, and "
+          "here "
+          "each comes when it does; simulate and study it, or take protocol = \"canopen\"");
     forces();
     readings();
     presliding();

@@ -176,7 +176,10 @@ scenario::Scenario read_drives(const DriveCommand& options) {
   if (!options.axis.empty()) s = only_axis(s, options.axis);
   for (const scenario::AxisWorld& world : s.worlds) {
     if (!world.drive)
-      throw InputError{s.node.file + ": has no [drive]; give a scenario whose axes have drives on a bus"};
+      throw InputError{s.node.file +
+                       (world.odrive ? ": [drive] protocol is \"odrive\", and the emulated drives of `drive` speak "
+                                       "\"canopen\"; take that, or `simulate` the file"
+                                     : ": has no [drive]; give a scenario whose axes have drives on a bus")};
   }
   if (options.node_id != 0 && s.axes() > 1)
     throw InputError{"--node-id: is for one drive, and the scenario has several; say which with --axis NAME"};

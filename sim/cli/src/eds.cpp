@@ -26,6 +26,9 @@ eds::Device drive_of_axis(const EdsCommand& options, const scenario::Scenario& s
   const scenario::Scenario one = options.axis.empty() ? s : only_axis(s, options.axis);
   if (one.axes() > 1)
     throw InputError{"has several axes, each with a drive of its own; say whose with --axis NAME"}.in_file(s.node.file);
+  if (one.worlds.front().odrive)
+    throw InputError{"has a [drive] of protocol = \"odrive\", and an EDS is of a CANopen drive; take \"canopen\""}
+        .in_file(s.node.file);
   if (!one.worlds.front().drive)
     throw InputError{"has no [drive]; only an axis with one has a data sheet of it"}.in_file(s.node.file);
   return eds::drive_device(*one.worlds.front().drive);

@@ -111,7 +111,7 @@ std::string inputs(const Scenario& s, std::size_t place) {
   if (axis.drive) {
     table.quantity("Encoder count", 1e6 * axis.drive->encoder_resolution_m, "µm");
     const double told = axis.drive->force_per_torque_N_per_Nm, quantum_N = axis.drive->force_quantum_N();
-    add_told(table, "Force per per-mille of rated torque", std::fabs(quantum_N),
+    add_told(table, axis.drive->odrive ? "Step of force" : "Force per per-mille of rated torque", std::fabs(quantum_N),
              std::fabs(quantum_N * config::truth_of(axis).force_per_torque_N_per_Nm / told), "N");
     if (axis.latency_periods != 1) table.row("Latency", fmt::format("told {} periods, truly 1", axis.latency_periods));
   }

@@ -107,6 +107,28 @@ force_per_torque_N_per_Nm = 50
 encoder_resolution_m = 1e-6
 )";
 
+constexpr std::string_view odrive_axis_text = R"(
+[plant]
+mass_kg = 1
+[friction]
+lower_N = 2.5
+upper_N = 4.5
+[controller]
+k1_N_per_m = 400
+k21_Ns_per_m = 32
+k22_Ns_per_m = 60
+[loop]
+period_s = 0.001
+[drive]
+protocol = "odrive"
+travel_per_turn_m = 0.1
+max_torque_Nm = 1
+force_per_torque_N_per_Nm = 50
+encoder_resolution_m = 1e-6
+[limits]
+position_m = 1
+)";
+
 constexpr std::string_view axes_on_a_machine_text = R"(
 [machine]
 mass = [[1]]
@@ -172,8 +194,8 @@ law = { kind = "static_kinetic" }
 
 config::KnownTables known_tables() {
   config::KnownTables known;
-  for (const std::string_view text :
-       {one_axis_text, ideal_axis_text, pid_axis_text, axes_on_a_machine_text, machine_text, machine_with_laws_text})
+  for (const std::string_view text : {one_axis_text, ideal_axis_text, pid_axis_text, odrive_axis_text,
+                                      axes_on_a_machine_text, machine_text, machine_with_laws_text})
     static_cast<void>(parse_any_scenario(text, "a file of every table", &known));
   return known;
 }

@@ -78,6 +78,10 @@ void require_sound_place(const Axis& axis, const AxisWorld& world, bool has_law,
   const auto fail = [&](const std::string& what) { throw InputError{"axis " + axis.name + ": " + what}; };
   if (has_place && !has_machine) fail("[plant.machine] needs a [machine]: describe the one that it pushes");
   if (!has_machine) return;
+  if (axis.drive && axis.drive->odrive)
+    fail(
+        "[drive] protocol = \"odrive\" stands beside a [machine], whose axes speak \"canopen\" so far; take that, or "
+        "leave the [machine] out");
   if (!has_place)
     fail(
         "[plant.machine] is missing: say which coordinate of the [machine] its drive pushes, as machine = { push = 1 "
@@ -110,7 +114,7 @@ class WorldReader {
     for (std::size_t i = 0; i < node.axes.size(); ++i) {
       AxisWorld& world = worlds_[i].world;
       world.friction = {truth_of(node.axes[i]).bounds, std::move(worlds_[i].shape)};
-      if (node.axes[i].drive) world.drive = emulator(node, node.axes[i], worlds_[i]);
+      if (node.axes[i].drive) emulate_drive(node, node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
       require_counted_start(node, node.axes[i], world.position_m);
@@ -236,7 +240,31 @@ class WorldReader {
             optional("accuracy_m", number(run_.accuracy_m, "m", positive))};
   }
 
-  drive_emulator::EmulatorConfig emulator(const Node& node, const Axis& described, const ReadAxis& axis) const {
+  static void emulate_drive(const Node& node, const Axis& described, ReadAxis& axis) {
+    if (described.drive->odrive)
+      axis.world.odrive = odrive_emulator(described);
+    else
+      axis.world.drive = emulator(node, described, axis);
+  }
+
+  static odrive_emulator::EmulatorConfig odrive_emulator(const Axis& described) {
+    const Drive& drive = *described.drive;
+    const Odrive& o = *drive.odrive;
+    const bool polled = o.estimates == odrive::Estimates::polled;
+    odrive_emulator::EmulatorConfig c;
+    c.node_id = drive.node_id;
+    c.force_per_torque_N_per_Nm = truth_of(described).force_per_torque_N_per_Nm;
+    c.travel_per_turn_m = o.travel_per_turn_m;
+    c.max_torque_Nm = std::min(o.max_torque_Nm, drive.peak_force_N.value_or(unlimited) / c.force_per_torque_N_per_Nm);
+    if (o.torque_constant_Nm_per_A) c.torque_constant_Nm_per_A = *o.torque_constant_Nm_per_A;
+    c.current_loop_time_constant_s = drive.current_loop_time_constant_s;
+    c.encoder_resolution_m = drive.encoder_resolution_m;
+    c.heartbeat_period = drive.heartbeat_period;
+    c.estimate_period = c.torque_period = polled ? hal::Duration{} : o.estimate_period;
+    return c;
+  }
+
+  static drive_emulator::EmulatorConfig emulator(const Node& node, const Axis& described, const ReadAxis& axis) {
     const Drive& drive = *described.drive;
     drive_emulator::EmulatorConfig c;
     c.node_id = drive.node_id;
@@ -292,8 +320,8 @@ Scenario read_scenario(const std::filesystem::path& file) {
 }
 
 std::string start_problem(const Axis& axis, const AxisWorld& world, double position_m) {
-  const bool reads_the_truth =
-      axis.drive && axis.drive->homing.home == cia402::Home::none && !world.drive->quirks.counts_from_power_on;
+  const bool reads_the_truth = axis.drive && axis.drive->homing.home == cia402::Home::none &&
+                               !(world.drive && world.drive->quirks.counts_from_power_on);
   const Limits& limits = axis.limits;
   if (!reads_the_truth || (position_m >= limits.position_min_m && position_m <= limits.position_max_m)) return {};
   return fmt::format(

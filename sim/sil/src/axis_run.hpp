@@ -37,7 +37,7 @@ class AxisRun {
       : axis_{s.node.axes[place]},
         world_{s.worlds[place]},
         mechanism_{std::move(mechanism)},
-        drive_{network.add_drive(*world_.drive, mechanism_.seen_by_drive())},
+        drive_{add_drive(network)},
         loop_{loop},
         id_{*loop.axis(place)},
         judge_{*s.run, judged_tolerance_m(s.node, axis_), *mechanism_.axis} {
@@ -104,6 +104,11 @@ class AxisRun {
   }
 
  private:
+  drive_emulator::EmulatedDrive& add_drive(SimulatedNetwork& network) {
+    if (world_.odrive) return network.add_drive(*world_.odrive, mechanism_.seen_by_drive());
+    return network.add_drive(*world_.drive, mechanism_.seen_by_drive());
+  }
+
   double position_m() const { return mechanism_.axis->state().position_m; }
 
   void move_target(double target_m) {
@@ -128,8 +133,12 @@ class AxisRun {
     const firmware::AxisFault fault = loop_.status(id_).fault;
     if (fault == firmware::AxisFault::none || !result_.faults.empty()) return;
     std::string name{to_string(fault)};
-    if (const auto code = loop_.supervisor(id_).fault_code(); code != 0)
-      name += fmt::format(" (error code {:04X}h)", code);
+    if (const auto code = loop_.supervisor(id_).fault_code(); code != 0) {
+      if constexpr (requires { loop_.drive(id_).fault_text(code); })
+        name += fmt::format(" (error code {:04X}h: {})", code, loop_.drive(id_).fault_text(code));
+      else
+        name += fmt::format(" (error code {:04X}h)", code);
+    }
     if (fault == firmware::AxisFault::drive_unusable)
       name += fmt::format(": {}", to_string(loop_.drive(id_).setup_status()));
     if constexpr (requires { loop_.controller(id_).seen_friction_N(); }) {
@@ -160,7 +169,7 @@ class AxisRun {
   const config::Axis& axis_;
   const scenario::AxisWorld& world_;
   AxisMechanism mechanism_;
-  drive_emulator::DriveEmulator& drive_;
+  drive_emulator::EmulatedDrive& drive_;
   Loop& loop_;
   AxisId id_;
   Judge judge_;

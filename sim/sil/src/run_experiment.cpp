@@ -111,6 +111,9 @@ class ExperimentOnBus {
 ExperimentRun run_experiment(const scenario::Scenario& scenario,
                              const identify::ExperimentParameters<double>& parameters,
                              const ExperimentProgress& progress) {
+  if (!scenario.worlds.front().drive)
+    throw InputError{"[drive] protocol must be \"canopen\" to identify an axis: the experiment speaks no other so far"}
+        .in_file(scenario.node.file);
   config::require_fitting_bus(scenario.node);
   return ExperimentOnBus{scenario, parameters}.run(progress);
 }

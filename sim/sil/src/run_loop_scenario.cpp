@@ -16,15 +16,16 @@
 #include "breakaway/firmware/node_laws.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/law/pid_controller.hpp"
+#include "breakaway/odrive/drive.hpp"
 #include "plant_budget.hpp"
 
 namespace breakaway::sil {
 namespace {
 
-template <class Real, class Controller>
+template <class Real, class Controller, class Drive = cia402::Drive<Real>>
 class LoopRun {
  public:
-  using Loop = firmware::ControlLoop<SimulatedNetwork::Port, cia402::Drive<Real>, Controller, Real, config::most_axes>;
+  using Loop = firmware::ControlLoop<SimulatedNetwork::Port, Drive, Controller, Real, config::most_axes>;
 
   LoopRun(const scenario::Scenario& s, const RecordingOptions& recording, const firmware::LoopConfig& config)
       : s_{s},
@@ -137,24 +138,48 @@ class LoopRun {
   hal::Duration busy_at_release_{};
 };
 
+bool speaks_odrive(const scenario::Scenario& s) { return s.node.axes.front().drive->odrive.has_value(); }
+
+template <class Flashed>
+Result run_flashed_odrives(const scenario::Scenario& s, const RecordingOptions& recording, const Flashed& node) {
+  using Laws = firmware::NodeLaws<Flashed>;
+  using Real = typename Laws::Scalar;
+  Laws laws{node};
+  LoopRun<Real, typename Laws::Law, odrive::Drive<Real>> run{s, recording, node.loop};
+  for (std::size_t i = 0; i < node.count; ++i)
+    static_cast<void>(
+        run.loop().add_axis(config::odrive_config<Real>(s.node.axes[i]), laws.law_of(i), node.axes[i].limits));
+  return run.run();
+}
+
 template <class Flashed>
 Result run_flashed(const scenario::Scenario& s, const RecordingOptions& recording, const Flashed& node) {
   using Laws = firmware::NodeLaws<Flashed>;
+  // Axes of one machine are not of this protocol.
+  if constexpr (requires { node.axes[0].kicks; }) {
+    if (speaks_odrive(s)) return run_flashed_odrives(s, recording, node);
+  }
   Laws laws{node};
   LoopRun<typename Laws::Scalar, typename Laws::Law> run{s, recording, node.loop};
   firmware::add_axes(run.loop(), node, laws);
   return run.run();
 }
 
-template <class Real>
-Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
-  LoopRun<Real, law::PidController<Real>> run{s, recording, config::loop_config(s.node)};
+template <class Real, class Drive>
+Result run_pid_on(const scenario::Scenario& s, const RecordingOptions& recording,
+                  typename Drive::Config (*drive_config)(const config::Axis&)) {
+  LoopRun<Real, law::PidController<Real>, Drive> run{s, recording, config::loop_config(s.node)};
   for (const config::Axis& axis : s.node.axes) {
     const law::PidController<Real> controller{config::pid_parameters<Real>(s.node, axis)};
-    static_cast<void>(
-        run.loop().add_axis(config::drive_config<Real>(axis), controller, config::axis_limits<Real>(axis)));
+    static_cast<void>(run.loop().add_axis(drive_config(axis), controller, config::axis_limits<Real>(axis)));
   }
   return run.run();
+}
+
+template <class Real>
+Result run_pid(const scenario::Scenario& s, const RecordingOptions& recording) {
+  if (speaks_odrive(s)) return run_pid_on<Real, odrive::Drive<Real>>(s, recording, config::odrive_config<Real>);
+  return run_pid_on<Real, cia402::Drive<Real>>(s, recording, config::drive_config<Real>);
 }
 
 bool in_double(const scenario::Scenario& s) { return s.scalar == scenario::ScalarType::float64; }

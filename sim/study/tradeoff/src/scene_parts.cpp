@@ -29,6 +29,19 @@ void each_drive(Scenario& s, Change change) {
     if (s.worlds[i].drive) change(*s.worlds[i].drive, *s.node.axes[i].drive);
   }
 }
+// What drives of either protocol have.
+template <class Change>
+void each_drive_of_any_protocol(Scenario& s, Change change) {
+  each_drive(s, change);
+  for (std::size_t i = 0; i < s.axes(); ++i) {
+    if (s.worlds[i].odrive) change(*s.worlds[i].odrive, *s.node.axes[i].drive);
+  }
+}
+
+double lag_s(const AxisWorld& world) {
+  if (world.odrive) return world.odrive->current_loop_time_constant_s;
+  return world.drive ? world.drive->current_loop_time_constant_s : 0;
+}
 
 void give_constant_friction(MachineScenario& s) {
   for (std::size_t i = 0; i < s.laws.size(); ++i) {
@@ -48,6 +61,7 @@ void leave_out_the_loop(Scenario& s) {
   s.bus.reset();
   for (std::size_t i = 0; i < s.axes(); ++i) {
     s.worlds[i].drive.reset();
+    s.worlds[i].odrive.reset();
     config::Axis& axis = s.node.axes[i];
     axis.drive.reset();
     axis.limits = {};
@@ -61,15 +75,15 @@ void leave_out_the_loop(Scenario& s) {
 const std::vector<ScenePart<Scenario>>& axis_parts() {
   static const std::vector<ScenePart<Scenario>> parts{
       {"lag of the drive",
-       [](const Scenario& s) {
-         return any_world(s, [](const AxisWorld& w) { return w.drive && w.drive->current_loop_time_constant_s > 0; });
-       },
-       [](Scenario& s) { each_drive(s, [](auto& world, auto&) { world.current_loop_time_constant_s = 0; }); }},
-      {"steps of the encoder",
-       [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return w.drive.has_value(); }); },
+       [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return lag_s(w) > 0; }); },
        [](Scenario& s) {
-         each_drive(s,
-                    [](auto& world, auto& told) { told.encoder_resolution_m = world.encoder_resolution_m /= finer; });
+         each_drive_of_any_protocol(s, [](auto& world, auto&) { world.current_loop_time_constant_s = 0; });
+       }},
+      {"steps of the encoder",
+       [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return w.drive || w.odrive; }); },
+       [](Scenario& s) {
+         each_drive_of_any_protocol(
+             s, [](auto& world, auto& told) { told.encoder_resolution_m = world.encoder_resolution_m /= finer; });
        }},
       {"errors of the encoder",
        [](const Scenario& s) { return any_world(s, [](const AxisWorld& w) { return w.encoder_error.has_value(); }); },

@@ -25,6 +25,9 @@ void require_flashable(const Node& node);
 firmware::LoopConfig loop_config(const Node& node);
 template <class Real>
 cia402::DriveConfig<Real> drive_config(const Axis& axis);
+// The same of a drive of protocol "odrive".
+template <class Real>
+odrive::DriveConfig<Real> odrive_config(const Axis& axis);
 template <class Real>
 firmware::AxisLimits<Real> axis_limits(const Axis& axis);
 

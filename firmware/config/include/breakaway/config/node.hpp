@@ -25,6 +25,8 @@
 #include "breakaway/hal/time.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/friction_bounds.hpp"
+#include "breakaway/odrive/drive_config.hpp"
+#include "breakaway/odrive/torque_grid.hpp"
 
 namespace breakaway::config {
 
@@ -92,6 +94,18 @@ struct Homing {
   hal::Duration timeout{std::chrono::seconds{60}};
 };
 
+enum class Protocol : std::uint8_t { canopen, odrive };
+
+// What only a drive of protocol "odrive" has.
+struct Odrive {
+  double travel_per_turn_m = 1;  // of what its position is in turns of
+  double max_torque_Nm = 1;      // of the motor
+  // Its limits are told to the drive where both are given.
+  std::optional<double> torque_constant_Nm_per_A{}, velocity_limit_turns_s{};
+  odrive::Estimates estimates = odrive::Estimates::cyclic;
+  hal::Duration estimate_period{std::chrono::milliseconds{1}};  // of cyclic ones
+};
+
 // The drive on the bus, as the file describes it.
 struct Drive {
   std::uint8_t node_id = 1;
@@ -112,11 +126,18 @@ struct Drive {
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer
   std::shared_ptr<const DataSheet> data_sheet{};                    // what its maker says; nothing: no file was given
 
-  // Force at the axis of one per mille of the rated torque.
-  double force_quantum_N() const { return 1e-6 * rated_torque_mNm * force_per_torque_N_per_Nm; }
+  std::optional<Odrive> odrive;  // absent: the protocol is "canopen", and the rated and the largest torque are above
+
+  Protocol protocol() const { return odrive ? Protocol::odrive : Protocol::canopen; }
+  // The least step of force at the axis: of one per mille of the rated torque, or of the grid of an ODrive's.
+  double force_quantum_N() const {
+    if (odrive) return odrive->max_torque_Nm / odrive::torque_steps * force_per_torque_N_per_Nm;
+    return 1e-6 * rated_torque_mNm * force_per_torque_N_per_Nm;
+  }
   // The most that the motor gives at the axis.
   double max_force_N() const {
-    return std::min(max_torque_per_mille * force_quantum_N(), peak_force_N.value_or(unlimited));
+    const double steps = odrive ? odrive::torque_steps : max_torque_per_mille;
+    return std::min(steps * force_quantum_N(), peak_force_N.value_or(unlimited));
   }
 };
 

@@ -17,6 +17,7 @@
 #include "breakaway/model/friction_drift.hpp"
 #include "breakaway/model/friction_law.hpp"
 #include "breakaway/model/shapes.hpp"
+#include "breakaway/odrive_emulator/config.hpp"
 #include "breakaway/stability/linear_machine.hpp"
 #include "breakaway/virtual_bus/virtual_bus.hpp"
 
@@ -47,7 +48,8 @@ struct AxisWorld {
   std::optional<model::FrictionDrift> drift;
   std::optional<model::EncoderErrorParameters> encoder_error;
   std::optional<MachinePlace> place;  // in Scenario::machine, which then stands in place of friction and plant
-  std::optional<drive_emulator::EmulatorConfig> drive;
+  std::optional<drive_emulator::EmulatorConfig> drive;    // of protocol "canopen"
+  std::optional<odrive_emulator::EmulatorConfig> odrive;  // of protocol "odrive"
   std::optional<double> tolerance;  // of the integration of its motion, for one step; none: the finest
 };
 
