@@ -1,6 +1,6 @@
 # Fails when PROGRAM holds a symbol of the simulation, and when it holds none of the product, as a stripped one would.
 execute_process(COMMAND ${NM} -C ${PROGRAM} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-foreach(room IN ITEMS model motion hybrid drive_emulator virtual_bus scenario sil study format report)
+foreach(room IN ITEMS model motion hybrid drive_emulator odrive_emulator virtual_bus scenario sil study format report)
   string(REGEX MATCHALL "breakaway::${room}::[^\n]*" found "${symbols}")
   list(LENGTH found count)
   if(count)

@@ -27,8 +27,8 @@ TEST(Certificate, KnowsEveryKeyThatAReaderOfAxesKnows) {
   std::string text;
   for (const char* file :
        {"firmware/config/src/axis_tables.cpp", "firmware/config/src/read_node.cpp", "firmware/config/src/read_told.cpp",
-        "firmware/config/src/sheet_rows.cpp", "firmware/config/src/wiring.cpp", "sim/scenario/src/read_scenario.cpp",
-        "sim/scenario/src/read_quirks.cpp"})
+        "firmware/config/src/read_odrive.cpp", "firmware/config/src/sheet_rows.cpp", "firmware/config/src/wiring.cpp",
+        "sim/scenario/src/read_scenario.cpp", "sim/scenario/src/read_quirks.cpp"})
     text += source(file);
   std::set<std::string, std::less<>> known;
   for (const CertificateKey& key : certificate_keys()) {
@@ -60,6 +60,9 @@ std::string certificate(const std::string& text) {
 }
 
 TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
+  const std::pair<std::string, std::string> as_odrive{
+      "rated_torque_Nm = 0.5\nmax_torque_per_mille = 2000",
+      "protocol = \"odrive\"\ntravel_per_turn_m = 0.1\nmax_torque_Nm = 1"};
   const std::map<std::string, std::pair<std::string, std::string>> changes{
       {"plant.mass_kg", {"mass_kg = 1\n", "mass_kg = 1.1\n"}},
       {"friction.lower_N", {"lower_N = 2.5", "lower_N = 2.4"}},
@@ -83,6 +86,9 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"controller.target_m", {"target_m = 0", "target_m = 2"}},
       {"controller.targets", {"target_m = 0", "targets = [{ time_s = 1, position_m = 2 }]"}},
       {"drive.eds", {"rated_torque_Nm = 0.5", "eds = \"of_no_drive.eds\""}},
+      {"drive.protocol", as_odrive},
+      {"drive.travel_per_turn_m", as_odrive},
+      {"drive.max_torque_Nm", as_odrive},
       {"drive.rated_torque_Nm", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.6"}},
       {"drive.max_torque_per_mille", {"max_torque_per_mille = 2000", "max_torque_per_mille = 1000"}},
       {"drive.force_per_torque_N_per_Nm", {"force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 55"}},

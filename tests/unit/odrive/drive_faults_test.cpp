@@ -33,9 +33,19 @@ TEST_F(OdriveFaults, AnErrorWhileEnabledIsNamedAndNeedsAReset) {
   EXPECT_EQ(node.state, AxisState::idle);
   EXPECT_EQ(told(Command::clear_errors), 0);
   drive.reset_fault();
+  node.told.clear();
   run(300ms);
   EXPECT_EQ(told(Command::clear_errors), 1);
+  EXPECT_EQ(told(Command::set_controller_mode), 1) << "what brought the fault may have changed it";
   EXPECT_EQ(feedback.state, DriveState::disabled);
+}
+
+TEST_F(OdriveFaults, AnErrorOfADriveThatStaysEnabledStopsIt) {
+  enable();
+  node.errors = 1U << 28U;
+  EXPECT_EQ(next_emergency(101ms), error_code(1U << 28U));
+  run(2ms);
+  EXPECT_EQ(node.state, AxisState::idle);
 }
 
 TEST_F(OdriveFaults, AReasonThatOnlyGetErrorTellsIsAskedFor) {
@@ -66,6 +76,11 @@ TEST_F(OdriveFaults, ARefusalToEnableIsNamed) {
   EXPECT_EQ(feedback.fault_code, procedure_code(14));
 }
 
+TEST_F(OdriveFaults, AResultFromBeforeIsNoRefusal) {
+  node.result = 3;
+  enable();
+}
+
 TEST_F(OdriveFaults, AStopThatIsNotObeyedIsForcedByEstop) {
   enable();
   node.deaf_to_idle = true;
@@ -76,8 +91,10 @@ TEST_F(OdriveFaults, AStopThatIsNotObeyedIsForcedByEstop) {
   run(80ms);
   EXPECT_EQ(told(Command::estop), 1);
   EXPECT_EQ(node.state, AxisState::idle);
+  node.told.clear();
   run(400ms);
   EXPECT_FALSE(feedback.stop_not_obeyed);
+  EXPECT_EQ(told(Command::set_controller_mode), 1) << "it is set up anew";
   EXPECT_EQ(feedback.state, DriveState::fault);
   EXPECT_EQ(feedback.fault_code, error_code(error::estop_requested));
 }
@@ -96,6 +113,9 @@ TEST_F(OdriveFaults, ADriveThatObeysNothingIsToldForEver) {
   run(1s, 20);
   EXPECT_EQ(feedback.state, DriveState::stopping);
   EXPECT_EQ(torque_Nm, 0.0F);
+  node.deaf = false;
+  run(1s);
+  EXPECT_EQ(told(Command::clear_errors), 0) << "what was asked for while it had force is forgotten";
 }
 
 TEST_F(OdriveFaults, IdleIsNotBelievedWhileTorqueIsReported) {

@@ -163,6 +163,15 @@ TEST_F(OdriveDrive, ReportsNoForceThatIsOld) {
   EXPECT_EQ(feedback.force_N, 0);
 }
 
+TEST_F(OdriveDrive, IsToldToStopAtOnceWhenItWasJustToldToEnable) {
+  set_up();
+  drive.request_enable();
+  while (node.state != AxisState::closed_loop_control) step();
+  drive.request_stop();
+  step();
+  EXPECT_EQ(node.state, AxisState::idle);
+}
+
 TEST_F(OdriveDrive, StopsByIdleAndSaysSoWhenItIsSeen) {
   enable();
   drive.request_stop();
@@ -181,6 +190,9 @@ TEST_F(OdriveDrive, ThatWasStoppedOnItsWayIsNotTakenForIdleByAnOldHeartbeat) {
   while (node.state != AxisState::closed_loop_control) step();
   node.deaf = true;
   drive.request_stop();
+  auto old = node;
+  old.state = AxisState::idle;
+  deliver(old.heartbeat());
   step();
   EXPECT_EQ(feedback.state, DriveState::stopping) << "no heartbeat has shown it enabled, and it is";
   run(50ms);

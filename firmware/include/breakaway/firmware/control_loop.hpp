@@ -10,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <utility>
 
 #include "breakaway/canopen/bus_budget.hpp"
+#include "breakaway/canopen/master.hpp"
 #include "breakaway/firmware/loop_concepts.hpp"
 #include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
@@ -102,8 +104,9 @@ class ControlLoop {
     return {AxisId{count_++}};
   }
 
-  // Says whether this many axes at this rate fit the bus; canopen::bus_budget() gives the figures.
-  canopen::BusFit check_bus() const noexcept {
+  // Says whether this many axes at this rate fit the bus; canopen::bus_budget() gives the figures. Of another protocol
+  // its own room says it, as odrive::bus_budget() does.
+  canopen::BusFit check_bus() const noexcept requires std::same_as<typename Drive::Master, canopen::Master> {
     return canopen::check_bus_budget(static_cast<unsigned>(count_), config_.network.period, config_.network.bit_rate);
   }
 
