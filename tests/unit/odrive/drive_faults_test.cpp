@@ -187,6 +187,10 @@ TEST_F(OdriveFaults, APositionThatIsNoNumberStopsTheDriveAndIsNamed) {
     node.turns = 1;
     run(300ms);
     EXPECT_EQ(feedback.state, DriveState::fault);
+    drive.request_enable();
+    run(300ms);
+    EXPECT_EQ(feedback.state, DriveState::fault) << "it was not acknowledged";
+    EXPECT_EQ(node.state, AxisState::idle);
     drive.reset_fault();
     run(300ms);
     EXPECT_EQ(feedback.state, DriveState::disabled);
