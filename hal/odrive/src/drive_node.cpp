@@ -25,8 +25,12 @@ void DriveNode::on_frame(const hal::ReceivedFrame& received) noexcept {
 }
 
 void DriveNode::on_heartbeat(const Heartbeat& heartbeat, hal::Time time) noexcept {
-  const bool starts = heartbeat.state == AxisState::undefined || heartbeat.state == AxisState::startup_sequence ||
-                      (heartbeat.errors & error::initializing) != 0;
+  const bool says_so = (heartbeat.errors & error::initializing) != 0;
+  if (!says_so) initializing_since_.reset();
+  if (says_so && !initializing_since_) initializing_since_ = time;
+  const bool initializing = says_so && time - *initializing_since_ <= start_time;
+  const bool starts =
+      heartbeat.state == AxisState::undefined || heartbeat.state == AxisState::startup_sequence || initializing;
   if (starts && !starting_ && known_) {
     rebooted_ = true;
     restart();
@@ -36,7 +40,7 @@ void DriveNode::on_heartbeat(const Heartbeat& heartbeat, hal::Time time) noexcep
   lost_ = false;
   state_ = heartbeat.state;
   result_ = heartbeat.procedure_result;
-  errors_ = heartbeat.errors & ~error::initializing;
+  errors_ = initializing ? heartbeat.errors & ~error::initializing : heartbeat.errors;
   const hal::Duration on_its_way = std::max<hal::Duration>(settings_.period, std::chrono::milliseconds{2});
   const bool younger_than_stop = idle_told_at_ && time >= *idle_told_at_ + on_its_way;
   if (!is_without_torque(state_) || younger_than_stop) unsure_ = false;

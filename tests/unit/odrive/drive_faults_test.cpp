@@ -76,6 +76,18 @@ TEST_F(OdriveFaults, ARefusalToEnableIsNamed) {
   EXPECT_EQ(feedback.fault_code, procedure_code(14));
 }
 
+TEST_F(OdriveFaults, ADriveThatStartsForEverIsNamedAndReset) {
+  node.errors = error::initializing;
+  run(2s);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::starting);
+  run(2s);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+  EXPECT_EQ(feedback.fault_code, error_code(error::initializing));
+  drive.reset_fault();
+  run(500ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+}
+
 TEST_F(OdriveFaults, AResultFromBeforeIsNoRefusal) {
   node.result = 3;
   enable();

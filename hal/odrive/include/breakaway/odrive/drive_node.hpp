@@ -39,6 +39,8 @@ class DriveNode {
   static constexpr hal::Duration retell_time = std::chrono::milliseconds{20};
   static constexpr hal::Duration poll_time = std::chrono::milliseconds{10};
   static constexpr hal::Duration version_time = std::chrono::milliseconds{100};
+  // A drive that says for longer that it starts has an error that a reset must clear.
+  static constexpr hal::Duration start_time = std::chrono::seconds{3};
   // A drive that was told so often to enable, and says why it does not, is not told again.
   static constexpr unsigned enable_attempts = 3;
   // How long the reason of a disarming that the heartbeat does not tell is asked for.
@@ -126,7 +128,7 @@ class DriveNode {
   std::uint16_t new_code_ = 0;
   std::optional<hal::Time> heartbeat_time_, estimate_time_, torque_time_;
   std::optional<hal::Time> told_at_, idle_told_at_, asked_at_, version_asked_at_;
-  std::optional<hal::Time> unwished_since_;
+  std::optional<hal::Time> unwished_since_, initializing_since_;
   unsigned attempts_ = 0;
   int told_ = 0;        // messages of the set-up, and of an attempt to enable
   int explaining_ = 0;  // periods that are left for it
