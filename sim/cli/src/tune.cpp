@@ -51,13 +51,13 @@ void print_limits(const Tuning& tuning) {
   const char* const what = tuning.objective == Objective::accuracy ? "accuracy"
                            : tuning.objective == Objective::gentle ? "the least force"
                                                                    : "settling time";
-  if (most.gain > worth_telling)
-    fmt::print(
-        "{} is limited most by {}, which twice as good saves {:.0f} %. Tuned again with each of them twice as "
-        "good:\n",
-        what, most.name, 100 * most.gain);
-  else
-    fmt::print("no single number limits {}. Tuned again with each of them twice as good:\n", what);
+  const std::string first = most.gain > worth_telling
+                                ? fmt::format("{} is limited most by {}, which twice as good saves {:.0f} %", what,
+                                              most.name, 100 * most.gain)
+                                : fmt::format("no single number limits {}", what);
+  const bool gentle = tuning.objective == Objective::gentle;
+  fmt::print("{}. Tuned again with each of them twice as good{}:\n", first,
+             gentle ? ", in the time that this one may take" : "");
   for (const DoubledLimit& limit : tuning.limits) print_limit(limit, tuning);
 }
 

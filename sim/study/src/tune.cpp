@@ -30,11 +30,11 @@ struct Found {
 };
 
 // allowed_s: of the gentle gains; 0: a share more than the fastest take.
-Found search(const TunedAxis& axis, const TuneOptions& options, GainGrid grid, double allowed_s,
+Found search(const TunedAxis& axis, const TuneOptions& options, double allowed_s,
              const std::function<void(double)>& progress) {
   Search search{axis, options, progress};
   Found found{.tolerance = search.tolerance(), .chosen = {}, .tried = {}};
-  found.chosen = search.fastest(found.tolerance, grid);
+  found.chosen = search.fastest(found.tolerance);
   found.least_s = found.chosen.worst_settling_s;
   for (const TunedPoint& p : search.tried())
     if (p.good() && p.laws == found.chosen.laws) found.least_s = std::min(found.least_s, p.worst_settling_s);
@@ -50,15 +50,24 @@ double measure(Objective objective, const TunedPoint& point) {
   return objective == Objective::gentle ? point.peak_force_N : point.worst_settling_s;
 }
 
+// What has to be written into the file for it.
+std::string typed(const Improvement& better) {
+  std::string all;
+  for (const config::Setting& s : better.settings)
+    all += fmt::format("{}[{}] {} = {:.6g}", all.empty() ? "" : ", ", s.table, s.key, std::stod(s.value));
+  return all;
+}
+
 DoubledLimit doubled(const TunedAxis& axis, const Improvement& better, const TuneOptions& options, const Found& now,
                      const std::function<void(double)>& progress) {
   DoubledLimit limit{.name = better.name,
-                     .change = fmt::format("{} = {:.4g} instead of {:.4g}", better.key, better.after, better.before),
+                     .change = fmt::format("{} instead of {:.4g}", typed(better), better.before),
+                     .settings = better.settings,
                      .why_not = {},
                      .best = {}};
   try {
     const TunedAxis changed = axis.changed(better.settings);
-    const Found found = search(changed, options, GainGrid::coarse, gentle_share * now.least_s, progress);
+    const Found found = search(changed, options, gentle_share * now.least_s, progress);
     limit.best = found.chosen;
     limit.least_tolerance_m = found.tolerance.least_m;
     limit.gain = 1 - measure(options.objective, limit.best) / measure(options.objective, now.chosen);
@@ -96,7 +105,7 @@ Tuning tune(std::string_view text, const std::string& name, const TuneOptions& o
   const double first = 1 / (1 + 0.4 * static_cast<double>(better.size()));  // of the way
   Found found;
   try {
-    found = search(axis, options, GainGrid::fine, 0, stage(options, 0, first));
+    found = search(axis, options, 0, stage(options, 0, first));
   } catch (const InputError& error) {
     throw impossible(axis, options, error);
   }

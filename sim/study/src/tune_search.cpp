@@ -202,7 +202,7 @@ TunedPoint Search::best_of(const std::vector<Gains>& gains, double longest_s) {
   return best;
 }
 
-TunedPoint Search::fastest(const Tolerance& tolerance, GainGrid grid) {
+TunedPoint Search::fastest(const Tolerance& tolerance) {
   const auto toleranced = [&](const Gains& gains) {
     return with_tolerance(gains, axis_, tolerance.position_m, tolerance.settle_m);
   };
@@ -210,7 +210,7 @@ TunedPoint Search::fastest(const Tolerance& tolerance, GainGrid grid) {
   if (std::ranges::find(tolerance.coasts, axis_.gains().coast) != tolerance.coasts.end())
     all.push_back(toleranced(axis_.gains()));  // it is not to become slower than it was
   for (const law::Coast coast : tolerance.coasts)
-    for (const Gains& gains : fast_gains(axis_, coast, grid)) all.push_back(toleranced(gains));
+    for (const Gains& gains : fast_gains(axis_, coast, GainGrid::fine)) all.push_back(toleranced(gains));
   double longest_s = first_duration_s();
   for (const Gains& gains : all) {
     const TunedPoint first = judged(gains, 0, longest_s, threads_of(options_));
@@ -220,7 +220,7 @@ TunedPoint Search::fastest(const Tolerance& tolerance, GainGrid grid) {
   }
   const TunedPoint best = best_of(all, longest_s);
   if (!best.good()) throw InputError{"no gains are certified and settle: " + best.why_not}.in_file(axis_.name());
-  return grid == GainGrid::fine ? without_overshoot(best) : best;
+  return without_overshoot(best);
 }
 
 TunedPoint Search::without_overshoot(const TunedPoint& fastest) {

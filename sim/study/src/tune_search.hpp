@@ -19,7 +19,7 @@ struct Tolerance {
   std::vector<law::Coast> coasts;
 };
 
-// How finely the gains are varied: the second is for numbers of the axis that are doubled.
+// How finely the gains are varied: the second is for a look at what can be certified.
 enum class GainGrid : std::uint8_t { fine, coarse };
 
 class Search {
@@ -30,7 +30,7 @@ class Search {
   Tolerance tolerance() const;
 
   // The fastest gains of this tolerance. Throws InputError where none are certified, or none settle.
-  TunedPoint fastest(const Tolerance& tolerance, GainGrid grid);
+  TunedPoint fastest(const Tolerance& tolerance);
 
   // These gains with the least force whose worst settling time is at most this.
   TunedPoint gentlest(const TunedPoint& fastest, double longest_s);

@@ -231,5 +231,18 @@ TEST(Tune, SaysWhatItCannotTune) {
   EXPECT_NE(of("coupled_gantry.toml").find("share a machine"), std::string::npos);
 }
 
+TEST(Tune, SaysOfANumberTwiceAsGoodWhatTuningTheFileWithItSays) {
+  const Tuning t = tuned(table, Objective::time, true);
+  int possible = 0;
+  for (const DoubledLimit& limit : t.limits) {
+    if (!limit.why_not.empty()) continue;
+    ++possible;
+    const Tuning typed = tuned(with(table, limit.settings), Objective::time);
+    EXPECT_EQ(typed.chosen.worst_settling_s, limit.best.worst_settling_s) << limit.change;
+    EXPECT_EQ(typed.chosen.gains.position_tolerance_m, limit.best.gains.position_tolerance_m) << limit.change;
+  }
+  EXPECT_GE(possible, 3);
+}
+
 }  // namespace
 }  // namespace breakaway::study

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "breakaway/config/edited_file.hpp"
 #include "breakaway/config/node.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 
@@ -64,9 +65,10 @@ struct TunedPoint {
 
 // One number of the axis, twice as good, and what the axis tuned again is then capable of.
 struct DoubledLimit {
-  std::string name;     // "the period"
-  std::string change;   // "period_s = 0.00025 instead of 0.0005"
-  std::string why_not;  // no such axis can be tuned; empty where it can
+  std::string name;                         // "the period"
+  std::string change;                       // "[loop] period_s = 0.00025 instead of 0.0005"
+  std::vector<config::Setting> settings{};  // what has to stand in the file for it
+  std::string why_not;                      // no such axis can be tuned; empty where it can
   TunedPoint best;
   double least_tolerance_m = 0;
   double gain = 0;  // share of settling time, tolerance or peak force, as the objective is, that is saved
