@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../two_mass_axis.hpp"
@@ -102,11 +103,16 @@ struct Tally {
 
 constexpr double usual_m_s = 10;
 
-// told: the class is designed for this share of the stiffness.
+BrakedClass with_stiffness(BrakedClass c, double share) {
+  c.spring_load->stiffness_N_per_m *= share;
+  return c;
+}
+
+// design: of the class with this share of the stiffness, which is told.
 RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, double told, double tolerance_share,
            double start_m, Random& r, Tally& tally, double max_approach_speed_m_s = usual_m_s) {
   SpringLoad truth_of_load = *c.spring_load;
-  c.spring_load->stiffness_N_per_m *= told;
+  c = with_stiffness(std::move(c), told);
   const double tolerance_m = design.least_tolerance_m * tolerance_share;
   auto p = parameters(c, tolerance_m);
   p.coast = law::Coast::work;
@@ -168,8 +174,7 @@ void run_all(Encoder encoder, Approach approach, long first, long axes) {
     BrakedClass c = random_jointed_axes(r);
     c.spring_load->encoder_on_load = encoder == Encoder::on_load;
     const double told = r.share() < 0.5 ? 1 : r.between(1 / design::most_stiffer, 1);
-    BrakedClass as_told = c;
-    as_told.spring_load->stiffness_N_per_m *= told;
+    const BrakedClass as_told = with_stiffness(c, told);
     const auto design = design::design_work_kicks<float>(as_told);
     if (!design.possible()) continue;
     const double share = r.share() < 0.5 ? 1.001 : r.decades(1.001, 10);
@@ -235,7 +240,8 @@ TEST_P(WorkFigures, EndsSoon) {
     Random r{static_cast<std::uint64_t>(number)};
     const double drawn_Hz = r.decades(50, 300);
     const BrakedClass c = axes_of_the_grid(r, figure.resonance_Hz > 0 ? figure.resonance_Hz : drawn_Hz);
-    run(number, c, r.share() < 0.5 ? 1 : r.between(1 / design::most_stiffer, 1), 1.001, figure.start_m, r, tally);
+    const double told = r.share() < 0.5 ? 1 : r.between(1 / design::most_stiffer, 1);
+    run(number, c, design::design_work_kicks<float>(with_stiffness(c, told)), told, 1.001, figure.start_m, r, tally);
   }
   tally.print(figure.name);
   EXPECT_EQ(tally.settled, tally.runs);

@@ -23,7 +23,7 @@ struct StubbornMechanism final : drive_emulator::Mechanism {
 TEST(SimulatedNetwork, LetsARefusalOfAMechanismOutThatASyncBroughtAbout) {
   sil::SimulatedNetwork network{{}};
   StubbornMechanism mechanism;
-  network.add_drive({}, mechanism);
+  network.add_drive(drive_emulator::EmulatorConfig{}, mechanism);
   const auto send = [&](const hal::CanFrame& frame) {
     ASSERT_EQ(network.controller_port().send(frame, network.bus().now() + 1s), hal::SendResult::queued);
   };
