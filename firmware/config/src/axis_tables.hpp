@@ -15,6 +15,8 @@ namespace breakaway::config {
 
 // Heartbeats count milliseconds in 16 bits (1016h and 1017h).
 inline constexpr Range heartbeat{1e-3, 65.535};
+inline constexpr Range anywhere{-1e9, 1e9};
+inline constexpr Range up_to_a_second{0, 1};
 
 // The tables of one axis: the whole file, or an entry of [[axis]].
 class AxisTables {

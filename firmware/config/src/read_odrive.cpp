@@ -12,9 +12,6 @@
 namespace breakaway::config {
 namespace {
 
-constexpr Range anywhere{-1e9, 1e9};
-constexpr Range up_to_a_second{0, 1};
-
 // What of a file for CANopen has no meaning here.
 std::vector<Key> of_canopen_alone() {
   return elsewhere(

@@ -1,5 +1,5 @@
 // Node: a controller node and its axes, described once. What is flashed, started, checked, certified or simulated
-// comes from here; where each number stands in the file is said in axis_tables.cpp and read_node.cpp, one row each.
+// comes from here; where each number stands in the file is said by the readers in src, one row each.
 //
 // [I]: van de Wouw and Leine, Impulsive Control of Mechanical Motion Systems with Uncertain Friction. SI units; a
 // rotary axis reads kg m^2, N m and rad for kg, N and m.

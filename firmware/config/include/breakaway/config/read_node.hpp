@@ -33,7 +33,7 @@ FileRows passed_over();
 
 // These throw InputError when the file cannot be read or is no TOML, when a key is unknown or missing, when a value is
 // of the wrong type or outside its range, and when numbers of one axis or of two contradict one another. Keys, units
-// and ranges stand in read_node.cpp and axis_tables.cpp, one row each.
+// and ranges stand with the readers in src, one row each.
 Node read_node(const std::filesystem::path& file);
 Node parse_node(std::string_view text, const std::string& name);
 
