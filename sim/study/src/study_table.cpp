@@ -18,7 +18,7 @@
 namespace breakaway::study {
 namespace {
 
-constexpr std::string_view header =
+constexpr std::string_view columns =
     "position_m,velocity_m_s,law,settled,limit_cycle,settling_time_s,final_error_m,overshoot_m,beyond_m,peak_speed_m_s,"
     "lowest_m,highest_m,max_force_N,kicks,reached,faults";
 constexpr std::size_t runs_of_a_part = 4096;
@@ -125,7 +125,7 @@ class Merge {
   std::string take(std::string_view line) {
     auto read = read_line(line);
     // Written anew it must be what was read, so that nothing is lost on the way.
-    if (!read || line_of(read->first, read->second) != line) return fmt::format("is no run of the form {}", header);
+    if (!read || line_of(read->first, read->second) != line) return fmt::format("is no run of the form {}", columns);
     auto& [start, run] = *read;
     if (run.place >= laws_of_a_row(options_)) return "is of a law that this study does not have";
     bool expected = false;
@@ -170,7 +170,7 @@ void read_table(const std::string& path, const std::string& label, Merge& merge)
     } else if (number == 1) {
       if (line != label) wrong = fmt::format("is not \"{}\": it is of another file, --axis, --laws or --seed", label);
     } else if (number == 2) {
-      if (line != header) wrong = fmt::format("is not {}", header);
+      if (line != columns) wrong = fmt::format("is not {}", columns);
     } else {
       wrong = merge.take(line);
     }
@@ -193,7 +193,7 @@ std::string study_table_label(const std::string& file_text, const std::string& a
 std::function<std::string()> study_table_parts(const std::vector<StudyRow>& rows, const std::string& label) {
   return [&rows, label, row = std::size_t{0}, run = std::size_t{0}, begun = false]() mutable {
     std::string part;
-    if (!std::exchange(begun, true)) part = fmt::format("{}\n{}\n", label, header);
+    if (!std::exchange(begun, true)) part = fmt::format("{}\n{}\n", label, columns);
     for (std::size_t i = 0; i < runs_of_a_part && row < rows.size();) {
       for (; i < runs_of_a_part && run < rows[row].runs.size(); ++i, ++run)
         part += line_of(rows[row].start, rows[row].runs[run]) + '\n';
