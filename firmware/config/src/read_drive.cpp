@@ -91,8 +91,8 @@ Drive read_drive(const Section& section, std::size_t place, const Node& node, st
   Protocol protocol = Protocol::canopen;
   section.read_alone(
       optional("protocol", choice(protocol, {{"canopen", Protocol::canopen}, {"odrive", Protocol::odrive}})));
-  const Drive d = protocol == Protocol::odrive ? read_odrive(section, place, node)
-                                               : read_canopen_drive(section, place, std::move(others));
+  Drive d = protocol == Protocol::odrive ? read_odrive(section, place, node)
+                                         : read_canopen_drive(section, place, std::move(others));
   // The simulation takes steps of a fraction of it, so a run would take for ever.
   if (d.current_loop_time_constant_s > 0 && d.current_loop_time_constant_s < 1e-8)
     section.fail("current_loop_time_constant_s", "is below 1e-8; give 0 for a current loop without lag");

@@ -75,7 +75,7 @@ class SimulatedNetwork {
         refusal = std::current_exception();
       }
     }
-    void advance_to(hal::Time now) {
+    void advance_to(hal::Time now) const {
       if (refusal) std::rethrow_exception(refusal);
       drive->advance_to(now);
     }
