@@ -114,7 +114,7 @@ void print_rows(const Study& study) {
 std::string again(const Study& study, const StudyRow& row, const StudyOptions& options) {
   const std::size_t place = slowest_run(row).place;
   const bool random = place >= fixed_laws;
-  return fmt::format("breakaway study {}{} --start {} {} --laws {:d} --seed {}", shell_word(study.file),
+  return fmt::format("breakaway study {}{} --start {:.12g} {:.12g} --laws {:d} --seed {}", shell_word(study.file),
                      study.axis.empty() ? "" : " --axis " + shell_word(study.axis), row.start.position_m,
                      row.start.velocity_m_s, random,
                      options.seed + (random ? static_cast<std::uint64_t>(place - fixed_laws) : 0));
