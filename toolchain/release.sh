@@ -53,7 +53,8 @@ check() {
   [[ $stated == "$version" ]] || die "CMakeLists.txt says $stated: write project(breakaway VERSION $version, commit, and run this again"
   grep -Eq "^## \[${version//./\\.}\] - [0-9]{4}-[0-9]{2}-[0-9]{2}$" CHANGELOG.md ||
     die "CHANGELOG.md has no section '## [$version] - YYYY-MM-DD': rename [Unreleased] to it, commit, and run this again"
-  section | grep -q '[^[:space:]]' || die "the section of $version in CHANGELOG.md is empty: say what changed"
+  # Not grep -q, which leaves awk without a reader: a long section would be called empty.
+  [[ $(section) == *[![:space:]]* ]] || die "the section of $version in CHANGELOG.md is empty: say what changed"
   unsaved=$(git status --porcelain)
   [[ -z $unsaved ]] || die "not everything is committed: ${unsaved//$'\n'/, }; commit or remove that"
   ! git rev-parse -q --verify "refs/tags/$tag" >/dev/null || die "the tag $tag is there already: raise the version"

@@ -16,7 +16,7 @@ test -s node.hpp
 test -s /usr/share/man/man1/breakaway.1 || test -s /usr/share/man/man1/breakaway.1.gz
 test -s /usr/share/bash-completion/completions/breakaway
 grep -q 'ExecStart=/usr/bin/breakaway-node ' /usr/lib/systemd/system/breakaway-node.service
-ldconfig -p | grep -q libbreakaway_law.so
+ldconfig -p | grep libbreakaway_law.so >/dev/null
 printf 'from the package to a settled axis with its report in %d s\n' $(($(date +%s) - began))
 apt-get -q install -y python3-numpy >>/root/install.log 2>&1 || { cat /root/install.log; exit 1; }
 python3 -c '
