@@ -27,6 +27,18 @@ void require_described(const Node& node, const Axis& axis, const ExperimentReque
   if (!std::isfinite(axis.limits.speed_m_s)) missing("[limits] speed_m_s");
 }
 
+// Beyond the file's limits the supervisor would end the experiment.
+void require_inside(const Limits& limits, const ExperimentRequest& request) {
+  const auto require = [](bool within, double asked_m, const char* key, double limit_m) {
+    if (within || !std::isfinite(asked_m)) return;
+    throw InputError{fmt::format(
+        "the travel that is asked for ends at {:g} m, beyond [limits] {} = {:g}: ask for less, or widen the limit",
+        asked_m, key, limit_m)};
+  };
+  require(request.lowest_m >= limits.position_min_m, request.lowest_m, "position_min_m", limits.position_min_m);
+  require(request.highest_m <= limits.position_max_m, request.highest_m, "position_max_m", limits.position_max_m);
+}
+
 }  // namespace
 
 template <class Real>
@@ -37,12 +49,12 @@ identify::ExperimentParameters<Real> experiment_parameters(const Node& node, con
   if (!(request.duration_s >= least_s && request.duration_s <= most_s))
     throw InputError{fmt::format("--duration {:g}: an experiment takes {:g} to {:g} s, and 60 s are usually enough",
                                  request.duration_s, least_s, most_s)};
+  require_inside(axis.limits, request);
   const double lowest_m = std::max(request.lowest_m, axis.limits.position_min_m);
   const double highest_m = std::min(request.highest_m, axis.limits.position_max_m);
   if (!(lowest_m < highest_m))
-    throw InputError{
-        fmt::format("the travel from {:g} to {:g} m is empty within the [limits] of position, {:g} to {:g} m",
-                    request.lowest_m, request.highest_m, axis.limits.position_min_m, axis.limits.position_max_m)};
+    throw InputError{fmt::format("the travel from {:g} to {:g} m is empty: the lower end must be below the upper one",
+                                 lowest_m, highest_m)};
   return {.period_s = static_cast<Real>(node.period_s()),
           .encoder_resolution_m = static_cast<Real>(axis.drive->encoder_resolution_m),
           .force_step_N = static_cast<Real>(force_step_N(axis)),

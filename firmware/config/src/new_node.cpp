@@ -28,12 +28,28 @@ struct Chosen {
 };
 
 // The range is that of the key it is written to, or of what follows from it.
-void require_number(double value, std::string_view what, std::string_view unit, double least, double most) {
+struct NumberRange {
+  double KnownAxis::*number;
+  std::string_view what, unit;
+  double least, most;
+};
+
+constexpr std::array number_ranges{
+    NumberRange{&KnownAxis::mass_kg, "the mass", "kg", 1e-9, 1e9},
+    NumberRange{&KnownAxis::friction_lower_N, "the lower bound of friction", "N", 1e-9, 1e9},
+    NumberRange{&KnownAxis::friction_upper_N, "the upper bound of friction", "N", 1e-9, 1e9},
+    NumberRange{&KnownAxis::encoder_resolution_m, "the count of the encoder", "m", 1e-12, 1},
+    NumberRange{&KnownAxis::rate_Hz, "the rate", "Hz", 1e-3, 1e6},
+    NumberRange{&KnownAxis::max_force_N, "the force", "N", 1e-9, 1e9},
+    NumberRange{&KnownAxis::longest_move_m, "the longest move", "m", 1e-9, 1e6},
+};
+
+void require_in_range(const NumberRange& r, double value) {
   if (!(std::isfinite(value) && value > 0))
-    throw InputError{fmt::format("{} is {:g}, which is not a finite number above 0", what, value)};
-  if (value < least || value > most)
-    throw InputError{
-        fmt::format("{} is {:g} {}, outside {:g} to {:g} {}: check its unit", what, value, unit, least, most, unit)};
+    throw InputError{fmt::format("{} is {:g}, which is not a finite number above 0", r.what, value)};
+  if (value < r.least || value > r.most)
+    throw InputError{fmt::format("{} is {:g} {}, outside {:g} to {:g} {}: check its unit", r.what, value, r.unit,
+                                 r.least, r.most, r.unit)};
 }
 
 // Of the encoder's zero, either way.
@@ -90,24 +106,18 @@ void require_rate(const KnownAxis& known) {
       above_Hz > 0 ? fmt::format(" or {:g}", above_Hz) : "")};
 }
 
-void require_possible(const KnownAxis& known) {
-  require_number(known.mass_kg, "the mass", "kg", 1e-9, 1e9);
-  require_number(known.friction_lower_N, "the lower bound of friction", "N", 1e-9, 1e9);
-  require_number(known.friction_upper_N, "the upper bound of friction", "N", 1e-9, 1e9);
-  require_number(known.encoder_resolution_m, "the count of the encoder", "m", 1e-12, 1);
-  require_number(known.rate_Hz, "the rate", "Hz", 1e-3, 1e6);
-  require_number(known.max_force_N, "the force", "N", 1e-9, 1e9);
-  require_number(known.longest_move_m, "the longest move", "m", 1e-9, 1e6);
-  if (known.friction_lower_N >= known.friction_upper_N)
-    throw InputError{fmt::format("the bounds of friction are {:g} and {:g} N; the lower one must be below the upper",
-                                 known.friction_lower_N, known.friction_upper_N)};
-  if (known.max_force_N <= known.friction_upper_N)
-    throw InputError{
-        fmt::format("the force, {:g} N, does not exceed the upper bound of friction, {:g} N, so that "
-                    "nothing would move; take a stronger drive or a gear",
-                    known.max_force_N, known.friction_upper_N)};
-  require_counted(known);
-  require_rate(known);
+void require_strong_enough(const KnownAxis& known) {
+  if (known.max_force_N > known.friction_upper_N) return;
+  throw InputError{
+      fmt::format("the force, {:g} N, does not exceed the upper bound of friction, {:g} N, so that "
+                  "nothing would move; take a stronger drive or a gear",
+                  known.max_force_N, known.friction_upper_N)};
+}
+
+void require_ordered(const KnownAxis& known) {
+  if (known.friction_lower_N < known.friction_upper_N) return;
+  throw InputError{fmt::format("the bounds of friction are {:g} and {:g} N; the lower one must be below the upper",
+                               known.friction_lower_N, known.friction_upper_N)};
 }
 
 // The drive's force as it is written, of so many digits, and the force of a newton metre of its motor: torques are
@@ -217,8 +227,19 @@ void require_certified(const NewNode& made) {
 
 }  // namespace
 
+void require_possible_so_far(const KnownAxis& known) {
+  const auto said = [&](auto... numbers) { return ((known.*numbers != 0) && ...); };
+  for (const NumberRange& range : number_ranges)
+    if (said(range.number)) require_in_range(range, known.*range.number);
+  if (said(&KnownAxis::friction_lower_N, &KnownAxis::friction_upper_N)) require_ordered(known);
+  if (said(&KnownAxis::friction_upper_N, &KnownAxis::max_force_N)) require_strong_enough(known);
+  if (said(&KnownAxis::encoder_resolution_m, &KnownAxis::longest_move_m)) require_counted(known);
+  if (said(&KnownAxis::rate_Hz)) require_rate(known);
+}
+
 NewNode new_node(const KnownAxis& known) {
-  require_possible(known);
+  for (const NumberRange& range : number_ranges) require_in_range(range, known.*range.number);
+  require_possible_so_far(known);
   const double speed_m_s = rounded_up(greatest_speed_m_s(known), 2), half_count_m = known.encoder_resolution_m / 2;
   // What the design says of a tolerance that is surely wide enough is enough to choose all numbers.
   const double wide_m = known.longest_move_m;

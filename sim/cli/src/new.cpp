@@ -42,8 +42,18 @@ struct NewCommand {
   std::string file = "axis.toml";
 };
 
-// Asks on standard error until the answer is a number above 0.
-double ask(const Question& question) {
+// What is wrong with an answer, or nothing.
+std::string answer_problem(const std::string& answer, const Question& question, config::KnownAxis known) try {
+  if (const std::string wrong = positive_number(answer); !wrong.empty()) return wrong;
+  known.*question.answer = std::stod(answer);
+  config::require_possible_so_far(known);
+  return "";
+} catch (const InputError& error) {
+  return error.what();
+}
+
+// Asks on standard error until the answer is a number above 0 that agrees with what is known.
+double ask(const Question& question, const config::KnownAxis& known) {
   while (true) {
     fmt::print(stderr, "{} [{}]: ", question.question, question.unit);
     std::string line;
@@ -53,16 +63,18 @@ double ask(const Question& question) {
                                    question.question, question.option)};
     }
     line = CLI::detail::trim(line);
-    const std::string wrong = positive_number(line);
-    if (wrong.empty()) return std::stod(line);
-    fmt::print(stderr, "{}\n", wrong);
+    const std::string problem = answer_problem(line, question, known);
+    if (problem.empty()) return std::stod(line);
+    fmt::print(stderr, "{}\n", problem);
   }
 }
 
 config::KnownAxis known_axis(const NewCommand& options) {
   config::KnownAxis known;
+  for (std::size_t i = 0; i < questions.size(); ++i) known.*questions[i].answer = options.given[i].value_or(0);
+  config::require_possible_so_far(known);
   for (std::size_t i = 0; i < questions.size(); ++i)
-    known.*questions[i].answer = options.given[i] ? *options.given[i] : ask(questions[i]);
+    if (!options.given[i]) known.*questions[i].answer = ask(questions[i], known);
   return known;
 }
 

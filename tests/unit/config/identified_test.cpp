@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "../refusal.hpp"
 #include "breakaway/config/experiment.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/read_node.hpp"
@@ -11,6 +12,8 @@
 
 namespace breakaway::config {
 namespace {
+
+using breakaway::testing::refusal;
 
 const std::string folder = BREAKAWAY_SOURCE_DIR "/sim/scenarios/";
 
@@ -74,15 +77,25 @@ TEST(WithIdentified, TellsTheNodeAndLeavesTheTruthWhereTheFileHasBoth) {
 TEST(ExperimentParameters, NameTheLimitThatIsMissing) {
   Node node = read_node(folder + "braked_axis.toml");
   EXPECT_DOUBLE_EQ(experiment_parameters<double>(node, node.axes.front(), {}).highest_m, 10);
-  const ExperimentRequest narrow{.lowest_m = -0.5, .highest_m = 11};
+  const ExperimentRequest narrow{.lowest_m = -0.5, .highest_m = 9};
   EXPECT_DOUBLE_EQ(experiment_parameters<double>(node, node.axes.front(), narrow).lowest_m, -0.5);
-  EXPECT_DOUBLE_EQ(experiment_parameters<double>(node, node.axes.front(), narrow).highest_m, 10);
-  const ExperimentRequest outside{.lowest_m = 11, .highest_m = 12};
-  EXPECT_THROW(experiment_parameters<double>(node, node.axes.front(), outside), InputError);
+  EXPECT_DOUBLE_EQ(experiment_parameters<double>(node, node.axes.front(), narrow).highest_m, 9);
   node.axes.front().limits.speed_m_s = unlimited;
   EXPECT_THROW(experiment_parameters<double>(node, node.axes.front(), {}), InputError);
   node.axes.front().limits = {.position_min_m = -1, .speed_m_s = 1};
   EXPECT_THROW(experiment_parameters<double>(node, node.axes.front(), {}), InputError);
+}
+
+TEST(ExperimentParameters, RefuseATravelBeyondTheLimitsOfTheFile) {
+  const Node node = read_node(folder + "braked_axis.toml");
+  const auto why = [&](const ExperimentRequest& request) {
+    return refusal([&] { experiment_parameters<double>(node, node.axes.front(), request); });
+  };
+  EXPECT_NE(why({.lowest_m = -0.5, .highest_m = 11}).find("ends at 11 m, beyond [limits] position_max_m = 10"),
+            std::string::npos);
+  EXPECT_NE(why({.lowest_m = -11}).find("ends at -11 m, beyond [limits] position_min_m = -10"), std::string::npos);
+  EXPECT_NE(why({.lowest_m = 2, .highest_m = 1}).find("from 2 to 1 m is empty"), std::string::npos);
+  EXPECT_EQ(why({.lowest_m = -10, .highest_m = 10}), "");
 }
 
 }  // namespace

@@ -77,6 +77,19 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
   EXPECT_NE(why([](KnownAxis& k) { k.rate_Hz = 4000; }).find("does not fit a [bus]"), std::string::npos);
 }
 
+// So that whoever types them in one by one hears of it at the number that is wrong.
+TEST(NewNode, IsForbiddenByTheNumbersThatAreSaidSoFar) {
+  const auto why = [](const KnownAxis& known) { return refusal([&] { require_possible_so_far(known); }); };
+  EXPECT_EQ(why({}), "");
+  EXPECT_EQ(why({.friction_lower_N = 28}), "");
+  EXPECT_NE(why({.friction_lower_N = 28, .friction_upper_N = 15}).find("must be below the upper"), std::string::npos);
+  EXPECT_NE(why({.friction_upper_N = 15, .max_force_N = 15}).find("stronger drive"), std::string::npos);
+  EXPECT_EQ(why({.encoder_resolution_m = 1e-9}), "");
+  EXPECT_NE(why({.encoder_resolution_m = 1e-9, .longest_move_m = 2.5}).find("32 bits"), std::string::npos);
+  EXPECT_NE(why({.rate_Hz = 300}).find("take 250 or 312.5 Hz"), std::string::npos);
+  EXPECT_NE(why({.mass_kg = 1e12}).find("check its unit"), std::string::npos);
+}
+
 TEST(NewNode, NamesRatesThatWork) {
   const auto with_rate = [](double rate_Hz) {
     KnownAxis known = table;

@@ -26,6 +26,10 @@ struct NewNode {
   design::DesignReport report;  // of its one axis
 };
 
+// Throws InputError, with the remedy, where the numbers that are not 0 forbid a file already: out of range, in
+// contradiction, a rate that no drive can be told, a travel that 32 bits do not count.
+void require_possible_so_far(const KnownAxis& known);
+
 // Writes a file with a comment on each number: what was known, and where it was not, a value to begin with. The
 // tolerance is the least that is certified, rounded up to two digits. Throws InputError where a number is outside its
 // range, where no tolerance can be certified, with the reason, and as read_node() does.
