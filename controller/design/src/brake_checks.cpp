@@ -53,7 +53,7 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
                          "the periods that prove rest", "use a finer encoder"));
   checks.push_back(below("kicks_contract", "from the floor to the end of the table each kick takes 3 % away",
                          design.floor_m, design.reach_m, "accuracy floor against the reach of a kick",
-                         "narrow the uncertainties, or use a drive with a finer step of force"));
+                         "know friction better, narrow the uncertainties, or use a drive with a finer step of force"));
   checks.push_back(tolerance_check(axis, design));
   if (!c.move)
     checks.push_back(below(

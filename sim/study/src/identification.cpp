@@ -29,10 +29,6 @@ IdentifiedRun run_identification(const Scenario& s, const config::ExperimentRequ
   const auto parameters = config::experiment_parameters<double>(s.node, s.node.axes.front(), request);
   sil::ExperimentRun run = sil::run_experiment(s, parameters, progress);
   const std::string ending{to_string(run.ending)};
-  if (!run.fault.empty())
-    throw InputError{fmt::format("the experiment was stopped by \"{}\"{}", run.fault,
-                                 run.ending == identify::Ending::none ? "" : ": " + ending)}
-        .in_file(s.node.file);
   if (run.ending == identify::Ending::no_room)
     throw InputError{fmt::format("{} (it begins at {:g} m, and the travel is from {:g} to {:g} m)", ending,
                                  s.worlds.front().position_m, parameters.lowest_m, parameters.highest_m)}
@@ -41,7 +37,8 @@ IdentifiedRun run_identification(const Scenario& s, const config::ExperimentRequ
           .file = s.node.file,
           .source = "an experiment on the emulated drive of " + s.node.file,
           .ending = ending,
-          .complete = run.ending == identify::Ending::complete,
+          .complete = run.fault.empty() && run.ending == identify::Ending::complete,
+          .stopped_by = run.fault,
           .record = std::move(run.record),
           .found = {}};
 }
@@ -61,6 +58,7 @@ IdentifiedRun recorded_identification(const Scenario& s, std::string_view csv, c
             .source = name,
             .ending = "a record from elsewhere",
             .complete = true,
+            .stopped_by = "",
             .record = evaluation::record_of_csv(csv, units),
             .found = {}};
   } catch (const InputError& error) {
@@ -68,11 +66,15 @@ IdentifiedRun recorded_identification(const Scenario& s, std::string_view csv, c
   }
 }
 
-void evaluate(IdentifiedRun& run) try {
-  run.found = evaluation::evaluate(run.record);
-} catch (const InputError& error) {
-  const InputError whole = run.complete ? error : InputError{fmt::format("{} ({})", error.what(), run.ending)};
-  throw whole.in_file(run.file);
+void evaluate(IdentifiedRun& run) {
+  if (!run.stopped_by.empty())
+    throw InputError{fmt::format("the experiment was stopped by \"{}\"", run.stopped_by)}.in_file(run.file);
+  try {
+    run.found = evaluation::evaluate(run.record);
+  } catch (const InputError& error) {
+    const InputError whole = run.complete ? error : InputError{fmt::format("{} ({})", error.what(), run.ending)};
+    throw whole.in_file(run.file);
+  }
 }
 
 std::string with_found(std::string_view text, const Scenario& s, const evaluation::Identification& found) {

@@ -140,8 +140,13 @@ class Server::Implementation {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    constexpr std::size_t longest_request = 4096, threads = 16;
+    // Each open connection keeps a thread until it has been silent for a second: a stop does not wait behind pages that
+    // were left open.
+    constexpr std::size_t longest_request = 4096, threads = 64;
+    constexpr time_t longest_silence_s = 1;
     server_.set_payload_max_length(longest_request);
+    server_.set_read_timeout(longest_silence_s);
+    server_.set_keep_alive_timeout(longest_silence_s);
     server_.new_task_queue = [] { return new httplib::ThreadPool{threads}; };
     server_.set_default_headers({{"Content-Security-Policy",
                                   "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "

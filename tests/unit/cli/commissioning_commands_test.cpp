@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 #include "command.hpp"
@@ -214,6 +215,22 @@ TEST_F(Command, RefusesToIdentifyALoadThatPushesTheAxis) {
                    {"sprung.toml", "friction comes out at -", "a load swings on a spring", "\"work\""});
     EXPECT_FALSE(fs::exists(path("found.toml")));
   }
+}
+
+// A drive of 500 N at 250 Hz is beyond 0.1 m/s within a period.
+TEST_F(Command, KeepsTheRecordOfAnExperimentThatAFaultStopped) {
+  const std::string axis = path("strong.toml"), record = path("run.csv");
+  const Ended made = run(
+      "new --mass 1 --friction-lower 100 --friction-upper 150 --encoder 1e-6 --rate 250 --force 500 --move 0.1 -o -");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto slower = [](const std::string& text) {
+    return std::regex_replace(std::regex_replace(text, std::regex{"\nspeed_m_s = [0-9.]+"}, "\nspeed_m_s = 0.1"),
+                              std::regex{"max_approach_speed_m_s = [0-9.]+"}, "max_approach_speed_m_s = 0.04");
+  };
+  std::ofstream{axis} << slower(made.out);
+  expect_refused("identify " + axis + " --csv " + record,
+                 {"strong.toml", "the experiment was stopped by \"speed limit\"\n"});
+  EXPECT_GT(content(record).size(), 1000u);
 }
 
 TEST_F(Command, NamesWhatCannotBeIdentified) {

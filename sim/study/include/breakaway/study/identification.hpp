@@ -17,13 +17,13 @@ struct IdentifiedRun {
   std::string source;  // what was evaluated
   std::string ending;  // in words
   bool complete = false;
+  std::string stopped_by;  // a fault of the loop, by name; the record ends with it
   evaluation::Record record;
   evaluation::Identification found;  // by evaluate()
 };
 
 // The experiment on the emulated drive of the scenario's only axis. Throws InputError as
-// config::experiment_parameters() and sil::run_experiment(), for a [machine], and where a fault of the loop or the room
-// about the start ends it.
+// config::experiment_parameters() and sil::run_experiment(), for a [machine], and where the room about the start ends it.
 IdentifiedRun run_identification(const scenario::Scenario& scenario, const config::ExperimentRequest& request,
                                  const sil::ExperimentProgress& progress = {});
 
@@ -32,7 +32,7 @@ IdentifiedRun run_identification(const scenario::Scenario& scenario, const confi
 IdentifiedRun recorded_identification(const scenario::Scenario& scenario, std::string_view csv,
                                       const std::string& name);
 
-// Throws InputError where the record says too little, with how the experiment ended.
+// Throws InputError where a fault stopped the experiment or the record says too little, with how it ended.
 void evaluate(IdentifiedRun& run);
 
 // The text of the axis' file with what was found in it, for which the axis may stay as it is otherwise.
