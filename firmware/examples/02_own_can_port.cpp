@@ -54,7 +54,7 @@ int main() try {
   // For a board, `breakaway design can_axis.toml --header flashed_node.hpp` writes this node as a constant.
   const config::Node description = config::read_node(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
   const auto flashed = config::certified(description, config::examine(description));
-  const canopen::NetworkConfig& network = flashed.loop.network;
+  const hal::NetworkConfig& network = flashed.loop.network;
 
   QueuePort port;
   firmware::ControlNode node{port, flashed};

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/odrive/bus_budget.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
@@ -87,6 +88,25 @@ TEST(OdriveAxis, OfAFileSettlesLikeThatOfCia402) {
     EXPECT_LE(odrive.max_force_N, 50 * (1 + 1e-6));
     std::printf("settles in %.3f s to %.2f um; behind CiA 402 in %.3f s to %.2f um\n", odrive.settling_time_s,
                 1e6 * odrive.final_error_m, canopen.settling_time_s, 1e6 * canopen.final_error_m);
+  }
+}
+
+// What `breakaway design` promises of the file, from many places: a command acts and a sample is taken when its frame
+// has come, which is a little earlier or later each time.
+TEST(OdriveAxis, OfACertifiedFileKeepsItsPromise) {
+  auto s = scenario::read_scenario(std::string{BREAKAWAY_SOURCE_DIR} + "/sim/scenarios/polled_odrive.toml");
+  const config::Axis& axis = s.node.axes.front();
+  ASSERT_EQ(config::why_not_certified(s.node, axis), "");
+  const double promised_m = config::judged_tolerance_m(s.node, axis);
+  const design::DesignReport report = config::examine(s.node).front();
+  std::mt19937 random{11};
+  for (int i = 0; i < 60; ++i) {
+    s.worlds.front().position_m = std::uniform_real_distribution{-0.5, 0.5}(random);
+    s.worlds.front().velocity_m_s = 0;
+    const auto run = sil::run_scenario(s, {}).axes.front();
+    EXPECT_TRUE(run.settled && run.faults.empty()) << i;
+    EXPECT_LE(std::abs(run.final_error_m), promised_m) << i;
+    EXPECT_LE(run.excursions.value().beyond_m, report.braked->beyond_m) << i;
   }
 }
 

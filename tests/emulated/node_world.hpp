@@ -140,7 +140,7 @@ class NodeWorld {
   static constexpr std::uint32_t first_command = 10;      // period
   static constexpr std::uint32_t said_again_after = 100;  // periods; the controller waits for five times as long
   static constexpr double lap_s = bench::tour_s + 0.6;
-  static constexpr const canopen::NetworkConfig& network = flashed::node.loop.network;
+  static constexpr const hal::NetworkConfig& network = flashed::node.loop.network;
   hal::Time now() const { return hal::Time{network.period * static_cast<std::int64_t>(periods_)}; }
 
   void release() {

@@ -86,7 +86,7 @@ constexpr std::array rows{
     CertificateKey{"drive", "max_torque_Nm", counted},
     CertificateKey{"drive", "torque_constant_Nm_per_A", apart},
     CertificateKey{"drive", "velocity_limit_turns_s", apart},
-    CertificateKey{"drive", "estimates", apart},
+    CertificateKey{"drive", "estimates", counted},
     CertificateKey{"drive", "estimate_period_s", apart},
     CertificateKey{"drive", "rated_torque_Nm", counted},
     CertificateKey{"drive", "rated_current_A", apart},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <type_traits>
 
 #include "breakaway/config/axis_design.hpp"
@@ -15,21 +16,36 @@
 
 namespace breakaway::config {
 
-void require_flashable(const Node& node) {
-  const auto refuse = [&](const Axis& axis, const char* what) {
-    const std::string prefix = node.axes.size() > 1 ? "axis " + axis.name + ": " : std::string{};
-    throw InputError{prefix + what}.in_file(node.file);
-  };
+namespace {
+
+[[noreturn]] void refuse(const Node& node, const Axis& axis, const std::string& what) {
+  const std::string prefix = node.axes.size() > 1 ? "axis " + axis.name + ": " : std::string{};
+  throw InputError{prefix + what}.in_file(node.file);
+}
+
+}  // namespace
+
+bool speaks_odrive(const Node& node) {
+  return std::ranges::any_of(node.axes, [](const Axis& axis) { return axis.drive && axis.drive->odrive; });
+}
+
+void require_runnable(const Node& node) {
   if (!node.loop)
     throw InputError{"[loop] is missing: what runs on a controller needs its period_s"}.in_file(node.file);
   for (const Axis& axis : node.axes) {
-    if (!axis.drive) refuse(axis, "[drive] is missing: what runs on a controller needs one");
-    if (axis.drive->odrive)
-      refuse(axis,
-             "[drive] protocol is \"odrive\", which is simulated only so far: `simulate` and `study` run it; boards, "
-             "breakaway-node and what watches a bus speak \"canopen\"");
-    if (!axis.controller.impulsive) refuse(axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
+    if (!axis.drive) refuse(node, axis, "[drive] is missing: what runs on a controller needs one");
+    if (!axis.controller.impulsive)
+      refuse(node, axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
   }
+}
+
+void require_flashable(const Node& node) {
+  require_runnable(node);
+  if (speaks_odrive(node))
+    refuse(
+        node, node.axes.front(),
+        "[drive] protocol is \"odrive\", which a PC speaks (breakaway-node, `simulate`, `study`); boards, their header "
+        "and EDS, and what watches a bus speak \"canopen\"");
 }
 
 firmware::LoopConfig loop_config(const Node& node) {
@@ -130,14 +146,18 @@ Kicks kicks_of(const design::BrakedClass& axes) {
 
 template <class Real, class Kicks>
 firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& axis) {
+  // What is flashed has no place for an ODrive: odrive_config() is what commands one.
+  const bool canopen = !axis.drive->odrive;
   const law::AxisParameters<Real> p = axis_parameters<Real>(node, axis);
   if (const auto error = law::validate(p); error != law::ParameterError::none)
     throw InputError{fmt::format("axis {}: in {}: {}", axis.name, std::is_same_v<Real, float> ? "float" : "double",
                                  to_string(error))};
   const auto built = design::build_k3_table<Real>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
-  firmware::FlashedAxis<Real, Kicks> flashed{
-      .drive = drive_config<Real>(axis), .limits = axis_limits<Real>(axis), .law = p, .k3_table = built.table};
+  firmware::FlashedAxis<Real, Kicks> flashed{.drive = canopen ? drive_config<Real>(axis) : cia402::DriveConfig<Real>{},
+                                             .limits = axis_limits<Real>(axis),
+                                             .law = p,
+                                             .k3_table = built.table};
   if (p.coast != law::Coast::pd) {
     flashed.kicks = kicks_of<Real, Kicks>(braked_class(node, axis));
     if (!law::are_usable(flashed.kicks))
@@ -168,9 +188,26 @@ AnyNode<Real, Kicks> flashed_with(const Node& node) try {
   throw error.in_file(node.file);
 }
 
+// What runs is checked in the numbers that it runs with.
+template <class Kicks>
+void verify(const AnyNode<float, Kicks>& flashed, const Node& node) {
+  const auto refuse = [&](const Axis& axis, std::string_view what) {
+    throw InputError{fmt::format("axis {}, in float: {}", axis.name, what)}.in_file(node.file);
+  };
+  if (!speaks_odrive(node)) {
+    const firmware::NodeVerdict verdict = firmware::verify(flashed);
+    if (!verdict.ok()) refuse(node.axes[verdict.axis], to_string(verdict.error));
+    return;
+  }
+  for (std::size_t i = 0; i < flashed.count; ++i) {
+    const auto error = odrive::check(odrive_config<float>(node.axes[i]), flashed.loop.network, flashed.axes[i].scale());
+    if (error != odrive::DriveConfigError::none) refuse(node.axes[i], to_string(error));
+  }
+}
+
 template <class Kicks>
 AnyNode<float, Kicks> certified_with(const Node& node, const std::vector<design::DesignReport>& reports) {
-  require_flashable(node);
+  require_runnable(node);
   if (node.coupling)
     throw InputError{"[coupling] is of axes that one coordinator moves, and these are laws of single ones"}.in_file(
         node.file);
@@ -178,9 +215,7 @@ AnyNode<float, Kicks> certified_with(const Node& node, const std::vector<design:
   auto result = flashed_with<float, Kicks>(node);
   for (std::size_t i = 0; i < result.count; ++i) result.axes[i].certified = true;
   result.checksum = checksum_of(result);
-  if (const firmware::NodeVerdict verdict = firmware::verify(result); !verdict.ok())
-    throw InputError{fmt::format("axis {}, in float: {}", node.axes[verdict.axis].name, to_string(verdict.error))}
-        .in_file(node.file);
+  verify(result, node);
   return result;
 }
 

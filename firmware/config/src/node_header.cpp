@@ -197,11 +197,13 @@ std::string header_of(const Flashed& flashed, const std::string& type, const cha
 
 std::string node_header(const AnyNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports) {
+  require_flashable(node);
   return header_of(flashed, fmt::format("FlashedNode<float, {}>", flashed.count), "flashed_node",
                    statement(node, reports));
 }
 std::string node_header(const WorkNode<float>& flashed, const Node& node,
                         const std::vector<design::DesignReport>& reports) {
+  require_flashable(node);
   return header_of(flashed, fmt::format("FlashedNode<float, {}, law::WorkKicks<float>>", flashed.count), "flashed_node",
                    statement(node, reports));
 }

@@ -59,13 +59,17 @@ std::string read_name(const Section& section, std::string name, const std::vecto
   return name;
 }
 
-bool speaks_odrive(const Node& node) {
-  return std::ranges::any_of(node.axes, [](const Axis& axis) { return axis.drive && axis.drive->odrive; });
-}
-
 void check_period(const Section& section, const Loop& loop) {
   if (cia402::interpolation_period(loop.period)) return;
   section.fail("period_s", "is not 1 to 255 times 1 s, 0.1 s, ... or 1 us, which drives need (60C2h); round it");
+}
+
+// What of a node for CANopen has no meaning where the bus has no master.
+void check_without_master(const Section& section) {
+  for (const char* key : {"node_id", "heartbeat_period_s", "command_timeout_s"})
+    if (section.has(key))
+      section.fail(
+          key, "is of a node on a CANopen bus, and one with drives of protocol = \"odrive\" has none; leave it out");
 }
 
 // [[axis]] entries, or the file itself as one axis.
@@ -176,6 +180,7 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
   read_bus(bus, node, others.bus);
   if (loop && node.bit_rate && !speaks_odrive(node)) check_period(*loop, *node.loop);
   check_data_sheets(node);
+  if (loop && speaks_odrive(node)) check_without_master(*loop);
   if (coupling && speaks_odrive(node))
     coupling->fail("mass",
                    "stands beside a drive of protocol = \"odrive\", whose axes move each alone so far; leave "

@@ -103,6 +103,7 @@ void take_in_spacing(const Section& drive, const std::optional<Section>& limits,
                         "in steps of {:.3g} m, coarser than encoder_resolution_m = {:g}; narrow the range, or state "
                         "that coarser resolution",
                         farthest_m, farthest_m / travel_m, spacing_m, count_m));
+  axis.drive->odrive->rounding_m = spacing_m / 2;
   axis.uncertainty.encoder_noise_m += spacing_m / 2;
 }
 

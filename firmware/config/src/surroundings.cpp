@@ -12,6 +12,8 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/certificate_keys.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/odrive/polled_timing.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -182,10 +184,7 @@ class Outside {
       spring();
     else if (by_work())
       add("[controller] coast = \"work\" is for a load on a spring; give its [plant.load], or take \"brake\"");
-    if (axis_.drive && axis_.drive->odrive)
-      add("[drive] protocol = \"odrive\": a certificate is of samples and forces that begin together at a SYNC, and "
-          "here "
-          "each comes when it does; simulate and study it, or take protocol = \"canopen\"");
+    if (without_sync() && node_.loop) timing();
     forces();
     readings();
     presliding();
@@ -196,6 +195,7 @@ class Outside {
   }
 
  private:
+  bool without_sync() const { return axis_.drive && axis_.drive->odrive; }
   // The certificate is for a class of axes: under any coast but pd.
   bool braked() const { return gains_.coast != Coast::pd; }
   bool by_work() const { return gains_.coast == Coast::work; }
@@ -221,8 +221,48 @@ class Outside {
           beside_N, axis_.uncertainty.force_N);
   }
 
+  odrive::PolledTiming polled_timing() const {
+    hal::Duration heartbeat = node_.loop->period;
+    for (const Axis& axis : node_.axes)
+      if (axis.drive) heartbeat = std::min(heartbeat, axis.drive->heartbeat_period);
+    const auto heartbeats = static_cast<unsigned>((node_.loop->period + heartbeat - hal::Duration{1}) / heartbeat);
+    return odrive::polled_timing(static_cast<unsigned>(node_.axes.size()), *node_.bit_rate, heartbeats);
+  }
+
+  // Without a SYNC commands act and samples are taken when their frames have come.
+  void timing() {
+    const BusSurroundings& b = node_.bus_surroundings;
+    const double off_s = hal::seconds(polled_timing().jitter()) + b.most_delay_s - b.least_delay_s;
+    // Rounded up, so that what a sentence asks for is enough.
+    const double jitter_s = std::ceil(off_s * 1e6 - rounding) * 1e-6;
+    const std::string within = fmt::format(
+        "[drive] protocol = \"odrive\" has no SYNC, so that commands and polled samples are up to {:g} s off whole "
+        "periods, one against another",
+        jitter_s);
+    if (by_work())
+      add("{}, and a certificate under the coast \"work\" takes in nothing of that; simulate it, or take protocol = "
+          "\"canopen\"",
+          within);
+    else if (jitter_s > design::most_jitter * node_.period_s() * (1 + rounding))
+      add("{}, and a certificate takes in half a period; take a [loop] period_s of at least {:g}, with estimates = "
+          "\"polled\"",
+          within, jitter_s / design::most_jitter);
+    else if (axis_.drive->odrive->estimates == odrive::Estimates::cyclic)
+      add("[drive] estimates = \"cyclic\" has the drive sample by a clock of its own, so that a sample is older by up "
+          "to estimate_period_s one time than another, and a certificate takes in half a period of that; take "
+          "estimates "
+          "= \"polled\" under the coast \"brake\" with [uncertainty] jitter_s = {:g}, or simulate it",
+          jitter_s);
+    else if (!braked())
+      add("{}, of which the coast \"pd\" knows nothing; take coast = \"brake\" with [uncertainty] jitter_s = {:g}",
+          within, jitter_s);
+    else if (off_s > axis_.uncertainty.jitter_s * (1 + rounding))
+      add("{}, and [uncertainty] jitter_s = {:g} is less; raise that", within, axis_.uncertainty.jitter_s);
+  }
+
   void readings() {
-    const double off_m = axis_.surroundings.encoder_error_m, told_m = axis_.uncertainty.encoder_noise_m;
+    const double rounding_m = without_sync() ? axis_.drive->odrive->rounding_m : 0;  // which the noise holds already
+    const double off_m = axis_.surroundings.encoder_error_m, told_m = axis_.uncertainty.encoder_noise_m - rounding_m;
     if (off_m == 0 || (braked() && off_m <= told_m * (1 + rounding))) return;
     add("[plant] encoder_error: a reading may be {:.6g} m off beside its count (interpolation_m and 6 times noise_m), "
         "and [uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
@@ -313,7 +353,7 @@ class Outside {
     const Uncertainty& u = axis_.uncertainty;
     const bool stated = u.mass > 0 || u.force_gain > 0 || u.force_N > 0 || u.current_loop_time_constant > 0 ||
                         u.jitter_s > 0 || u.encoder_noise_m > 0;
-    if (!braked() && stated)
+    if (!braked() && stated && !without_sync())
       add("[uncertainty] is stated, and the coast \"pd\" is certified for the very numbers of the file only; take "
           "coast = \"brake\"");
     if (gains_.kick == Kick::naive)
@@ -326,6 +366,12 @@ class Outside {
       add("[bus] loss_probability = {:g} has commands lost, each of which makes a kick longer or shorter; a "
           "certificate needs 0",
           b.loss_probability);
+    if (!without_sync()) delays();
+    if (node_.loop && node_.bit_rate) answers();
+  }
+
+  void delays() {
+    const BusSurroundings& b = node_.bus_surroundings;
     const double apart_s = b.most_delay_s - b.least_delay_s, jitter_s = axis_.uncertainty.jitter_s;
     if (apart_s > 0 && !braked())
       add("[bus] delay_max_s = {:g} is above delay_min_s, so that a kick may be longer or shorter than its periods; "
@@ -335,7 +381,18 @@ class Outside {
       add("[bus] delay_max_s = {:g} and delay_min_s are {:g} s apart, so that a kick may be as much longer or shorter "
           "than its periods, and [uncertainty] jitter_s = {:g} is less; raise that",
           b.most_delay_s, apart_s, jitter_s);
-    if (!node_.loop || !node_.bit_rate) return;
+  }
+
+  void answers() {
+    const BusSurroundings& b = node_.bus_surroundings;
+    if (without_sync()) {
+      const double answered_s = hal::seconds(polled_timing().answered) + 2 * b.most_delay_s;
+      if (axis_.drive->odrive->estimates == odrive::Estimates::polled && answered_s > node_.period_s())
+        add("[loop] period_s = {:g} is over before every answer of a polled drive has come, after {:.6g} s; take a "
+            "longer one",
+            node_.period_s(), answered_s);
+      return;
+    }
     const auto needed_us =
         canopen::bus_budget(static_cast<unsigned>(node_.axes.size()), node_.loop->period, *node_.bit_rate).needed_us;
     const double round_s = 2 * b.least_delay_s + axis_.surroundings.feedback_delay_s;

@@ -142,7 +142,7 @@ void DriveRun<Flashed>::note(std::size_t place) {
 // our own node id, before we say a word.
 template <class Flashed>
 void DriveRun<Flashed>::refuse_other_master() {
-  const canopen::NetworkConfig& network = flashed_.loop.network;
+  const hal::NetworkConfig& network = flashed_.loop.network;
   const hal::Duration patience = std::max<hal::Duration>(3 * network.period, 2 * network.heartbeat_period);
   const hal::Time begin = ticker_.wait();
   do {
@@ -239,7 +239,7 @@ template <class Flashed>
 std::string DriveRun<Flashed>::nodes_on_bus() {
   std::bitset<128> alive;
   hal::ReceivedFrame received;
-  const canopen::NetworkConfig& network = flashed_.loop.network;
+  const hal::NetworkConfig& network = flashed_.loop.network;
   for (unsigned tick = 1; tick < 250; ++tick) {
     poll();
     while (port_.receive(received)) {

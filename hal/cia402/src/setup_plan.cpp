@@ -19,7 +19,7 @@ std::uint32_t whole_milliseconds(hal::Duration duration) noexcept {
 }  // namespace
 
 SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
-                     const canopen::NetworkConfig& network) noexcept {
+                     const hal::NetworkConfig& network) noexcept {
   take_force_off();
   read_rating();
   look();
@@ -101,7 +101,7 @@ void SetupPlan::bound_force() noexcept {
   }
 }
 
-void SetupPlan::add_clock(const canopen::NetworkConfig& network) noexcept {
+void SetupPlan::add_clock(const hal::NetworkConfig& network) noexcept {
   // A drive that listens for another SYNC would never act.
   write(object::sync_cob_id, 0, 4, canopen::sync_cob_id, may_be_missing);
   read_back(SetupStep::Kind::check);

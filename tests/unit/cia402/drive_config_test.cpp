@@ -9,9 +9,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using namespace breakaway::cia402;
-using breakaway::canopen::NetworkConfig;
 using breakaway::hal::AxisScale;
 using breakaway::hal::Duration;
+using breakaway::hal::NetworkConfig;
 
 TEST(InterpolationPeriod, WholeMillisecondsUseExponentMinusThree) {
   for (int ms = 1; ms <= 255; ++ms) {

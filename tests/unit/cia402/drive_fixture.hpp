@@ -16,7 +16,6 @@ using namespace std::chrono_literals;
 using breakaway::canopen::emcy_cob_id;
 using breakaway::canopen::heartbeat_cob_id;
 using breakaway::canopen::is_sync;
-using breakaway::canopen::NetworkConfig;
 using breakaway::canopen::NmtCommand;
 using breakaway::canopen::NmtState;
 using breakaway::canopen::ObjectAddress;
@@ -35,6 +34,7 @@ using breakaway::hal::CanFrame;
 using breakaway::hal::DriveFeedback;
 using breakaway::hal::DriveState;
 using breakaway::hal::Duration;
+using breakaway::hal::NetworkConfig;
 using breakaway::hal::Time;
 
 inline constexpr std::uint8_t node_id = 4;

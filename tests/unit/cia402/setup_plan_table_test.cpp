@@ -27,7 +27,7 @@ std::string line_of(const SetupStep& step) {
   return text;
 }
 
-std::string lines_of(const DriveConfig<float>& drive, const canopen::NetworkConfig& network) {
+std::string lines_of(const DriveConfig<float>& drive, const hal::NetworkConfig& network) {
   const SetupPlan plan{drive, network};
   std::string text;
   for (const SetupStep& step : plan.steps()) text += line_of(step) + "\n";

@@ -90,6 +90,7 @@ TEST(Certificate, ChangesWithEachKeyThatItCountsWith) {
       {"drive.protocol", as_odrive},
       {"drive.travel_per_turn_m", as_odrive},
       {"drive.max_torque_Nm", as_odrive},
+      {"drive.estimates", as_odrive},
       {"drive.rated_torque_Nm", {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.6"}},
       {"drive.max_torque_per_mille", {"max_torque_per_mille = 2000", "max_torque_per_mille = 1000"}},
       {"drive.force_per_torque_N_per_Nm", {"force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 55"}},

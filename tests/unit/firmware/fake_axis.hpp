@@ -69,7 +69,7 @@ struct FakeDrive {
   std::uint8_t id;
   hal::AxisScale<float> scale;
 
-  FakeDrive(const Config& config, const canopen::NetworkConfig&, const hal::AxisScale<float>& s) noexcept
+  FakeDrive(const Config& config, const hal::NetworkConfig&, const hal::AxisScale<float>& s) noexcept
       : probe{config.probe}, id{config.node_id}, scale{s} {}
 
   hal::DriveFeedback<float> feedback() noexcept { return probe->feedback; }

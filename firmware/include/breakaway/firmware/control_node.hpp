@@ -83,7 +83,7 @@ class ControlNode {
       static_cast<void>(port_.send(answer, deadline));
   }
 
-  canopen::NetworkConfig network_;
+  hal::NetworkConfig network_;
   hal::Duration command_timeout_;
   Served served_;
   Tap port_;

@@ -4,15 +4,15 @@
 #include <chrono>
 #include <cstdint>
 
-#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/firmware/fault_scope.hpp"
 #include "breakaway/firmware/moves_end.hpp"
+#include "breakaway/hal/network_config.hpp"
 #include "breakaway/hal/time.hpp"
 
 namespace breakaway::firmware {
 
 struct LoopConfig {
-  canopen::NetworkConfig network{};
+  hal::NetworkConfig network{};
   FaultScope fault_scope = FaultScope::axis;
   MovesEnd moves_end = MovesEnd::each;
   // A ControlNode stops an axis whose commander says nothing for longer.

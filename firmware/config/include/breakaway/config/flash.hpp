@@ -20,7 +20,11 @@ inline constexpr std::size_t most_axes = 8;
 // These return the parts of a node as the loop is told them. They require node.loop and a drive. Real is float or
 // double.
 // Throws InputError with what is missing unless the node has a [loop] and every axis a [drive] and impulsive gains.
+void require_runnable(const Node& node);
+// The same, and where its drives are of another protocol than boards speak.
 void require_flashable(const Node& node);
+// Whether its drives are of protocol "odrive": the drives of a node are of one.
+bool speaks_odrive(const Node& node);
 
 firmware::LoopConfig loop_config(const Node& node);
 template <class Real>
@@ -53,7 +57,8 @@ template <class Real>
 WorkNode<Real> flashed_by_work(const Node& node);
 
 // Returns the node certified and under its checksum, as it is flashed. Throws InputError as require_certified(), and
-// when firmware::verify() refuses the node for another reason.
+// when firmware::verify() refuses the node for another reason. Of drives of protocol "odrive" it holds nothing: their
+// odrive_config() is checked, and stands beside it.
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
 WorkNode<float> certified_by_work(const Node& node, const std::vector<design::DesignReport>& reports);
 

@@ -104,6 +104,7 @@ struct Odrive {
   std::optional<double> torque_constant_Nm_per_A{}, velocity_limit_turns_s{};
   odrive::Estimates estimates = odrive::Estimates::cyclic;
   hal::Duration estimate_period{std::chrono::milliseconds{1}};  // of cyclic ones
+  double rounding_m = 0;  // half a step of its float where the axis may go; a part of encoder_noise_m
 };
 
 // The drive on the bus, as the file describes it.

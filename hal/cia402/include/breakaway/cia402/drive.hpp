@@ -42,7 +42,6 @@
 
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/master.hpp"
-#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/canopen/nmt.hpp"
 #include "breakaway/canopen/object_address.hpp"
 #include "breakaway/canopen/pdo.hpp"
@@ -58,6 +57,7 @@
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/can_frame.hpp"
 #include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/network_config.hpp"
 
 namespace breakaway::cia402 {
 
@@ -74,7 +74,7 @@ class Drive {
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
-  [[gnu::cold]] Drive(const Config& config, const canopen::NetworkConfig& network,
+  [[gnu::cold]] Drive(const Config& config, const hal::NetworkConfig& network,
                       const hal::AxisScale<Scalar>& scale) noexcept
       : config_{config},
         period_{network.period},

@@ -1,5 +1,5 @@
 // DriveConfig holds what is one drive's own. What a drive shares with the other nodes on its bus is in
-// canopen::NetworkConfig, and what it shares with its axis' controller is in hal::AxisScale. check() tells whether the
+// hal::NetworkConfig, and what it shares with its axis' controller is in hal::AxisScale. check() tells whether the
 // three can be used together.
 #pragma once
 
@@ -10,10 +10,10 @@
 #include <string_view>
 
 #include "breakaway/canopen/cob_id.hpp"
-#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/network_config.hpp"
 #include "breakaway/hal/time.hpp"
 
 namespace breakaway::cia402 {
@@ -130,8 +130,7 @@ constexpr bool positive_and_finite(Scalar value) noexcept {
 
 // Checks what the CANopen side of the drive needs; the rest is for the conversion of units.
 template <class Scalar>
-constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
-                                      const canopen::NetworkConfig& network) noexcept {
+constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive, const hal::NetworkConfig& network) noexcept {
   if (!canopen::is_node_id(drive.node_id)) return DriveConfigError::node_id;
   if (!canopen::is_node_id(network.node_id) || network.node_id == drive.node_id)
     return DriveConfigError::master_node_id;
@@ -153,7 +152,7 @@ constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
 // and canopen::check_bus_budget() do that.
 template <class Scalar>
 [[nodiscard, gnu::cold]] constexpr DriveConfigError check(const DriveConfig<Scalar>& drive,
-                                                          const canopen::NetworkConfig& network,
+                                                          const hal::NetworkConfig& network,
                                                           const hal::AxisScale<Scalar>& scale) noexcept {
   const DriveConfigError node = internal::check_node(drive, network);
   if (node != DriveConfigError::none) return node;

@@ -82,7 +82,7 @@ class DriveNode {
 
   // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
-  DriveNode(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network, Scalar max_force_N) noexcept
+  DriveNode(const DriveConfig<Scalar>& drive, const hal::NetworkConfig& network, Scalar max_force_N) noexcept
       : heartbeat_timeout_{drive.heartbeat_timeout},
         rated_torque_mNm_{drive.rated_torque_mNm},
         force_per_torque_N_per_Nm_{static_cast<float>(drive.force_per_torque_N_per_Nm)},

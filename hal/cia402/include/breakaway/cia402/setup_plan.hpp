@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <span>
 
-#include "breakaway/canopen/network_config.hpp"
 #include "breakaway/cia402/drive_config.hpp"
+#include "breakaway/hal/network_config.hpp"
 #include "breakaway/hal/time.hpp"
 
 namespace breakaway::cia402 {
@@ -35,7 +35,7 @@ class SetupPlan {
  public:
   // The arguments must be what check() accepts.
   template <class Scalar>
-  SetupPlan(const DriveConfig<Scalar>& drive, const canopen::NetworkConfig& network) noexcept
+  SetupPlan(const DriveConfig<Scalar>& drive, const hal::NetworkConfig& network) noexcept
       : SetupPlan{drive.node_id, drive.heartbeat_period, drive.heartbeat_timeout, network} {
     if (drive.homing.home == Home::by_drive) add_homing(drive.homing, drive.invert_direction);
     add_mode();
@@ -45,12 +45,12 @@ class SetupPlan {
 
  private:
   SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
-            const canopen::NetworkConfig& network) noexcept;
+            const hal::NetworkConfig& network) noexcept;
 
   void take_force_off() noexcept;
   void read_rating() noexcept;
   void bound_force() noexcept;
-  void add_clock(const canopen::NetworkConfig& network) noexcept;
+  void add_clock(const hal::NetworkConfig& network) noexcept;
   void add_homing(const HomingConfig& homing, bool inverted) noexcept;
   void add_mode() noexcept;
   void look() noexcept;
