@@ -9,6 +9,7 @@
 #include "breakaway/law/approach_plan.hpp"
 #include "breakaway/law/kick_judge.hpp"
 #include "check.hpp"
+#include "planned_force.hpp"
 #include "reachable.hpp"
 
 namespace breakaway::design::detail {
@@ -16,6 +17,9 @@ namespace {
 
 // Of an axis whose friction bends: tests/campaign.
 constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64;
+
+// Of a move: tests/campaign.
+constexpr double steps_of_a_move = 4;  // of the force within the least friction
 
 // What the fine stage aims at is not promised, so that it may be asked for only where what is promised will do.
 Check tolerance_check(const AxisDesign& axis, const BrakedDesign<float>& design) {
@@ -137,12 +141,17 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
             "raise it, or know friction, mass and force gain better", Equality::holds)};
   if (!design.possible()) return checks;
   const std::string tested = "tested, not proved: what is seen of the speed, and how soon a force follows";
+  const std::string tested_of_moves = "tested, not proved: what sufficed for all of many moves";
   checks.push_back(below("speed_is_seen_well_enough", tested, least_move_speed_m_s(design), move.speed_m_s,
                          "eight times the speed at which brake and kicks take over against [move] speed_m_s",
                          "raise it, use a finer encoder, or know friction and mass better", Equality::holds));
   checks.push_back(below("move_keeps_time", "the limits of a move are for a loop without jitter", c.jitter_s, 0,
                          "[uncertainty] jitter_s against 0 where there is a [move]", "leave [move] out",
                          Equality::holds));
+  checks.push_back(below("move_force_is_fine", tested_of_moves, steps_of_a_move * c.force_step_N,
+                         c.friction.lower_N - c.load_N,
+                         "four steps of the drive's force against the least friction less the load",
+                         "use a drive with a finer step of force, or leave [move] out", Equality::holds));
   if (!checks.front().holds) return checks;
   const double planned_m_s = static_cast<double>(design.kicks.approach.move.speed_m_s);
   checks.push_back(
@@ -158,6 +167,10 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
   checks.push_back(below("jerk_leaves_time_to_brake", tested, jerk.least, *move.jerk_m_s3,
                          "64 periods to the full deceleration, and 15 until the axis moves, against [move] jerk_m_s3",
                          remedy, Equality::holds));
+  checks.push_back(below("jerk_is_known", tested_of_moves, spread(c.mass_kg) + spread(c.force_gain),
+                         most_unknown_with_jerk,
+                         "the shares by which mass and force gain may be off, together, against a tenth",
+                         "know them better, or leave [move] jerk_m_s3 out", Equality::holds));
   checks.push_back(below("jerk_is_followed_soon", tested, c.lag_s.most, most_lag_with_jerk * c.period_s,
                          "the time constant of the current loop against half a period", "leave [move] jerk_m_s3 out",
                          Equality::holds));

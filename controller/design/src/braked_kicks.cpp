@@ -7,20 +7,21 @@
 
 #include "kick_class.hpp"
 #include "kick_table_builder.hpp"
+#include "planned_force.hpp"
 
 namespace breakaway::design {
 namespace {
 
 using detail::KickClass;
+using detail::PlannedForce;
+using detail::spread;
+using detail::unseen_m;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double longest_count = 30000;  // of periods
 
 std::uint16_t counted(double periods) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(periods), 1.0, longest_count));
 }
-
-// What readings may differ by while they count as unchanged, and the reading errors at both ends.
-double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 4 * axes.encoder_noise_m; }
 
 // Without a count of motion for so many periods an axis that loses speed under this net force is at rest. The readings
 // may lie nearer together by the jitter, and the first may show the axis as long before the force came down.
@@ -38,8 +39,6 @@ double least_seen_m(const BrakedClass& axes) {
   return axes.encoder_noise_m > 0 ? 2.001 * axes.reading_error_m() : 0.51 * axes.encoder_resolution_m;
 }
 
-double spread(const Interval& interval) { return (interval.most - interval.least) / (interval.most + interval.least); }
-
 constexpr double followed = 0.95;  // of the deceleration that is sure: the rest is for coming back onto the curve
 constexpr Interval steps_of_jerk{4, 64};  // that lead to the full deceleration
 constexpr double soon_moving = 15;        // periods until an axis moves, well before it would count as stuck
@@ -47,39 +46,6 @@ constexpr double unseen_speed = 0.5;      // of the speed at which the brake tak
 constexpr double unseen_gain = 4;         // times what an unknown mass and force gain add to it while it is not seen
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
-constexpr double surely_above = 1.002;    // of the greatest friction
-
-double middle(const Interval& interval) { return (interval.least + interval.most) / 2; }
-
-// Planned is u = m a + A' for the mass m that is told, and what acts is between these.
-struct PlannedForce {
-  double told_kg, least_N, most_N, gain_least, gain_most, lightest_kg, heaviest_kg, rounding_N;
-
-  PlannedForce(const BrakedClass& axes, const KickClass& kicks)
-      : told_kg{middle(axes.mass_kg)},
-        least_N{kicks.least_friction_N()},
-        most_N{kicks.most_friction_N()},
-        gain_least{axes.force_gain.least},
-        gain_most{axes.force_gain.most},
-        lightest_kg{axes.mass_kg.least},
-        heaviest_kg{axes.mass_kg.most},
-        rounding_N{axes.force_step_N / 2} {}
-
-  // The most that may be planned where no axis of the class is to exceed `limit`.
-  double acceleration(double limit) const {
-    return ((limit * lightest_kg + least_N) / gain_most - least_N - rounding_N) / told_kg;
-  }
-  double deceleration(double limit) const {
-    return ((limit * lightest_kg - most_N) / gain_most + least_N - rounding_N) / told_kg;
-  }
-  // The most that an axis does when this is planned.
-  double exceeded_by(double acceleration) const {
-    return (gain_most * (told_kg * acceleration + least_N + rounding_N) - least_N) / lightest_kg;
-  }
-  // What must be planned so that every axis of the class breaks away.
-  double needed_acceleration() const { return (surely_above * most_N / gain_least + rounding_N - least_N) / told_kg; }
-  double sure_deceleration(double planned) const { return gain_least * told_kg / heaviest_kg * planned; }
-};
 
 // What the drive cannot give is not planned.
 double planned_deceleration_m_s2(const BrakedClass& axes, const KickClass& kicks) {
@@ -206,17 +172,12 @@ double least_move_speed_m_s(const BrakedDesign<Real>& design) {
 // into it; in a long approach now and then two are lost in a row.
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
-  constexpr double moving = 1.25, of_switch_speed = 1.0 / 3, lost_in_a_row = 2;
+  constexpr double moving = 1.25, of_switch_speed = 1.0 / 3;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
-  const KickClass kicks{axes};
-  const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
-  const double unseen_s = axes.period_s * (1 / correction - 0.5 + axes.latency_periods);
-  const double misread_m_s = correction * unseen_m(axes) / axes.period_s;
-  const double misread_share = correction * axes.jitter_s / axes.period_s;
-  const double lost_s = lost_in_a_row * axes.period_s;
-  const double slower_m_s = PlannedForce{axes, kicks}.needed_acceleration() * (response_s + unseen_s + lost_s) +
-                            misread_m_s * (1 + lost_s / response_s);
-  return std::max({moving * slower_m_s / (1 - misread_share), least_steady_speed_m_s(axes, kicks, response_s),
+  const double misread_share = static_cast<double>(plan.correction) * axes.jitter_s / axes.period_s;
+  const double slower_m_s = detail::slower_than_planned_m_s(axes, plan);
+  return std::max({moving * slower_m_s / (1 - misread_share),
+                   least_steady_speed_m_s(axes, KickClass{axes}, static_cast<double>(plan.response_s)),
                    of_switch_speed * static_cast<double>(plan.switch_speed_m_s)});
 }
 
@@ -396,8 +357,11 @@ double hand_over_m(const BrakedDesign<Real>& design) {
 
 template <class Real>
 double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
-  const double in_a_period_m = axes.move ? axes.move->acceleration_m_s2 * axes.period_s * axes.period_s : 0;
-  return 8 * hand_over_m(design) + in_a_period_m;
+  if (!axes.move) return detail::hand_overs_beyond * hand_over_m(design);
+  // A change of the acceleration that is one period late comes as long after it was due.
+  const double periods = axes.move->jerk_m_s3 ? 2 : 1;
+  return detail::hand_overs_beyond * hand_over_m(design) +
+         periods * axes.move->acceleration_m_s2 * axes.period_s * axes.period_s;
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the

@@ -13,7 +13,6 @@ constexpr double spring_share = 0.75;   // of the same, of a force that bends fr
 constexpr double preload_share = 0.1;   // of the least friction, by which a pulse may start below the brake's force
 constexpr double quick_lag = 0.11;      // in periods: a loop as quick as this may start a pulse from either brake
 constexpr double step_rounding = 1e-9;  // relative: a whole number of steps must not lose one
-constexpr double surely_above = 1.002;  // of the greatest friction
 constexpr double cut_rounding = 4e-6;   // relative, of the cut as the controller computes it
 constexpr int most_cut_periods = 255;
 

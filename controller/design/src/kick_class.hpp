@@ -9,6 +9,8 @@
 
 namespace breakaway::design::detail {
 
+constexpr double surely_above = 1.002;  // of the greatest friction
+
 class KickClass {
  public:
   explicit KickClass(const BrakedClass& axes);

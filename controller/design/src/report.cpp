@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "brake_checks.hpp"
+#include "breakaway/design/approach_time.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/kick_promise.hpp"
 #include "breakaway/law/fine_stage.hpp"
@@ -197,6 +198,14 @@ double sprung_beyond_m(const BrakedClass& c, const BrakedDesign<float>& design) 
   return c.spring_load ? spring_demand(c, design).beyond_m : 0;
 }
 
+// Where friction holds at once and the mechanism is rigid, as it was tested.
+double longest_approach_s(const AxisDesign& axis, const BrakedDesign<float>& design) {
+  const bool tested = !axis.braked->spring_load && !(axis.braked->presliding_stiffness_N_per_m > 0);
+  if (!tested || !(axis.longest_way_m > 0)) return 0;
+  const double time_s = approach_s(*axis.braked, design, axis.max_approach_speed_m_s, axis.longest_way_m);
+  return std::isfinite(time_s) ? time_s : 0;
+}
+
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const KickPromise kicks{c, design, axis.position_tolerance_m};
@@ -217,6 +226,8 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .table_bytes = design.table_bytes,
                   .move_beyond_m = c.move ? move_beyond_m(c, design) : 0,
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
+                  .longest_way_m = axis.longest_way_m,
+                  .approach_s = design.possible() ? longest_approach_s(axis, design) : 0,
                   .promise = {}};
   p.promise = "at rest the true error is at most " + brief(p.error_m) + " m, no kick goes more than " +
               brief(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +

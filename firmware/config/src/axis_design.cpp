@@ -84,6 +84,14 @@ void require_reachable_targets(const Node& node, const Axis& axis, const design:
   }
 }
 
+// Of a move, or from one end of the travel to the other. Where moves end together, each waits for the slowest.
+double longest_way_m(const Node& node, const Axis& axis) {
+  if (node.axes.size() > 1 && node.loop && node.loop->moves_end == firmware::MovesEnd::together) return 0;
+  if (axis.move) return axis.move->distance_m;
+  const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
+  return room_m < unlimited ? room_m : 0;
+}
+
 }  // namespace
 
 design::AxisDesign axis_design(const Node& node, const Axis& axis) {
@@ -104,6 +112,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
           .position_tolerance_m = accuracy_m(node, axis),
           .max_approach_speed_m_s = p.max_approach_speed_m_s,
+          .longest_way_m = longest_way_m(node, axis),
           .settle_tolerance_m = node.settle_tolerance_m,
           .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
           .work = p.coast == law::Coast::work ? std::optional{braked_class(node, axis)} : std::nullopt,

@@ -42,6 +42,10 @@ void print_promise(const design::BrakedPromise& p, bool certified) {
         "longest move          {:.4g} s at least within its limits, under any law; then brake and kicks from {:.4g} "
         "m\n",
         p.least_move_s, p.hand_over_m);
+  if (p.approach_s > 0)
+    fmt::print(
+        "time to rest          from {:.4g} m at most {:.4g} s up to the first kick (tested), and {:.4g} s of kicks\n",
+        p.longest_way_m, p.approach_s, p.kicks_s);
 }
 
 void print_promise(const design::WorkPromise& p, bool certified) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "breakaway/format/html_page.hpp"
+#include "breakaway/format/length_text.hpp"
 #include "design_pictures.hpp"
 
 namespace breakaway::report {
@@ -85,6 +86,12 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   table.row("Kick table", fmt::format("{} bytes, aims short by {:.3g} of the distance at most", promise.table_bytes,
                                       promise.aim_lost));
   if (promise.least_move_s > 0) table.quantity("Longest move, under any law at least", promise.least_move_s, "s");
+  if (promise.approach_s > 0) {
+    table.quantity(
+        fmt::format("From {}, to the first kick at most (tested)", format::length_text(promise.longest_way_m)),
+        promise.approach_s, "s");
+    table.quantity("The kicks take at most", promise.kicks_s, "s");
+  }
   return table.text();
 }
 

@@ -186,6 +186,14 @@ TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
 TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {
   expect_refused(with(scene, "acceleration_m_s2 = 20", "acceleration_m_s2 = 4"), "move_can_be_made");
   expect_refused(with(scene, "jerk_m_s3 = 2000", "jerk_m_s3 = 5000"), "jerk_can_be_followed");
+  expect_refused(with(scene, "mass = 0.02", "mass = 0.09"), "jerk_is_known");
+  EXPECT_EQ(why_not(with(scene, "mass = 0.02", "mass = 0.075")), "");
+  const auto with_torque_step = [](const char* rated_torque) {
+    const std::string range = with(scene, "max_torque_per_mille = 2000", "max_torque_per_mille = 90");
+    return with(range, "rated_torque_Nm = 0.5", rated_torque);
+  };
+  expect_refused(with_torque_step("rated_torque_Nm = 11.2"), "move_force_is_fine");
+  EXPECT_EQ(why_not(with_torque_step("rated_torque_Nm = 10.8")), "");
   const auto message = [](const std::string& from, const std::string& to) {
     return refusal([&] { examine(parse_node(with(scene, from, to), "axis.toml")); });
   };

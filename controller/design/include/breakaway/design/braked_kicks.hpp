@@ -105,15 +105,16 @@ double most_travel_m(const BrakedClass& axes, double force_N, int periods, int c
 double least_travel_m(const BrakedClass& axes, double force_N, int periods, int cut_periods);
 
 // The limits of a move that are certified: an acceleration and a speed of at least this, and a jerk between those,
-// behind a current loop whose time constant is at most a share of the period. The first is needed by proof; the others
-// are what was tested.
+// behind a current loop whose time constant is at most a share of the period, where mass and force gain are known well.
+// The first is needed by proof; the others are what was tested.
 double least_acceleration_m_s2(const BrakedClass& axes);
 template <class Real>
 double least_move_speed_m_s(const BrakedDesign<Real>& design);
 template <class Real>
 bool keeps_speed(const BrakedClass& axes, const BrakedDesign<Real>& design);  // with a margin that leaves enough of it
 Interval jerk_m_s3(const BrakedClass& axes);
-constexpr double most_lag_with_jerk = 0.5;  // of the period
+constexpr double most_lag_with_jerk = 0.5;      // of the period
+constexpr double most_unknown_with_jerk = 0.1;  // of mass and force gain together
 
 // So far may a move go beyond its target before brake and kicks take over: tested, not proved.
 template <class Real>

@@ -28,6 +28,7 @@ struct AxisDesign {
   double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
   double max_approach_speed_m_s = std::numeric_limits<double>::infinity();
+  double longest_way_m{};               // from a target to the next one; 0: none is stated
   double settle_tolerance_m{};          // true error that will do where that is below the floor; 0: none will
   std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake",
   std::optional<BrakedClass> work{};    // and where it is "work"
@@ -52,6 +53,8 @@ struct BrakedPromise {
   std::size_t table_bytes;
   double move_beyond_m;  // that a move may go past its target; 0: none is stated
   double least_move_s;   // that the longest move takes under any law; 0: none is stated
+  double longest_way_m;  // from rest over which
+  double approach_s;     // the approach takes at most, up to the first kick or the hold, tested; 0: nothing is said
   std::string promise;   // the above in a sentence
 };
 

@@ -286,9 +286,8 @@ class AxisController {
   }
 
   // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. A heavy one
-  // is as slow at first, but gets on further each time. Moves, which may begin as slowly, are not looked at.
+  // is as slow at first, as is a move whose jerk is limited, but gets on further each time.
   bool hardly_gets_on(Scalar x) noexcept requires(!Parts::by_work) {
-    if (goes_on_when_moved()) return false;
     if (since_mark_ == 0) mark_m_ = x;
     if (++since_mark_ < braked_->patient_periods) return false;
     since_mark_ = 0;

@@ -1,0 +1,67 @@
+// What an approach plans against what the axes of a class do of it.
+#pragma once
+
+#include "kick_class.hpp"
+
+namespace breakaway::design::detail {
+
+// So many times as far away as the brake takes over may an approach end, and a move go beyond its target: tested.
+constexpr double hand_overs_beyond = 8;
+
+inline double middle(const Interval& interval) { return (interval.least + interval.most) / 2; }
+
+// How far what is told may be off, relative, either way.
+inline double spread(const Interval& interval) {
+  return (interval.most - interval.least) / (interval.most + interval.least);
+}
+
+// What readings may differ by while they count as unchanged, and the reading errors at both ends.
+inline double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 4 * axes.encoder_noise_m; }
+
+// Planned is u = m a + A' for the mass m that is told, and what acts is between these.
+struct PlannedForce {
+  double told_kg, least_N, most_N, gain_least, gain_most, lightest_kg, heaviest_kg, rounding_N;
+
+  PlannedForce(const BrakedClass& axes, const KickClass& kicks)
+      : told_kg{middle(axes.mass_kg)},
+        least_N{kicks.least_friction_N()},
+        most_N{kicks.most_friction_N()},
+        gain_least{axes.force_gain.least},
+        gain_most{axes.force_gain.most},
+        lightest_kg{axes.mass_kg.least},
+        heaviest_kg{axes.mass_kg.most},
+        rounding_N{axes.force_step_N / 2} {}
+
+  // The most that may be planned where no axis of the class is to exceed `limit`.
+  double acceleration(double limit) const {
+    return ((limit * lightest_kg + least_N) / gain_most - least_N - rounding_N) / told_kg;
+  }
+  double deceleration(double limit) const {
+    return ((limit * lightest_kg - most_N) / gain_most + least_N - rounding_N) / told_kg;
+  }
+  // The most that an axis does when this is planned, and the least.
+  double exceeded_by(double acceleration) const {
+    return (gain_most * (told_kg * acceleration + least_N + rounding_N) - least_N) / lightest_kg;
+  }
+  double sure_acceleration(double planned) const {
+    return (gain_least * (told_kg * planned + least_N - rounding_N) - most_N) / heaviest_kg;
+  }
+  // What must be planned so that every axis of the class breaks away.
+  double needed_acceleration() const { return (surely_above * most_N / gain_least + rounding_N - least_N) / told_kg; }
+  double sure_deceleration(double planned) const { return gain_least * told_kg / heaviest_kg * planned; }
+};
+
+// By how much an axis may go slower than its plan leads it, while the force hardly changes: what leads it there within
+// the response time, what its readings say too much of an axis whose friction is not the least, a reading that is off,
+// and two samples that are lost in a row, as in a long approach happens now and then.
+template <class Real>
+double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
+  constexpr double lost_in_a_row = 2;
+  const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
+  const double unseen_s = axes.period_s * (1 / correction - 0.5 + axes.latency_periods);
+  const double misread_m_s = correction * unseen_m(axes) / axes.period_s, lost_s = lost_in_a_row * axes.period_s;
+  return PlannedForce{axes, KickClass{axes}}.needed_acceleration() * (response_s + unseen_s + lost_s) +
+         misread_m_s * (1 + lost_s / response_s);
+}
+
+}  // namespace breakaway::design::detail
