@@ -19,6 +19,7 @@ PARSERS = {
                                                  "hal/canopen/src/sdo_server.cpp"]),
     "slcan": ("the text of an slcan adapter", ["hal/ports/slcan/"]),
     "cia402_drive": ("whatever a drive says", ["hal/cia402/"]),
+    "odrive_drive": ("whatever an ODrive says", ["hal/odrive/"]),
     "control_node": ("commands to a controller node, its objects by SDO, its drives",
                      [f"firmware/include/breakaway/firmware/{name}.hpp"
                       for name in ("remote_control", "node_objects", "served_port", "control_node")]),

@@ -226,6 +226,13 @@ TEST_F(OdriveFaults, ATorqueThatIsNoNumberIsNamed) {
   EXPECT_TRUE(std::isfinite(feedback.force_N));
 }
 
+TEST_F(OdriveFaults, ATorqueWhoseForceIsNoNumberIsNamed) {
+  enable();
+  node.torque_Nm = 3e38F;
+  EXPECT_EQ(next_emergency(3ms), static_cast<std::uint16_t>(OwnFault::torque_not_a_number));
+  EXPECT_TRUE(std::isfinite(feedback.force_N));
+}
+
 TEST_F(OdriveFaults, TwoNodesOfOneIdAreNoticed) {
   enable();
   run(50ms);

@@ -203,9 +203,9 @@ class Drive {
     fresh_ = ever_valid_ = counted_ = true;
   }
 
-  // A twentieth of the motor's torque may be noise of a current measurement.
+  // A twentieth of the motor's torque may be noise of a current measurement. What is no number as a force is none.
   void on_torque(float torque_Nm, hal::Time time) noexcept {
-    const bool finite = std::isfinite(torque_Nm);
+    const bool finite = std::isfinite(torque_grid_.force_N(static_cast<Scalar>(torque_Nm)));
     node_.on_torque(!finite || std::abs(static_cast<Scalar>(torque_Nm)) > config_.max_torque_Nm / 20, time);
     if (!finite) return node_.fail(OwnFault::torque_not_a_number);
     torque_ = torque_Nm;

@@ -119,7 +119,7 @@ constexpr std::string_view fault_text(std::uint16_t code) noexcept {
       return "the drive is so far from its zero that its position, a float, is coarser than encoder_resolution_m: set "
              "its zero nearer";
     case OwnFault::torque_not_a_number:
-      return "the drive reports a torque that is not a number";
+      return "the drive reports a torque that is not a number, or beyond any";
   }
   return "unknown error";
 }
