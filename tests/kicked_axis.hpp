@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/firmware/motion_without_force.hpp"
 #include "breakaway/law/axis_controller.hpp"
 
 namespace breakaway::testing {
@@ -177,8 +178,9 @@ struct RunEnd {
   double first_kick_s = 0;  // when it was decided on
   long lost_samples = 0;    // since then
   bool moving_in_hold = false;
-  double approach_m_s = 0;   // the greatest |speed| in the approach,
-  double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
+  bool external_motion = false;  // the node would have stopped the axis by this name
+  double approach_m_s = 0;       // the greatest |speed| in the approach,
+  double approach_m_s2 = 0;      // and the greatest |change of speed| in a period of it, by the period
 };
 
 // The target moves on by this much, once.
@@ -198,6 +200,10 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
   Disturber disturber{disturbance, q};
   std::deque<std::optional<double>> samples;
+  firmware::MotionWithoutForce<Real> external{
+      {controller.held_force_N(), controller.led_back_m(), controller.is_of_a_rigid_axis}};
+  double newest = 0;
+  bool holds = false;
   RunEnd end;
   int held = 0;
   double kicked_from = 0, force_began_s = 0;
@@ -224,9 +230,13 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     }
     const std::optional<double>& seen = samples.front();
     if (!seen && end.kicks > 0) ++end.lost_samples;
+    if (seen) external.sample(static_cast<Real>((*seen - std::exchange(newest, *seen)) * q), holds);
+    if (external.seen()) end.external_motion = true;
     const std::uint32_t kicks_before = controller.kicks();
     const auto out = controller.update({static_cast<Real>(seen.value_or(0) * q - target_m), 0, seen.has_value()});
     force_N = out.force_N;
+    holds = out.mode == law::Mode::hold;
+    external.force(force_N - p.feedforward_N);
     if (controller.kicks() > kicks_before && controller.kicks() == 1) end.first_kick_s = now_s;
     if (out.kicked) {
       if (++end.kicks == 1) end.first_kick_m = std::fabs(axis.position_m());
@@ -245,7 +255,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     else
       end.approach_beyond_m = std::max(end.approach_beyond_m, start_m > 0 ? -axis.position_m() : axis.position_m());
     end.fault = controller.fault();
-    if (end.fault != law::ControlFault::none) break;
+    if (end.fault != law::ControlFault::none || end.external_motion) break;
     if (out.mode != law::Mode::hold) {
       held = 0;
       end.time_s = static_cast<double>(k + 1) * T;
@@ -253,7 +263,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
       break;
     }
   }
-  end.held = held >= hold_periods;
+  end.held = held >= hold_periods && !end.external_motion;
   end.error_m = axis.position_m() - target_m;
   return end;
 }

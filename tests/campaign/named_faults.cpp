@@ -252,6 +252,23 @@ void add_controller(std::vector<NamedFault>& list) {
                   [](FaultWorld& w) { w.commander_lives = true; }});
 }
 
+// For up to half a second, with two to ten times the least friction, unless it was mended before.
+void add_surroundings(std::vector<NamedFault>& list) {
+  list.push_back({"axis dragged from outside",
+                  [](FaultWorld& w) {
+                    w.axis.foreign_N = (coin(w) ? 1 : -1) * decades(w, 5, 25);
+                    const hal::Time end =
+                        w.now() + std::chrono::microseconds{static_cast<std::int64_t>(decades(w, 5e3, 5e5))};
+                    w.each_period = [&w, end] {
+                      if (w.now() >= end) w.axis.foreign_N = 0;
+                    };
+                  },
+                  [](FaultWorld& w) {
+                    w.axis.foreign_N = 0;
+                    end_each_period(w);
+                  }});
+}
+
 }  // namespace
 
 std::vector<NamedFault> named_faults() {
@@ -261,6 +278,7 @@ std::vector<NamedFault> named_faults() {
   add_drive(list);
   add_axis(list);
   add_controller(list);
+  add_surroundings(list);
   return list;
 }
 

@@ -1,4 +1,4 @@
-// A rigid axis on dry friction whose brake, encoder and force may fail.
+// A rigid axis on dry friction whose brake, encoder and force may fail, and that may be dragged.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,8 @@ class TamperedAxis final : public drive_emulator::Mechanism {
 
   // Of the force that acts to the one that the drive makes.
   double force_gain = 1;
+  // Of somebody who drags the axis.
+  double foreign_N = 0;
   // What the encoder shows of a position.
   std::function<double(double)> encoder = [](double position_m) { return position_m; };
 
@@ -35,6 +37,7 @@ class TamperedAxis final : public drive_emulator::Mechanism {
     }
     model::AppliedForce acting = force;
     acting.constant_N *= force_gain;
+    acting.constant_N += foreign_N;
     acting.transient_N *= force_gain;
     acting.start_s -= held_s_;
     slide_.advance_to(std::max(time_s - held_s_, slide_.state().time_s), acting);

@@ -106,6 +106,37 @@ TEST(DesignedLoop, NamesAnAxisThatShowsNoMotionUnderMoreThanItsFriction) {
   }
 }
 
+struct HoldingLaw : DesignedLaw {
+  static constexpr bool is_of_a_rigid_axis = true;
+  float held_force_N() const noexcept { return 2; }
+  float led_back_m() const noexcept { return 0.01F; }
+  law::ControlOutput<float> update(const law::Measurement<float>&) noexcept { return {1, 0, mode_, false}; }
+};
+
+TEST(DesignedLoop, NamesAnAxisThatIsMovedWhileItsLawHoldsIt) {
+  for (const law::Mode mode : {law::Mode::hold, law::Mode::coast}) {
+    FakePort port;
+    DriveProbe probe;
+    ControlLoop<FakePort, testing::FakeDrive, HoldingLaw, float> loop{
+        port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+    HoldingLaw law;
+    law.mode_ = mode;
+    AxisLimits<float> limits = testing::moderate_limits();
+    limits.speed_m_s = 100;
+    const auto axis = *loop.add_axis({&probe, 1}, law, limits).id;
+    loop.request_enable(axis);
+    probe.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+    int moves = 0;
+    for (hal::Time now{1ms}; loop.status(axis).fault == AxisFault::none && now < hal::Time{50ms}; now += 1ms, ++moves) {
+      probe.feedback.travel_m = -0.004F;
+      probe.feedback.sample_time = now;
+      loop.step(now);
+    }
+    EXPECT_EQ(loop.status(axis).fault, mode == law::Mode::hold ? AxisFault::external_motion : AxisFault::none);
+    EXPECT_EQ(moves, mode == law::Mode::hold ? 4 : 49) << "the sample with which it starts, and three moves";
+  }
+}
+
 // A law may be designed for its friction and not say how much of it there is by now.
 struct LawOfItsParameters : testing::ProportionalLaw {
   DesignedLaw::Parameters told{};

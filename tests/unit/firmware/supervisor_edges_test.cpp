@@ -219,6 +219,39 @@ TEST(SupervisorEdges, AConstantForceOnTheAxisTakesUpItsShareOfTheDrives) {
   }
 }
 
+TEST(SupervisorEdges, NamesAnAxisThatIsMovedWhileItIsHeld) {
+  for (const float sign : {1.0F, -1.0F}) {
+    const AxisModel<float> model{.feedforward_N = 10, .held = {.force_N = 2, .allowed_m = 0.01F}};
+    // Moved by half of what is allowed in each sample.
+    const auto moved = [sign](Watched& axis, bool holds, float reported_N) {
+      Feedback f = axis.sample();
+      f.travel_m = sign * 0.005F;
+      f.force_N = reported_N;
+      return axis.see(f, {.holds = holds});
+    };
+    Watched held{no_limits(), model};
+    EXPECT_EQ(moved(held, true, 10), AxisFault::none);
+    held.supervisor.command(10 + sign * 2);
+    EXPECT_EQ(moved(held, false, 10), AxisFault::none);
+    EXPECT_EQ(moved(held, false, 10), AxisFault::external_motion);
+
+    Watched commanded{no_limits(), model};
+    EXPECT_EQ(moved(commanded, true, 10), AxisFault::none);
+    commanded.supervisor.command(10 + sign * 2.1F);
+    for (int n = 0; n < 10; ++n) EXPECT_EQ(moved(commanded, false, 10), AxisFault::none) << "it was told to";
+
+    Watched pushed{no_limits(), model};
+    EXPECT_EQ(moved(pushed, true, 10), AxisFault::none);
+    for (int n = 0; n < 10; ++n)
+      EXPECT_EQ(moved(pushed, false, 10 + sign * 2.1F), AxisFault::none) << "a force that is not commanded is another";
+
+    Watched started{no_limits(), model};
+    EXPECT_EQ(moved(started, true, 10), AxisFault::none);
+    started.supervisor.begin_commands();
+    for (int n = 0; n < 10; ++n) EXPECT_EQ(moved(started, false, 10), AxisFault::none) << "it may have been moving";
+  }
+}
+
 // Of an axis whose scale is not told a kilogram and a metre a count are taken: twenty metres, and no more than nothing
 // of a constant force.
 TEST(SupervisorEdges, AnAxisOfWhichOnlyTheFrictionIsToldIsGivenTheTimeForTwentyMetres) {

@@ -126,7 +126,7 @@ TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
     const std::string row = "| " + std::string{to_string(static_cast<AxisFault>(i))} + " |";
     EXPECT_NE(page.find(row), page.npos) << row;
   }
-  EXPECT_EQ(faults, static_cast<int>(AxisFault::axis_below_floor));
+  EXPECT_EQ(faults, static_cast<int>(AxisFault::external_motion));
 }
 
 TEST(Supervisor, NamesWhatKeepsAnIdleAxisFromTheBus) {

@@ -44,7 +44,7 @@ TEST(OutcomesPage, ListsEveryFaultOfAnAxis) {
   const std::string faults = all.substr(begin, end - begin);
   const int count =
       for_each_name<firmware::AxisFault>([&](const std::string& name) { EXPECT_TRUE(lists(faults, name)) << name; });
-  EXPECT_EQ(count, static_cast<int>(firmware::AxisFault::axis_below_floor));
+  EXPECT_EQ(count, static_cast<int>(firmware::AxisFault::external_motion));
 }
 
 TEST(OutcomesPage, ListsEveryFaultOfTheLawAlone) {

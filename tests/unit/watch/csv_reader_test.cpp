@@ -53,7 +53,7 @@ TEST(WatchCsv, EveryNameOfModeDriveAndFaultIsReadBack) {
   const CsvReader reader{"time_s,position_m,mode,drive,fault"};
   for (int n = 0; const auto fault = watch::enumerator<firmware::AxisFault>(n); ++n)
     EXPECT_EQ(reader.read("1,2,hold,homing," + std::string{to_string(*fault)}).fault, fault);
-  EXPECT_TRUE(watch::enumerator<firmware::AxisFault>(static_cast<int>(firmware::AxisFault::axis_below_floor)));
+  EXPECT_TRUE(watch::enumerator<firmware::AxisFault>(static_cast<int>(firmware::AxisFault::external_motion)));
   EXPECT_EQ(reader.read("1,2,fault,homing,none").drive, hal::DriveState::homing);
 }
 

@@ -83,7 +83,7 @@ TEST_F(WatchServer, SaysWhatIsWatchedAndWhatTheNumbersMean) {
   EXPECT_EQ(about.at("fields")[3], "position_m");
   EXPECT_EQ(about.at("modes"), (json{"approach", "kick", "coast", "hold", "fault"}));
   EXPECT_EQ(about.at("drives")[3], "enabled");
-  EXPECT_EQ(about.at("faults").back(), "axis below floor");
+  EXPECT_EQ(about.at("faults").back(), "external motion");
 }
 
 TEST_F(WatchServer, GivesSamplesAsRowsFromANumberOn) {

@@ -239,6 +239,8 @@ class ControlLoop {
     }
     if constexpr (requires { c.most_friction_N(); }) model.friction_upper_N = c.most_friction_N();
     if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();
+    if constexpr (requires { c.led_back_m(); })
+      model.held = {c.held_force_N(), c.led_back_m(), Controller::is_of_a_rigid_axis};
     return model;
   }
 
@@ -346,7 +348,8 @@ class ControlLoop {
                             .another_master = std::exchange(a.another_master, false),
                             .node_id_conflict = a.drive.node_id_conflict(),
                             .reference_lost = a.drive.reference_lost(),
-                            .on_its_way = is_on_its_way(a.controller)};
+                            .on_its_way = is_on_its_way(a.controller),
+                            .holds = a.controller.mode() == law::Mode::hold};
     if (feedback.state == hal::DriveState::unusable) {
       a.status.fault = AxisFault::drive_unusable;
       return false;

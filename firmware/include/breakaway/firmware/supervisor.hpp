@@ -13,6 +13,7 @@
 
 #include "breakaway/firmware/commanded_force.hpp"
 #include "breakaway/firmware/motion_under_force.hpp"
+#include "breakaway/firmware/motion_without_force.hpp"
 #include "breakaway/hal/motor_drive.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/law/control_types.hpp"
@@ -53,6 +54,7 @@ enum class AxisFault : std::uint8_t {
   homing_failed,              // the drive looked for its zero by itself, and did not find it
   axis_at_spring_limit,       // it rests nearer to its target than what its spring may add to a kick
   axis_below_floor,           // it rests nearer to its target than a kick is sure to move its load by
+  external_motion,            // the axis was held, and went where no force of its drive can have taken it
 };
 
 constexpr std::string_view to_string(AxisFault fault) noexcept {
@@ -123,6 +125,8 @@ constexpr std::string_view to_string(AxisFault fault) noexcept {
       return "axis at spring limit";
     case AxisFault::axis_below_floor:
       return "axis below floor";
+    case AxisFault::external_motion:
+      return "external motion";
   }
   return "unknown axis fault";
 }
@@ -150,6 +154,7 @@ struct AxisModel {
   Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
   Scalar feedforward_N = 0;  // share of the force that a constant force on the axis takes up
   Scalar encoder_resolution_m = 1;
+  HeldAxis<Scalar> held{};
 };
 
 // The supervisor looks at these, beside the feedback.
@@ -162,6 +167,7 @@ struct AxisHealth {
   bool node_id_conflict = false;
   bool reference_lost = false;
   bool on_its_way = false;  // the law has its target to reach, and does not hold there yet
+  bool holds = false;       // the law has proved that the axis rests at its target
 };
 
 template <class Scalar>
@@ -176,6 +182,7 @@ class Supervisor {
       : limits_{limits},
         commanded_{model.max_force_N, model.slow_lag},
         motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m},
+        external_{model.held},
         feedforward_N_{model.feedforward_N} {
     // A drive reports whole steps of force, which are the limit but for rounding.
     limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();
@@ -192,17 +199,23 @@ class Supervisor {
   void begin_commands(Scalar position_m = 0) noexcept {
     commanded_.restart();
     motion_.restart();
+    external_.restart();
     lowest_m_ = std::min(limits_.position_min_m, position_m);
     highest_m_ = std::max(limits_.position_max_m, position_m);
   }
   // The drive is told this force in this period.
-  void command(Scalar force_N) noexcept { commanded_.command(force_N); }
+  void command(Scalar force_N) noexcept {
+    commanded_.command(force_N);
+    external_.force(force_N - feedforward_N_);
+  }
 
   // To be called once a period while the axis is meant to be enabled. Returns the latched fault.
   AxisFault check(const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health, hal::Time now) noexcept {
     if (feedback.fresh) {
       commanded_.report(feedback.force_N, feedback.force_step_N);
       motion_.sample(feedback.travel_m, feedback.force_N - feedforward_N_, since_previous_s(feedback));
+      external_.sample(feedback.travel_m, health.holds);
+      external_.force(feedback.force_N - feedforward_N_);
       note_progress(std::abs(feedback.position_offset_m), now);
     }
     if (fault_ == AxisFault::none) {
@@ -287,6 +300,7 @@ class Supervisor {
     if (commanded_.exceeded()) return AxisFault::force_not_commanded;
     if (commanded_.fallen_short()) return AxisFault::less_force_than_commanded;
     if (motion_.missing()) return AxisFault::no_motion_under_force;
+    if (external_.seen()) return AxisFault::external_motion;
     if (std::abs(f.position_offset_m) > allowed_error_m_) return AxisFault::following_error;
     return AxisFault::none;
   }
@@ -357,6 +371,7 @@ class Supervisor {
   AxisLimits<Scalar> limits_;
   CommandedForce<Scalar> commanded_;
   MotionUnderForce<Scalar> motion_;
+  MotionWithoutForce<Scalar> external_;
   Scalar feedforward_N_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   Scalar least_error_m_ = AxisLimits<Scalar>::unlimited;  // since the last target change

@@ -142,6 +142,23 @@ class AxisController {
   // Share of a change of force that is left after a period behind the slowest current loop that the kicks are made for.
   // The coast "pd" is for loops that have followed by then.
   Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }
+  // Under this force beside the feedforward, either way, an axis that rests stays where it is, but for what friction
+  // bends. Half of the least friction where no design says how much of it is sure.
+  Scalar held_force_N() const noexcept {
+    if constexpr (!Parts::by_work) {
+      if (braked_ != nullptr) return std::max(braked_->holding_force_N, braked_->spring.most_N);
+    }
+    return p_.friction.lower_N / 2;
+  }
+  // An axis that left its hold by no more than this is kicked back, by readings that are off either way; from further
+  // away it would be approached.
+  Scalar led_back_m() const noexcept {
+    const Scalar off_m = p_.position_tolerance_m + 2 * p_.unseen_m();
+    if (braked_ == nullptr) return p_.stick_radius_upper_m() + off_m;
+    return braked_->begin_m() + off_m + bent_m();
+  }
+  // Else a force either way may throw it either way.
+  static constexpr bool is_of_a_rigid_axis = !AxisParts<Kicks>::by_work;
 
  private:
   using Parts = AxisParts<Kicks>;
@@ -230,6 +247,14 @@ class AxisController {
     if (!spring_.active()) return give(0);
     spring_.see(x);
     return give_on_spring();
+  }
+
+  // By a spring, of the axis or of its friction, while it is held.
+  Scalar bent_m() const noexcept {
+    if constexpr (Parts::by_work)
+      return 2 * (braked_->spring_m + braked_->creep_m);
+    else
+      return 2 * braked_->spring.reach_m;
   }
 
   bool finishes_on_spring(Scalar x) const noexcept {
