@@ -356,12 +356,18 @@ double hand_over_m(const BrakedDesign<Real>& design) {
 }
 
 template <class Real>
-double move_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
-  if (!axes.move) return detail::hand_overs_beyond * hand_over_m(design);
+double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+  // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter.
+  constexpr double late = 2, late_by_jitter = 16;
+  const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const double T = axes.period_s, old_s = axes.latency_periods * T + static_cast<double>(plan.response_s);
+  const double in_a_period_m = static_cast<double>(plan.hard_m_s2) * T * old_s;
+  const double beyond_m =
+      detail::hand_overs_beyond * hand_over_m(design) + (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m;
+  if (!axes.move) return beyond_m;
   // A change of the acceleration that is one period late comes as long after it was due.
   const double periods = axes.move->jerk_m_s3 ? 2 : 1;
-  return detail::hand_overs_beyond * hand_over_m(design) +
-         periods * axes.move->acceleration_m_s2 * axes.period_s * axes.period_s;
+  return beyond_m + periods * axes.move->acceleration_m_s2 * T * T;
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the
@@ -398,8 +404,8 @@ template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<
 template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<double>&);
 template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
-template double move_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
-template double move_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
+template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
+template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
 template double bent_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
 template double bent_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
 template double kicks_begin_m(const BrakedDesign<float>&);

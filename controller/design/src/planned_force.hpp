@@ -6,7 +6,7 @@
 namespace breakaway::design::detail {
 
 // So many times as far away as the brake takes over may an approach end, and a move go beyond its target: tested.
-constexpr double hand_overs_beyond = 8;
+constexpr double hand_overs_beyond = 10;
 
 inline double middle(const Interval& interval) { return (interval.least + interval.most) / 2; }
 

@@ -224,7 +224,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .rest_s = design.kicks.still_periods * c.period_s,
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,
-                  .move_beyond_m = c.move ? move_beyond_m(c, design) : 0,
+                  .approach_beyond_m = design.possible() ? approach_beyond_m(c, design) : 0,
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .longest_way_m = axis.longest_way_m,
                   .approach_s = design.possible() ? longest_approach_s(axis, design) : 0,
@@ -273,7 +273,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
 std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
-      "its places, and that one of four approaches ends where kicks begin, within reach_m or hand_over_m of the target";
+      "its places, and that one of four approaches ends where kicks begin, within reach_m or hand_over_m of the target, "
+      "and none goes further than approach_beyond_m beyond it";
   const BrakedClass& c = *axis.braked;
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
@@ -287,6 +288,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
       "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
       c.encoder_noise_m > 0 ? "a reading is off by half a count and " + brief(c.encoder_noise_m) + " m at most"
                             : "a reading is off by half a count at most",
+      "a target is a whole count, to which the loop rounds every other",
       "samples are taken and forces begin " +
           (c.jitter_s > 0 ? "within " + brief(c.jitter_s) + " s of whole periods, one against another"
                           : std::string{"in whole periods"}) +
@@ -310,9 +312,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
     conditions.emplace_back(
         "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "
         "jerk is of "
-        "what is planned; tested, not proved: that the speed stays within its limit, and that the approach goes no "
-        "further than "
-        "move_beyond_m beyond the target");
+        "what is planned; tested, not proved: that the speed stays within its limit");
   return conditions;
 }
 

@@ -49,15 +49,15 @@ void require_room_for_kicks(const Node& node, const Axis& axis, const design::De
 }
 
 // An approach may go beyond its target.
-void require_room_for_moves(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  if (!report.certified || !axis.move) return;
-  const double beyond_m = report.braked->move_beyond_m;
+void require_room_for_approaches(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !report.braked) return;
+  const double beyond_m = report.braked->approach_beyond_m;
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
     throw InputError{
         place(node, axis) +
-        fmt::format("[controller] has a target at {:g} m, and a move may go {:.3g} m beyond it, outside the "
+        fmt::format("[controller] has a target at {:g} m, and an approach may go {:.3g} m beyond it, outside the "
                     "[limits] of position; keep targets between {:.6g} and {:.6g} m",
                     target_m, beyond_m, least_m, most_m)};
   };
@@ -125,7 +125,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
   for (const Axis& axis : node.axes) {
     reports.push_back(design::design_axis(axis_design(node, axis)));
     require_room_for_kicks(node, axis, reports.back());
-    require_room_for_moves(node, axis, reports.back());
+    require_room_for_approaches(node, axis, reports.back());
     require_reachable_targets(node, axis, reports.back());
   }
   return reports;
@@ -137,7 +137,7 @@ std::string why_not_certified(const Node& node, const Axis& axis) try {
   if (node.coupling) return examine_machine(node).reason;
   const design::DesignReport report = design::design_axis(axis_design(node, axis));
   require_room_for_kicks(node, axis, report);
-  require_room_for_moves(node, axis, report);
+  require_room_for_approaches(node, axis, report);
   require_reachable_targets(node, axis, report);
   return report.certified ? std::string{} : report.reasons.front();
 } catch (const InputError& error) {

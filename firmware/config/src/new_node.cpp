@@ -24,7 +24,7 @@ constexpr std::uint32_t bit_rate = 1'000'000;
 
 // What the file is given beside what is known.
 struct Chosen {
-  double tolerance_m, settle_tolerance_m, approach_speed_m_s, speed_limit_m_s, duration_s;
+  double tolerance_m, settle_tolerance_m, approach_speed_m_s, speed_limit_m_s, duration_s, travel_m;
 };
 
 // The range is that of the key it is written to, or of what follows from it.
@@ -55,8 +55,9 @@ void require_in_range(const NumberRange& r, double value) {
 // Of the encoder's zero, either way.
 double travel_m(const KnownAxis& known) { return rounded_up(1.25 * known.longest_move_m, 2); }
 
-void require_counted(const KnownAxis& known) {
-  const double range_m = 2 * travel_m(known), counted_m = 0x1p31 * known.encoder_resolution_m;
+// That an approach may go beyond its target is within the travel as well.
+void require_counted(const KnownAxis& known, double travel_m) {
+  const double range_m = 2 * travel_m, counted_m = 0x1p31 * known.encoder_resolution_m;
   if (range_m < counted_m) return;
   throw InputError{fmt::format(
       "the longest move, {:g} m, needs a travel of {:g} m, and 32 bits count less than {:.4g} m with the encoder's "
@@ -207,7 +208,7 @@ settle_time_s = 0.2
       fmt::arg("torque", force.torque_Nm), fmt::arg("per_torque", force.per_torque), fmt::arg("bit_rate", bit_rate),
       fmt::arg("speed", chosen.approach_speed_m_s), fmt::arg("tolerance", chosen.tolerance_m),
       fmt::arg("period", 1 / known.rate_Hz), fmt::arg("count", known.encoder_resolution_m),
-      fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)), fmt::arg("travel", travel_m(known)),
+      fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)), fmt::arg("travel", chosen.travel_m),
       fmt::arg("speed_limit", chosen.speed_limit_m_s), fmt::arg("duration", chosen.duration_s),
       fmt::arg("settle", chosen.settle_tolerance_m));
 }
@@ -233,7 +234,7 @@ void require_possible_so_far(const KnownAxis& known) {
     if (said(range.number)) require_in_range(range, known.*range.number);
   if (said(&KnownAxis::friction_lower_N, &KnownAxis::friction_upper_N)) require_ordered(known);
   if (said(&KnownAxis::friction_upper_N, &KnownAxis::max_force_N)) require_strong_enough(known);
-  if (said(&KnownAxis::encoder_resolution_m, &KnownAxis::longest_move_m)) require_counted(known);
+  if (said(&KnownAxis::encoder_resolution_m, &KnownAxis::longest_move_m)) require_counted(known, travel_m(known));
   if (said(&KnownAxis::rate_Hz)) require_rate(known);
 }
 
@@ -243,10 +244,13 @@ NewNode new_node(const KnownAxis& known) {
   const double speed_m_s = rounded_up(greatest_speed_m_s(known), 2), half_count_m = known.encoder_resolution_m / 2;
   // What the design says of a tolerance that is surely wide enough is enough to choose all numbers.
   const double wide_m = known.longest_move_m;
-  Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, speed_m_s, 1e6, 1};
+  const double counted_m = 0.49 * 0x1p31 * known.encoder_resolution_m;
+  Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, speed_m_s, 1e6, 1, std::min(1e9, counted_m)};
   const NewNode first = examined(known, chosen);
   require_certified(first);
   const design::BrakedPromise& wide = *first.report.braked;
+  chosen.travel_m = std::max(travel_m(known), rounded_up(known.longest_move_m + wide.approach_beyond_m, 2));
+  require_counted(known, chosen.travel_m);
   chosen.tolerance_m = rounded_up(wide.least_tolerance_m, 2);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
   chosen.speed_limit_m_s = rounded_up(2 * std::max(speed_m_s, wide.peak_speed_m_s), 2);

@@ -87,13 +87,30 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
               fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
 }
 
+// A target is a whole count for the loop; how far those of the file are from one.
+double off_counts_m(const Axis& axis) {
+  const double count_m = axis.drive ? axis.drive->encoder_resolution_m : 0;
+  if (!(count_m > 0)) return 0;
+  const auto off_m = [&](double target_m) { return std::abs(target_m - std::round(target_m / count_m) * count_m); };
+  double most_m = off_m(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) most_m = std::max(most_m, off_m(change.position_m));
+  return most_m;
+}
+
 // What the law calls reached must be what counts as settled.
 void check_tolerances(const Section& run, const Node& node) {
   if (node.settle_tolerance_m == 0) return;
   for (const Axis& axis : node.axes) {
     if (!axis.controller.impulsive) continue;
-    const double reached_m = axis.controller.position_tolerance_m + reading_error_m(axis);
+    const double off_m = off_counts_m(axis), reading_m = reading_error_m(axis);
+    const double reached_m = axis.controller.position_tolerance_m + reading_m + off_m;
     if (axis.controller.position_tolerance_m == 0 || reached_m <= node.settle_tolerance_m * (1 + 1e-9)) continue;
+    if (reached_m - off_m <= node.settle_tolerance_m * (1 + 1e-9))
+      run.fail(
+          "settle_tolerance_m",
+          fmt::format("is {:g}, and the axis goes to whole counts of its encoder, {:.3g} m beside a target of axis "
+                      "{}: it may rest {:g} m from there; give targets that are whole counts, or raise it",
+                      node.settle_tolerance_m, off_m, axis.name, reached_m));
     run.fail(
         "settle_tolerance_m",
         fmt::format("is {:g}, below position_tolerance_m of axis {} and what a reading may be off, {:g}: there the law "

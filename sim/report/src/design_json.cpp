@@ -39,13 +39,13 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   json.member("rest_s", promise.rest_s);
   json.member("aim_lost", promise.aim_lost);
   json.member("table_bytes", promise.table_bytes);
+  json.member("approach_beyond_m", promise.approach_beyond_m);
   if (promise.approach_s > 0) {
     json.member("longest_way_m", promise.longest_way_m);
     json.member("approach_s", promise.approach_s);
   }
   if (promise.least_move_s > 0) {
     json.member("least_move_s", promise.least_move_s);
-    json.member("move_beyond_m", promise.move_beyond_m);
   }
 }
 

@@ -183,6 +183,31 @@ TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
   expect_refused(more("[drive]", "tpdo_delay_max_s = 9e-4"), "too late for its period");
 }
 
+// The loop goes to a whole count, and `simulate` looks at the target.
+TEST(Certificate, CountsHowFarATargetIsFromAWholeCount) {
+  const std::string settles = with(scene, "duration_s = 1", "duration_s = 1\nsettle_tolerance_m = 5.6e-6");
+  const auto why = [](const std::string& text) { return refusal([&] { parse_node(text, "axis.toml"); }); };
+  EXPECT_EQ(why(settles), "");
+  EXPECT_EQ(why(with(settles, "target_m = 0", "target_m = 0.123456")), "");
+  const std::string between = why(with(settles, "target_m = 0", "target_m = 0.1234564"));
+  EXPECT_NE(between.find("4e-07 m beside a target of axis"), std::string::npos) << between;
+  EXPECT_NE(why(with(settles, "target_m = 0",
+                     "targets = [{ time_s = 1, position_m = 1e-7 }, { time_s = 2, position_m = "
+                     "3e-7 }]"))
+                .find("3e-07 m beside"),
+            std::string::npos);
+  EXPECT_EQ(why(with(with(settles, "5.6e-6", "6e-6"), "target_m = 0", "target_m = 0.1234564")), "");
+}
+
+// Without a [move], too.
+TEST(Certificate, RefusesTargetsThatAnApproachMayPassOutOfTheTravel) {
+  std::string text = scene;
+  text.erase(text.find("[move]"), text.find("[drive]") - text.find("[move]"));
+  EXPECT_EQ(why_not(with(text, "target_m = 0", "target_m = 0.99")), "");
+  const std::string near = with(text, "target_m = 0", "target_m = 0.99999");
+  EXPECT_NE(refusal([&] { examine(parse_node(near, "axis.toml")); }).find("an approach may go"), std::string::npos);
+}
+
 TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {
   expect_refused(with(scene, "acceleration_m_s2 = 20", "acceleration_m_s2 = 4"), "move_can_be_made");
   expect_refused(with(scene, "jerk_m_s3 = 2000", "jerk_m_s3 = 5000"), "jerk_can_be_followed");

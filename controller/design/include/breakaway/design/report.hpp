@@ -51,7 +51,7 @@ struct BrakedPromise {
   double rest_s;          // without a count of motion, that proves rest after a kick
   double aim_lost;        // share of the distance by which the table aims short
   std::size_t table_bytes;
-  double move_beyond_m;  // that a move may go past its target; 0: none is stated
+  double approach_beyond_m;  // that an approach may go past its target, tested
   double least_move_s;   // that the longest move takes under any law; 0: none is stated
   double longest_way_m;  // from rest over which
   double approach_s;     // the approach takes at most, up to the first kick or the hold, tested; 0: nothing is said
