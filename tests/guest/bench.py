@@ -36,7 +36,7 @@ def require(condition, text):
 class Frame:
     time_s: float
     can_id: int
-    data: bytes
+    data: bytes  # of a remote frame: none
 
     @property
     def torque(self):
@@ -52,9 +52,9 @@ def read_candump(path):
     frames = []
     with open(path, encoding="ascii") as log:
         for line in log:
-            match = re.match(r"\((\d+\.\d+)\) \S+ ([0-9A-F]+)#([0-9A-F]*)$", line.strip())
+            match = re.match(r"\((\d+\.\d+)\) \S+ ([0-9A-F]+)#(?:R\d?|([0-9A-F]*))$", line.strip())
             require(match, f"not a line of candump: {line!r}")
-            frames.append(Frame(float(match[1]), int(match[2], 16), bytes.fromhex(match[3])))
+            frames.append(Frame(float(match[1]), int(match[2], 16), bytes.fromhex(match[3] or "")))
     return frames
 
 

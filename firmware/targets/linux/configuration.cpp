@@ -13,6 +13,7 @@
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/odrive/messages.hpp"
 
 namespace breakaway::linux_node {
 namespace {
@@ -20,10 +21,16 @@ namespace {
 using config::Axis;
 using config::Node;
 
+void set_node_id(config::Drive& drive, unsigned node_id) {
+  if (drive.odrive && node_id > odrive::most_node_id)
+    throw InputError{fmt::format("--node-id {}: an ODrive has one of 0 to {}", node_id, odrive::most_node_id)};
+  drive.node_id = static_cast<std::uint8_t>(node_id);
+}
+
 void apply_node_id(Node& node, unsigned node_id) {
   if (node.axes.size() > 1)
     throw InputError{"--node-id: the file has several axes; give each its [drive] node_id there"};
-  node.axes.front().drive->node_id = static_cast<std::uint8_t>(node_id);
+  set_node_id(*node.axes.front().drive, node_id);
 }
 
 // Before the design is checked, so that what runs is what was certified.
@@ -132,15 +139,16 @@ Axis axis_to_identify(const Node& node, const std::string& name) {
 
 Configuration read_configuration(const Options& options) {
   Node node = config::read_node(options.configuration);
-  config::require_flashable(node);
+  config::require_runnable(node);
   if (options.node_id != 0) apply_node_id(node, options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
-  Configuration c{.node = certified(node), .axes = {}, .timed = options.targets.empty()};
+  Configuration c{.node = certified(node), .axes = {}, .odrives = {}, .timed = options.targets.empty()};
   for (std::size_t i = 0; i < node.axes.size(); ++i) {
     const Axis& axis = node.axes[i];
     const double promised_m = std::max(tolerance_m(node, axis), fine_floor_m(c, i));
     c.axes.push_back(unplanned(axis));
+    if (axis.drive->odrive) c.odrives.push_back(config::odrive_config<float>(axis));
     // Half a count for the decimal tolerance in float.
     c.axes.back().reached_m = promised_m + reading_error_m(axis);
     if (c.timed) plan_times(c.axes.back(), axis);
@@ -154,7 +162,7 @@ Configuration read_experiment(const Options& options) {
     throw InputError{"--target is for axes that are identified: leave it out with --identify"};
   const Node node = config::read_node(options.configuration);
   Axis axis = axis_to_identify(node, options.axis);
-  if (options.node_id != 0 && axis.drive) axis.drive->node_id = static_cast<std::uint8_t>(options.node_id);
+  if (options.node_id != 0 && axis.drive) set_node_id(*axis.drive, options.node_id);
   const config::ExperimentRequest request{
       .duration_s = options.duration_s > 0 ? options.duration_s : config::ExperimentRequest{}.duration_s,
       .max_force_N = options.max_force_N > 0 ? options.max_force_N : config::unlimited};
@@ -162,11 +170,12 @@ Configuration read_experiment(const Options& options) {
   run.loop = config::loop_config(node);
   firmware::FlashedMachineAxis<float>& flashed = run.axes.front();
   std::ranges::copy(axis.name, flashed.name.characters.begin());
-  flashed.drive = config::drive_config<float>(axis);
+  if (!axis.drive->odrive) flashed.drive = config::drive_config<float>(axis);
   flashed.limits = config::axis_limits<float>(axis);
   // It has no target to be near.
   flashed.limits.following_error_m = firmware::AxisLimits<float>::unlimited;
-  Configuration c{.node = run, .axes = {unplanned(axis)}};
+  Configuration c{.node = run, .axes = {unplanned(axis)}, .odrives = {}};
+  if (axis.drive->odrive) c.odrives.push_back(config::odrive_config<float>(axis));
   c.axes.front().visits.emplace_back();
   return c;
 }

@@ -32,11 +32,18 @@ struct Configuration {
   // The second with the coast "work", the third with a [coupling], the fourth with --identify.
   std::variant<config::AnyNode<float>, config::WorkNode<float>, config::MachineNode<float>, ExperimentNode> node;
   std::vector<AxisPlan> axes;  // as the node has them
-  bool timed = false;          // visits by time, each axis its own; else a tour, on which all axes rest before the next
+  // Of protocol "odrive", one for each axis, in place of what `node` has; else empty.
+  std::vector<odrive::DriveConfig<float>> odrives;
+  bool timed = false;  // visits by time, each axis its own; else a tour, on which all axes rest before the next
 
   const firmware::LoopConfig& loop() const {
     return std::visit([](const auto& flashed) -> const firmware::LoopConfig& { return flashed.loop; }, node);
   }
+  bool speaks_odrive() const { return !odrives.empty(); }
+  std::uint8_t node_id(std::size_t place) const {
+    return speaks_odrive() ? odrives[place].node_id : drive(place).node_id;
+  }
+  // Of protocol "canopen".
   const cia402::DriveConfig<float>& drive(std::size_t place) const {
     const auto of = [&](const auto& flashed) -> const cia402::DriveConfig<float>& { return flashed.axes[place].drive; };
     return std::visit(of, node);

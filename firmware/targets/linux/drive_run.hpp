@@ -8,14 +8,13 @@
 
 #include "breakaway/canopen/pdo.hpp"
 #include "breakaway/canopen/sdo_client.hpp"
-#include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/firmware/node_laws.hpp"
-#include "breakaway/firmware/node_objects.hpp"
-#include "breakaway/firmware/served_port.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
+#include "canopen_side.hpp"
 #include "configuration.hpp"
 #include "experiment_node.hpp"
+#include "odrive_side.hpp"
 #include "options.hpp"
 #include "realtime.hpp"
 #include "telemetry.hpp"
@@ -25,14 +24,15 @@ namespace breakaway::linux_node {
 inline hal::Duration duration_of(double seconds) { return hal::Duration{std::llround(seconds * 1e9)}; }
 
 // Flashed: config::AnyNode<float>, config::WorkNode<float>, config::MachineNode<float> or ExperimentNode.
-template <class Flashed>
+// Side: CanopenSide, or OdriveSide with the first or the last of them.
+template <class Flashed, class Side>
 class DriveRun {
  protected:
   using SocketPort = socketcan::Port<socketcan::KernelSocket>;
   using Port = NotedPort<SocketPort>;
-  using Served = firmware::ServedPort<Port>;
+  using Served = typename Side::template Served<Port>;
   using Laws = firmware::NodeLaws<Flashed>;
-  using Loop = firmware::ControlLoop<Served, cia402::Drive<float>, typename Laws::Law, float, config::most_axes>;
+  using Loop = firmware::ControlLoop<Served, typename Side::Drive, typename Laws::Law, float, config::most_axes>;
 
   struct Axis {
     typename Loop::AxisId id;
@@ -58,10 +58,11 @@ class DriveRun {
   bool ended_well(std::size_t place) const;
 
   std::string stop_text(std::size_t place) const;
-  std::string torque_limit_text(std::size_t place) const;
+  std::string last_words(std::size_t place) const;
   std::string figures() const;  // of timing and bus, in lines
 
   const firmware::AxisStatus<float>& status(std::size_t place) const { return loop_.status(axes_[place].id); }
+  const typename Side::Drive& drive(std::size_t place) const { return loop_.drive(axes_[place].id); }
   const AxisPlan& plan(std::size_t place) const { return c_.axes[place]; }
 
   const Flashed& flashed_;
@@ -73,12 +74,13 @@ class DriveRun {
   Served served_;
   Laws laws_;
   Loop loop_;
-  firmware::NodeObjects<Loop, Flashed> objects_;
+  typename Side::template Objects<Loop, Flashed> objects_;
   Ticker ticker_;
   hal::Time now_{};
   std::vector<Axis> axes_;
 
  private:
+  void add_axes();
   void poll();
   void answer();
   void reset_faults();
@@ -90,7 +92,9 @@ class DriveRun {
   void refuse_silent_drives();
   void refuse_standing_drives() const;
   std::string nodes_on_bus();
-  std::string fault_text(const Axis& axis) const;
+  void ask_node(std::uint8_t node);
+  std::string fault_text(std::size_t place) const;
+  StepRecord record(std::size_t place) const;
   bool stops_are_confirmed();
   void stop_and_confirm();
   void release_drives();
@@ -99,9 +103,11 @@ class DriveRun {
   std::string named(std::size_t place) const;
 };
 
-extern template class DriveRun<config::AnyNode<float>>;
-extern template class DriveRun<config::WorkNode<float>>;
-extern template class DriveRun<config::MachineNode<float>>;
-extern template class DriveRun<ExperimentNode>;
+extern template class DriveRun<config::AnyNode<float>, CanopenSide>;
+extern template class DriveRun<config::WorkNode<float>, CanopenSide>;
+extern template class DriveRun<config::MachineNode<float>, CanopenSide>;
+extern template class DriveRun<ExperimentNode, CanopenSide>;
+extern template class DriveRun<config::AnyNode<float>, OdriveSide>;
+extern template class DriveRun<ExperimentNode, OdriveSide>;
 
 }  // namespace breakaway::linux_node

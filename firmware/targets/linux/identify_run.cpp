@@ -23,16 +23,18 @@ std::string findings(const evaluation::Record& record) {
 
 }  // namespace
 
-IdentifyRun::IdentifyRun(const ExperimentNode& node, const Configuration& configuration, const Options& options,
-                         socketcan::KernelSocket& socket, Telemetry& telemetry)
-    : DriveRun{node, configuration, options, socket, telemetry} {
+template <class Side>
+IdentifyRun<Side>::IdentifyRun(const ExperimentNode& node, const Configuration& configuration, const Options& options,
+                               socketcan::KernelSocket& socket, Telemetry& telemetry)
+    : Base{node, configuration, options, socket, telemetry} {
   const identify::ExperimentParameters<float>& told = node.experiment;
   record_ = {told.period_s, plan(0).resolution_m, told.force_step_N, {}};
   // Memory is taken before the first period.
   record_.readings.reserve(static_cast<std::size_t>(2 * told.duration_s / told.period_s));
 }
 
-ExitCode IdentifyRun::run() {
+template <class Side>
+ExitCode IdentifyRun<Side>::run() {
   get_ready();
   // The experiment counts from where the axis stands, so that a float is exact to the count.
   loop_.set_target_counts(axes_.front().id, loop_.drive(axes_.front().id).position_counts());
@@ -43,7 +45,8 @@ ExitCode IdentifyRun::run() {
   return ended_well(0) && laws_.experiment().ending() == identify::Ending::complete ? done : failed;
 }
 
-void IdentifyRun::move() {
+template <class Side>
+void IdentifyRun<Side>::move() {
   while (!laws_.experiment().finished() && status(0).fault == firmware::AxisFault::none) {
     if (telemetry_.stop) {
       if (!status(0).running) return;
@@ -55,20 +58,25 @@ void IdentifyRun::move() {
   }
 }
 
-void IdentifyRun::keep() {
+template <class Side>
+void IdentifyRun<Side>::keep() {
   if (record_.readings.size() == record_.readings.capacity()) return laws_.experiment().request_end();
   const double position_m = loop_.drive(axes_.front().id).position_counts() * record_.resolution_m;
   record_.readings.push_back({position_m, static_cast<double>(status(0).output.force_N), status(0).feedback.fresh});
 }
 
-std::string IdentifyRun::report() const {
+template <class Side>
+std::string IdentifyRun<Side>::report() const {
   std::string text =
       fmt::format("{:<11} {}\nexperiment  {}\n", plan(0).name, stop_text(0), to_string(laws_.experiment().ending()));
-  text += findings(record_) + torque_limit_text(0);
+  text += findings(record_) + last_words(0);
   if (!options_.csv.empty())
     text += fmt::format("next: breakaway identify {} --log {} -o identified.toml\n", shell_word(options_.configuration),
                         shell_word(options_.csv));
   return text + figures();
 }
+
+template class IdentifyRun<CanopenSide>;
+template class IdentifyRun<OdriveSide>;
 
 }  // namespace breakaway::linux_node

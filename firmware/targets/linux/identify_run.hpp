@@ -14,7 +14,8 @@
 
 namespace breakaway::linux_node {
 
-class IdentifyRun : private DriveRun<ExperimentNode> {
+template <class Side>
+class IdentifyRun : private DriveRun<ExperimentNode, Side> {
  public:
   // The configuration is read_experiment()'s. All arguments must outlive it.
   IdentifyRun(const ExperimentNode& node, const Configuration& configuration, const Options& options,
@@ -27,6 +28,12 @@ class IdentifyRun : private DriveRun<ExperimentNode> {
   std::string report() const;
 
  private:
+  using Base = DriveRun<ExperimentNode, Side>;
+  using Base::axes_, Base::laws_, Base::loop_, Base::options_, Base::telemetry_;
+  using Base::ended_well, Base::figures, Base::last_words, Base::stop_text;
+  using Base::get_ready, Base::enable, Base::step, Base::stop;
+  using Base::plan, Base::status;
+
   void move();
   void keep();
 

@@ -14,6 +14,7 @@
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/input/file_roles.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/odrive/messages.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
 #include "experiment_node.hpp"
@@ -59,7 +60,7 @@ void add_options(CLI::App& app, Options& o) {
       ->check(positive);
   app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")
       ->check(positive);
-  app.add_option("--node-id", o.node_id, "CANopen node id of a single axis' drive instead of the configuration's")
+  app.add_option("--node-id", o.node_id, "Node id of a single axis' drive instead of the configuration's")
       ->check(CLI::Range(1, 126));
   app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(positive);
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
@@ -75,23 +76,48 @@ void add_options(CLI::App& app, Options& o) {
                  "Send every sample as a JSON object to udp:HOST:PORT, for `breakaway watch --stream` or PlotJuggler");
 }
 
-void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
-  // What tells which other nodes are there, SYNC, SDO answers and heartbeats, the SDO requests to us, and the frames of
-  // our drives.
-  std::vector<socketcan::Filter> wanted{{canopen::sync_cob_id, hal::CanFrame::max_id},
-                                        {canopen::sdo_response_function_code, canopen::function_code_mask},
-                                        {canopen::heartbeat_function_code, canopen::function_code_mask},
-                                        {canopen::sdo_request_cob_id(c.loop().network.node_id), hal::CanFrame::max_id}};
-  static_assert(4 + config::most_axes <= socketcan::KernelSocket::most_filters);
+// What tells which other nodes are there, SYNC, SDO answers and heartbeats, the SDO requests to us, and the frames of
+// our drives.
+std::vector<socketcan::Filter> wanted_frames(const Configuration& c) {
+  std::vector<socketcan::Filter> wanted;
+  if (c.speaks_odrive()) {
+    constexpr std::uint16_t of_node = hal::CanFrame::max_id & ~((1U << odrive::command_bits) - 1);
+    constexpr auto of_command = static_cast<std::uint16_t>(~of_node & hal::CanFrame::max_id);
+    wanted.push_back({odrive::identifier(0, odrive::Command::heartbeat), of_command});
+    for (const auto& drive : c.odrives)
+      wanted.push_back({odrive::identifier(drive.node_id, odrive::Command::get_version), of_node});
+    return wanted;
+  }
+  wanted = {{canopen::sync_cob_id, hal::CanFrame::max_id},
+            {canopen::sdo_response_function_code, canopen::function_code_mask},
+            {canopen::heartbeat_function_code, canopen::function_code_mask},
+            {canopen::sdo_request_cob_id(c.loop().network.node_id), hal::CanFrame::max_id}};
   for (std::size_t place = 0; place < c.axes.size(); ++place)
     wanted.push_back({c.drive(place).node_id, canopen::node_id_mask});
+  return wanted;
+}
+
+void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
+  const std::vector<socketcan::Filter> wanted = wanted_frames(c);
+  static_assert(4 + config::most_axes <= socketcan::KernelSocket::most_filters);
   const std::span<const socketcan::Filter> all;
   const auto result = socket.open(o.interface.c_str(), o.readonly ? all : wanted);
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};
 }
 
+template <class Flashed, class Side>
+struct RunOf {
+  using Type = NodeRun<Flashed, Side>;
+};
+template <class Side>
+struct RunOf<ExperimentNode, Side> {
+  using Type = IdentifyRun<Side>;
+};
+
+// Of those there are on a bus of ODrives.
 template <class Flashed>
-using RunOf = std::conditional_t<std::is_same_v<Flashed, ExperimentNode>, IdentifyRun, NodeRun<Flashed>>;
+constexpr bool may_have_odrives =
+    std::is_same_v<Flashed, config::AnyNode<float>> || std::is_same_v<Flashed, ExperimentNode>;
 
 int run(const Options& o) {
   if (!o.identify && !o.axis.empty()) throw InputError{"--axis is for --identify: add that, or leave it out"};
@@ -108,14 +134,19 @@ int run(const Options& o) {
     fmt::print("{}", reporter.stream_report());
     return heard;
   }
-  const auto control = [&]<class Flashed>(const Flashed& flashed) {
-    RunOf<Flashed> node{flashed, configuration, o, socket, *telemetry};
+  const auto control_by = [&]<class Side, class Flashed>(const Flashed& flashed, Side) {
+    typename RunOf<Flashed, Side>::Type node{flashed, configuration, o, socket, *telemetry};
     if (o.realtime)
       if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
     const ExitCode code = node.run();
     reporter.finish();
     fmt::print("{}{}", node.report(), reporter.stream_report());
     return code;
+  };
+  const auto control = [&]<class Flashed>(const Flashed& flashed) {
+    if constexpr (may_have_odrives<Flashed>)
+      if (configuration.speaks_odrive()) return control_by(flashed, OdriveSide{});
+    return control_by(flashed, CanopenSide{});
   };
   return std::visit(control, configuration.node);
 }

@@ -7,15 +7,15 @@
 
 namespace breakaway::linux_node {
 
-template <class Flashed>
-NodeRun<Flashed>::NodeRun(const Flashed& flashed, const Configuration& configuration, const Options& options,
-                          socketcan::KernelSocket& socket, Telemetry& telemetry)
+template <class Flashed, class Side>
+NodeRun<Flashed, Side>::NodeRun(const Flashed& flashed, const Configuration& configuration, const Options& options,
+                                socketcan::KernelSocket& socket, Telemetry& telemetry)
     : Base{flashed, configuration, options, socket, telemetry}, trips_(flashed.count) {
   for (std::size_t place = 0; place < axes_.size(); ++place) visit(place, 0);
 }
 
-template <class Flashed>
-ExitCode NodeRun<Flashed>::run() {
+template <class Flashed, class Side>
+ExitCode NodeRun<Flashed, Side>::run() {
   get_ready();
   enable();
   telemetry_.ready = !telemetry_.stop;
@@ -27,8 +27,8 @@ ExitCode NodeRun<Flashed>::run() {
   return good ? done : failed;
 }
 
-template <class Flashed>
-void NodeRun<Flashed>::move() {
+template <class Flashed, class Side>
+void NodeRun<Flashed, Side>::move() {
   const hal::Time begin = now_;
   const hal::Duration duration = duration_of(options_.duration_s);
   while (!telemetry_.stop && (duration == hal::Duration::zero() || now_ - begin < duration)) {
@@ -42,14 +42,14 @@ void NodeRun<Flashed>::move() {
   }
 }
 
-template <class Flashed>
-void NodeRun<Flashed>::visit(std::size_t place, std::size_t visit) {
+template <class Flashed, class Side>
+void NodeRun<Flashed, Side>::visit(std::size_t place, std::size_t visit) {
   trips_[place].visit = visit;
   loop_.set_target_counts(axes_[place].id, plan(place).visits[visit].counts);
 }
 
-template <class Flashed>
-void NodeRun<Flashed>::follow_times() {
+template <class Flashed, class Side>
+void NodeRun<Flashed, Side>::follow_times() {
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     const Trip& trip = trips_[place];
     const auto& visits = plan(place).visits;
@@ -59,8 +59,8 @@ void NodeRun<Flashed>::follow_times() {
 }
 
 // All axes go on together, once all have rested for a while.
-template <class Flashed>
-void NodeRun<Flashed>::follow_tour() {
+template <class Flashed, class Side>
+void NodeRun<Flashed, Side>::follow_tour() {
   bool resting = true;
   for (std::size_t place = 0; place < axes_.size(); ++place) resting = resting && rests_on_target(place);
   if (!resting) {
@@ -74,26 +74,27 @@ void NodeRun<Flashed>::follow_tour() {
   resting_since_.reset();
 }
 
-template <class Flashed>
-bool NodeRun<Flashed>::rests_on_target(std::size_t place) const {
+template <class Flashed, class Side>
+bool NodeRun<Flashed, Side>::rests_on_target(std::size_t place) const {
   const auto& s = status(place);
   const double error_m = static_cast<double>(s.feedback.position_offset_m);
   return s.running && s.output.mode == law::Mode::hold && std::abs(error_m) <= plan(place).reached_m;
 }
 
-template <class Flashed>
-std::string NodeRun<Flashed>::report() const {
+template <class Flashed, class Side>
+std::string NodeRun<Flashed, Side>::report() const {
   std::string text;
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     text += fmt::format("{:<11} {}, {:+.3g} m from its target\n", plan(place).name, stop_text(place),
                         static_cast<double>(status(place).feedback.position_offset_m));
-    text += torque_limit_text(place);
+    text += last_words(place);
   }
   return text + figures();
 }
 
-template class NodeRun<config::AnyNode<float>>;
-template class NodeRun<config::WorkNode<float>>;
-template class NodeRun<config::MachineNode<float>>;
+template class NodeRun<config::AnyNode<float>, CanopenSide>;
+template class NodeRun<config::WorkNode<float>, CanopenSide>;
+template class NodeRun<config::MachineNode<float>, CanopenSide>;
+template class NodeRun<config::AnyNode<float>, OdriveSide>;
 
 }  // namespace breakaway::linux_node

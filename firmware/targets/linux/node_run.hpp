@@ -14,9 +14,9 @@
 
 namespace breakaway::linux_node {
 
-// Flashed: config::AnyNode<float>, config::WorkNode<float> or config::MachineNode<float>.
-template <class Flashed>
-class NodeRun : private DriveRun<Flashed> {
+// Flashed: config::AnyNode<float>, config::WorkNode<float> or config::MachineNode<float>. Side: as of DriveRun.
+template <class Flashed, class Side>
+class NodeRun : private DriveRun<Flashed, Side> {
  public:
   // All arguments must outlive it.
   NodeRun(const Flashed& flashed, const Configuration& configuration, const Options& options,
@@ -30,9 +30,9 @@ class NodeRun : private DriveRun<Flashed> {
   std::string report() const;
 
  private:
-  using Base = DriveRun<Flashed>;
+  using Base = DriveRun<Flashed, Side>;
   using Base::axes_, Base::c_, Base::loop_, Base::now_, Base::options_, Base::telemetry_;
-  using Base::ended_well, Base::figures, Base::stop_text, Base::torque_limit_text;
+  using Base::ended_well, Base::figures, Base::last_words, Base::stop_text;
   using Base::get_ready, Base::enable, Base::step, Base::stop;
   using Base::plan, Base::status;
 

@@ -11,7 +11,6 @@
 #include <iterator>
 #include <string_view>
 
-#include "breakaway/cia402/state.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "error_text.hpp"
 #include "realtime.hpp"
@@ -144,11 +143,10 @@ void Reporter::append_fault(const StepRecord& step) {
   if (step.fault != firmware::AxisFault::none) fmt::format_to(out, "  FAULT: {}", firmware::to_string(step.fault));
   if (step.stop_not_obeyed && step.fault != firmware::AxisFault::stop_not_obeyed)
     fmt::format_to(out, ", {}", firmware::to_string(firmware::AxisFault::stop_not_obeyed));
-  if (step.fault == firmware::AxisFault::enable_timed_out)
-    fmt::format_to(out, " (statusword {:04X}h, {})", step.statusword, cia402::what_keeps_disabled(step.statusword));
+  if (step.fault == firmware::AxisFault::enable_timed_out) fmt::format_to(out, " ({})", why_disabled(step));
   if (step.reset_refused) fmt::format_to(out, " (reset refused: not seen without force yet, or no bus; try again)");
   if (step.link_lost) fmt::format_to(out, " (the interface is down)");
-  if (step.fault_code != 0) line_ += " (" + error_text(step.fault_code, step.error_register) + ")";
+  if (step.fault_code != 0) line_ += " (" + error_text(step) + ")";
 }
 
 // The state of every axis and what is wrong with it: not its mode, which changes too often for a manager's log.

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 
@@ -27,11 +28,14 @@ struct StepRecord {
   std::uint16_t fault_code = 0;
   std::uint8_t error_register = 0;  // 1001h, as the last EMCY had it
   std::uint16_t statusword = 0;
-  std::uint8_t axis = 0;         // place in the node
-  bool controlled = true;        // false: only listened to; mode and command say nothing
-  bool stop_not_obeyed = false;  // since the last reset
-  bool link_lost = false;        // the interface is down or gone
-  bool reset_refused = false;    // the operator's, in this step
+  // Of a drive that has neither of the two above; text of the program.
+  std::string_view code_text{};   // what fault_code means
+  std::string_view setup_text{};  // how its set-up stands
+  std::uint8_t axis = 0;          // place in the node
+  bool controlled = true;         // false: only listened to; mode and command say nothing
+  bool stop_not_obeyed = false;   // since the last reset
+  bool link_lost = false;         // the interface is down or gone
+  bool reset_refused = false;     // the operator's, in this step
 };
 
 struct FrameRecord {

@@ -10,11 +10,17 @@
 #include <cstring>
 #include <ctime>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/odrive/messages.hpp"
+#include "breakaway/odrive_emulator/odrive_emulator.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
@@ -38,12 +44,13 @@ hal::Time monotonic_now() {
   return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
 
+using DriveConfig = std::variant<drive_emulator::EmulatorConfig, odrive_emulator::EmulatorConfig>;
+
 // Drives with their axes in real time: frames in at their time stamps, events at theirs.
 class LiveDrives {
  public:
   // `configs` has one for each axis of the scenario.
-  LiveDrives(const scenario::Scenario& s, const std::vector<drive_emulator::EmulatorConfig>& configs,
-             socketcan::KernelSocket& socket)
+  LiveDrives(const scenario::Scenario& s, const std::vector<DriveConfig>& configs, socketcan::KernelSocket& socket)
       : socket_{socket} {
     auto mechanisms = sil::axis_mechanisms(s);
     for (std::size_t i = 0; i < configs.size(); ++i)
@@ -59,7 +66,7 @@ class LiveDrives {
       longest_work_ = std::max(longest_work_, passed() - woken);
       wait(mask, duration);
     }
-    for (Axis& axis : axes_) axis.drive.advance_mechanism_to(passed());
+    for (Axis& axis : axes_) axis.drive->advance_mechanism_to(passed());
   }
 
   void print_summary() const {
@@ -67,35 +74,46 @@ class LiveDrives {
       const std::string name = axes_.size() > 1 ? "axis " + axis.name + ": " : std::string{};
       fmt::print("{}position {:.9g} m, {}, largest force {:.4g} N, {} frames lost\n", name,
                  axis.mechanism.axis->state().position_m, axis.mechanism.axis->state().sticking ? "at rest" : "moving",
-                 axis.drive.largest_force_N(last_), axis.lost);
+                 axis.drive->largest_force_N(last_), axis.lost);
     }
     fmt::print("busy for at most {:.3g} ms at a time\n", 1e3 * hal::seconds(longest_work_));
   }
 
  private:
   struct Axis {
-    Axis(LiveDrives& drives, std::string axis, sil::AxisMechanism moved, const drive_emulator::EmulatorConfig& config)
-        : name{std::move(axis)},
-          mechanism{std::move(moved)},
-          drive{config, mechanism.seen_by_drive(), [this, &drives](const hal::CanFrame& frame, hal::Time) {
-                  if (!drives.transmit(frame)) ++lost;
-                }} {
-      drive.power_on(hal::Time{});
+    Axis(LiveDrives& drives, std::string axis, sil::AxisMechanism moved, const DriveConfig& config)
+        : name{std::move(axis)}, mechanism{std::move(moved)} {
+      const auto send = [this, &drives](const hal::CanFrame& frame, hal::Time) {
+        if (!drives.transmit(frame)) ++lost;
+      };
+      std::visit([&](const auto& of) { play(of, send); }, config);
+      drive->power_on(hal::Time{});
     }
     Axis(const Axis&) = delete;
     Axis& operator=(const Axis&) = delete;
 
+    void play(const drive_emulator::EmulatorConfig& config, const auto& send) {
+      auto played = std::make_unique<drive_emulator::DriveEmulator>(config, mechanism.seen_by_drive(), send);
+      holds_axis = [of = played.get()] { return of->state() == cia402::State::operation_enabled; };
+      drive = std::move(played);
+    }
+    void play(const odrive_emulator::EmulatorConfig& config, const auto& send) {
+      auto played = std::make_unique<odrive_emulator::OdriveEmulator>(config, mechanism.seen_by_drive(), send);
+      holds_axis = [of = played.get()] { return of->state() == odrive::AxisState::closed_loop_control; };
+      drive = std::move(played);
+    }
+
     // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
     void advance_to(hal::Time now) {
-      drive.advance_to(now);
-      if (!mechanism.axis->released() && drive.state() == cia402::State::operation_enabled)
-        mechanism.axis->release(hal::seconds(now));
+      drive->advance_to(now);
+      if (!mechanism.axis->released() && holds_axis()) mechanism.axis->release(hal::seconds(now));
     }
 
     std::string name;
     sil::AxisMechanism mechanism;
     std::uint64_t lost = 0;
-    drive_emulator::DriveEmulator drive;
+    std::unique_ptr<drive_emulator::EmulatedDrive> drive;
+    std::function<bool()> holds_axis;
   };
 
   // Never decreases, as a drive wants it.
@@ -113,13 +131,13 @@ class LiveDrives {
       const auto frame = socketcan::from_kernel(in);
       if (!frame) continue;
       last_ = std::max(last_, since_start(stamp));
-      for (Axis& axis : axes_) axis.drive.on_frame(*frame, last_);
+      for (Axis& axis : axes_) axis.drive->on_frame(*frame, last_);
     }
   }
 
   void wait(const sigset_t& mask, hal::Duration duration) {
     hal::Time until{duration};
-    for (const Axis& axis : axes_) until = std::min(until, axis.drive.next_event().value_or(until));
+    for (const Axis& axis : axes_) until = std::min(until, axis.drive->next_event().value_or(until));
     const hal::Duration left = std::clamp<hal::Duration>(until - passed(), hal::Duration{0}, std::chrono::seconds{1});
     const timespec patience{.tv_sec = left / std::chrono::seconds{1},
                             .tv_nsec = (left % std::chrono::seconds{1}).count()};
@@ -162,7 +180,22 @@ void become_realtime() {
         fmt::format("--realtime: {}; run as root, or raise rtprio and memlock in limits.conf", std::strerror(errno))};
 }
 
-drive_emulator::EmulatorConfig drive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
+// What is of CANopen is not of every drive.
+odrive_emulator::EmulatorConfig odrive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
+  const auto refuse = [](const char* option) {
+    throw InputError{fmt::format("{} is of a CANopen drive, and [drive] protocol is \"odrive\"; leave it out", option)};
+  };
+  if (!options.supported_modes.empty()) refuse("--supported-modes");
+  if (options.mode_delay_s > 0) refuse("--mode-delay");
+  if (options.node_id > odrive::most_node_id)
+    throw InputError{fmt::format("--node-id {}: an ODrive has one of 0 to {}", options.node_id, odrive::most_node_id)};
+  odrive_emulator::EmulatorConfig config = *world.odrive;
+  if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
+  return config;
+}
+
+DriveConfig drive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
+  if (world.odrive) return odrive_config(world, options);
   drive_emulator::EmulatorConfig config = *world.drive;
   if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
   if (!options.supported_modes.empty())
@@ -175,11 +208,8 @@ scenario::Scenario read_drives(const DriveCommand& options) {
   scenario::Scenario s = scenario::read_scenario(options.scenario);
   if (!options.axis.empty()) s = only_axis(s, options.axis);
   for (const scenario::AxisWorld& world : s.worlds) {
-    if (!world.drive)
-      throw InputError{s.node.file +
-                       (world.odrive ? ": [drive] protocol is \"odrive\", and the emulated drives of `drive` speak "
-                                       "\"canopen\"; take that, or `simulate` the file"
-                                     : ": has no [drive]; give a scenario whose axes have drives on a bus")};
+    if (!world.drive && !world.odrive)
+      throw InputError{s.node.file + ": has no [drive]; give a scenario whose axes have drives on a bus"};
   }
   if (options.node_id != 0 && s.axes() > 1)
     throw InputError{"--node-id: is for one drive, and the scenario has several; say which with --axis NAME"};
@@ -188,16 +218,17 @@ scenario::Scenario read_drives(const DriveCommand& options) {
 
 int drive_scenario(const DriveCommand& options) {
   const scenario::Scenario s = read_drives(options);
+  std::vector<DriveConfig> configs;
+  for (const scenario::AxisWorld& world : s.worlds) configs.push_back(drive_config(world, options));
   socketcan::KernelSocket socket;
   const auto opened = socket.open(options.interface.c_str(), {});
   if (opened != socketcan::OpenResult::done)
     throw InputError{fmt::format("{}: {}", options.interface, to_string(opened))};
   const sigset_t mask = prepare_signals();
   if (options.realtime) become_realtime();
-  std::vector<drive_emulator::EmulatorConfig> configs;
-  for (const scenario::AxisWorld& world : s.worlds) configs.push_back(drive_config(world, options));
   LiveDrives drives{s, configs, socket};
-  for (const auto& config : configs) fmt::print("drive {} on {}\n", config.node_id, options.interface);
+  for (const auto& config : configs)
+    fmt::print("drive {} on {}\n", std::visit([](const auto& of) { return of.node_id; }, config), options.interface);
   std::fflush(stdout);
   const double duration_s = options.duration_s > 0 ? options.duration_s : 1e9;
   drives.run(stop_wanted, mask, hal::Duration{std::llround(duration_s * 1e9)});
@@ -215,8 +246,7 @@ void add_drive(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--axis", options->axis, "The name of the one axis whose drive to emulate; without, all of them");
   command->add_option("--can", options->interface, "The CAN interface, can0 or vcan0, say")->required();
-  command->add_option("--node-id", options->node_id, "CANopen node id instead of the scenario's")
-      ->check(CLI::Range(1, 127));
+  command->add_option("--node-id", options->node_id, "Node id instead of the scenario's")->check(CLI::Range(1, 127));
   command->add_option("--duration", options->duration_s, "Seconds until it ends; without, SIGINT or SIGTERM ends it")
       ->check(positive_number);
   command->add_flag("--realtime", options->realtime, "Lock the memory and run at real-time priority 70");

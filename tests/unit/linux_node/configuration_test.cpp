@@ -55,6 +55,30 @@ class LinuxNodeConfiguration : public breakaway::testing::ScratchFolder {
   }
 };
 
+TEST_F(LinuxNodeConfiguration, OfAnOdriveIsCertifiedAndHasItsDriveBesideWhatIsFlashed) {
+  Options options = of(folder + "polled_odrive.toml");
+  Configuration c = read_configuration(options);
+  ASSERT_TRUE(c.speaks_odrive());
+  ASSERT_EQ(c.odrives.size(), 1U);
+  EXPECT_EQ(c.node_id(0), 1);
+  EXPECT_TRUE(single(c).axes[0].certified);
+  EXPECT_FALSE(read_configuration(of(folder + "can_axis.toml")).speaks_odrive());
+  options.node_id = 62;
+  c = read_configuration(options);
+  EXPECT_EQ(c.node_id(0), 62);
+  options.node_id = 63;
+  EXPECT_NE(refusal(options).find("--node-id 63: an ODrive has one of 0 to 62"), std::string::npos) << refusal(options);
+  options.node_id = 0;
+  options.max_force_N = 20;
+  EXPECT_LE(single(read_configuration(options)).axes[0].law.max_force_N, 20.0F);
+}
+
+TEST_F(LinuxNodeConfiguration, OfAnOdriveThatCannotBeCertifiedIsRefusedAndIdentified) {
+  const Options options = of(folder + "odrive_axis.toml");
+  EXPECT_NE(refusal(options).find("take estimates = \"polled\""), std::string::npos) << refusal(options);
+  EXPECT_EQ(read_experiment(options).odrives.size(), 1U);
+}
+
 TEST_F(LinuxNodeConfiguration, AxesThatPushEachOtherAreTakenAsOneMachine) {
   const Configuration c = read_configuration(of(folder + "coupled_gantry.toml"));
   const auto* const machine = std::get_if<breakaway::config::MachineNode<float>>(&c.node);
