@@ -87,14 +87,23 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
               fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
 }
 
-// A target is a whole count for the loop; how far those of the file are from one.
-double off_counts_m(const Axis& axis) {
+// A target is a whole count for the loop: the one of the file that is furthest from a count, and that count's place.
+struct OffCount {
+  double target_m, count_at_m;
+  double m() const { return std::abs(target_m - count_at_m); }
+};
+
+OffCount furthest_off_count(const Axis& axis) {
   const double count_m = axis.drive ? axis.drive->encoder_resolution_m : 0;
-  if (!(count_m > 0)) return 0;
-  const auto off_m = [&](double target_m) { return std::abs(target_m - std::round(target_m / count_m) * count_m); };
-  double most_m = off_m(axis.controller.target_m);
-  for (const TargetChange& change : axis.controller.targets) most_m = std::max(most_m, off_m(change.position_m));
-  return most_m;
+  OffCount furthest{0, 0};
+  const auto look_at = [&](double target_m) {
+    const OffCount here{target_m, std::round(target_m / count_m) * count_m};
+    if (here.m() > std::max(furthest.m(), 1e-6 * count_m)) furthest = here;
+  };
+  if (!(count_m > 0)) return furthest;
+  look_at(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) look_at(change.position_m);
+  return furthest;
 }
 
 // What the law calls reached must be what counts as settled.
@@ -102,15 +111,15 @@ void check_tolerances(const Section& run, const Node& node) {
   if (node.settle_tolerance_m == 0) return;
   for (const Axis& axis : node.axes) {
     if (!axis.controller.impulsive) continue;
-    const double off_m = off_counts_m(axis), reading_m = reading_error_m(axis);
-    const double reached_m = axis.controller.position_tolerance_m + reading_m + off_m;
+    const OffCount off = furthest_off_count(axis);
+    const double reached_m = axis.controller.position_tolerance_m + reading_error_m(axis) + off.m();
     if (axis.controller.position_tolerance_m == 0 || reached_m <= node.settle_tolerance_m * (1 + 1e-9)) continue;
-    if (reached_m - off_m <= node.settle_tolerance_m * (1 + 1e-9))
+    if (reached_m - off.m() <= node.settle_tolerance_m * (1 + 1e-9))
       run.fail(
           "settle_tolerance_m",
-          fmt::format("is {:g}, and the axis goes to whole counts of its encoder, {:.3g} m beside a target of axis "
-                      "{}: it may rest {:g} m from there; give targets that are whole counts, or raise it",
-                      node.settle_tolerance_m, off_m, axis.name, reached_m));
+          fmt::format("is {:g}, and axis {} goes to whole counts of its encoder, so that it may rest {:g} m from the "
+                      "target at {:.12g} m; give {:.12g} m, which is a whole count, or raise the tolerance",
+                      node.settle_tolerance_m, axis.name, reached_m, off.target_m, off.count_at_m));
     run.fail(
         "settle_tolerance_m",
         fmt::format("is {:g}, below position_tolerance_m of axis {} and what a reading may be off, {:g}: there the law "

@@ -190,11 +190,11 @@ TEST(Certificate, CountsHowFarATargetIsFromAWholeCount) {
   EXPECT_EQ(why(settles), "");
   EXPECT_EQ(why(with(settles, "target_m = 0", "target_m = 0.123456")), "");
   const std::string between = why(with(settles, "target_m = 0", "target_m = 0.1234564"));
-  EXPECT_NE(between.find("4e-07 m beside a target of axis"), std::string::npos) << between;
+  EXPECT_NE(between.find("at 0.1234564 m; give 0.123456 m, which"), std::string::npos) << between;
   EXPECT_NE(why(with(settles, "target_m = 0",
                      "targets = [{ time_s = 1, position_m = 1e-7 }, { time_s = 2, position_m = "
                      "3e-7 }]"))
-                .find("3e-07 m beside"),
+                .find("at 3e-07 m; give 0 m"),
             std::string::npos);
   EXPECT_EQ(why(with(with(settles, "5.6e-6", "6e-6"), "target_m = 0", "target_m = 0.1234564")), "");
 }
