@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(Homes, AnIncrementalAxisWithAHome,
                          [](const auto& param_info) { return std::string{param_info.param.label}; });
 
 // The axis stands at -0.1 m of a machine with limit switches at -0.295 and 0.195 m, a home switch at 0.05 m and an
-// index pulse every 10 mm.
+// index pulse every 10 mm. Where a method has its home switch on between two edges, the other one is at 0.07 m.
 RigConfig with_switches(std::int8_t method) {
   RigConfig config;
   config.absolute_encoder = false;
@@ -123,6 +123,42 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param_info) {
       return std::to_string(param_info.param.method) + (param_info.param.start_m > 0 ? "FromAbove" : "FromBelow");
     });
+
+struct MethodAndPlace {
+  std::int8_t method;
+  double home_m;
+};
+class AHomingByAnEdge : public ::testing::TestWithParam<MethodAndPlace> {};
+
+// The edge is at 0.053 m, and a second one, where there is one, at 0.073 m: each a way off the next index pulse either
+// side. From below, from above and from the switch the home is one.
+TEST_P(AHomingByAnEdge, EndsAtTheSameHomeFromEverywhere) {
+  for (const double start_m : {-0.1, 0.063, 0.12}) {
+    RigConfig config = with_switches(GetParam().method);
+    config.quirks.switches->home_m = 0.053;
+    config.start_m = start_m;
+    Rig rig{config};
+    rig.loop().request_enable(rig.id(0));
+    while (!rig.status(0).running && rig.status(0).fault == AxisFault::none && rig.now() < hal::Time{30s}) {
+      rig.step();
+      rig.release_brakes_while_homing();
+    }
+    ASSERT_TRUE(rig.status(0).running) << start_m << ": " << to_string(rig.status(0).fault);
+    rig.run(3s);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << start_m << ": " << to_string(rig.status(0).fault);
+    EXPECT_NEAR(rig.position_m(0), GetParam().home_m - 0.02, 2e-5) << "target 0, from " << start_m;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Methods, AHomingByAnEdge,
+                         ::testing::Values(MethodAndPlace{3, 0.05}, MethodAndPlace{4, 0.06}, MethodAndPlace{5, 0.06},
+                                           MethodAndPlace{6, 0.05}, MethodAndPlace{7, 0.05}, MethodAndPlace{8, 0.06},
+                                           MethodAndPlace{9, 0.07}, MethodAndPlace{10, 0.08}, MethodAndPlace{11, 0.08},
+                                           MethodAndPlace{12, 0.07}, MethodAndPlace{13, 0.06}, MethodAndPlace{14, 0.05},
+                                           MethodAndPlace{23, 0.053}, MethodAndPlace{24, 0.053},
+                                           MethodAndPlace{25, 0.073}, MethodAndPlace{26, 0.073},
+                                           MethodAndPlace{27, 0.073}, MethodAndPlace{28, 0.073},
+                                           MethodAndPlace{29, 0.053}, MethodAndPlace{30, 0.053}),
+                         [](const auto& param_info) { return std::to_string(param_info.param.method); });
 
 // Seeks its home at full speed, and returns what the axis is named by, within so long.
 AxisFault named_while_it_moves(Rig& rig, const std::function<void(Rig&)>& disturb, hal::Duration within) {

@@ -128,6 +128,7 @@ constexpr std::array rows{
     CertificateKey{"quirks", "low_limit_switch_m", apart},
     CertificateKey{"quirks", "high_limit_switch_m", apart},
     CertificateKey{"quirks", "home_switch_m", apart},
+    CertificateKey{"quirks", "home_switch_width_m", apart},
     CertificateKey{"quirks", "index_distance_m", apart},
     CertificateKey{"quirks", "speed_gain_Ns_per_m", apart},
     CertificateKey{"quirks", "fixed_mapping", apart},

@@ -2,49 +2,79 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 namespace breakaway::drive_emulator {
 namespace {
 
 constexpr double period_s = 500e-6;
 constexpr double integral_per_s = 20;
+constexpr std::int64_t without_index = 16;  // of a method, and the one that is like it, but for the index pulse
 
 }  // namespace
 
 bool HomeSeeker::knows(std::int64_t method) {
-  constexpr std::array<std::int64_t, 10> known{1, 2, 17, 18, 19, 20, 21, 22, 33, 34};
-  return std::ranges::find(known, method) != known.end();
+  const bool with_index = method >= 1 && method <= 14, without = method >= 17 && method <= 30;
+  return with_index || without || method == 33 || method == 34;
 }
 
-// To a switch at speed, and off it, or on, slowly: home is where the switch changes, or at the next index pulse.
+// Methods 17 to 30 are 1 to 14 without the index pulse. 3 and 4 are for a switch that is on above its edge, 5 and 6 for
+// one that is on below it, and 7 to 14 for one that is on between two edges.
+HomeSeeker::HomeSwitch HomeSeeker::home_switch_of(std::int64_t method) {
+  const std::int64_t alike = method > without_index ? method - without_index : method;
+  if (alike >= 7) return HomeSwitch::between;
+  return alike >= 5 ? HomeSwitch::below : HomeSwitch::above;
+}
+
+// To a switch at speed, and off it, or on, slowly: home is where the switch changes, or at the next index pulse on the
+// way.
 HomeSeeker::Legs HomeSeeker::legs_of(std::int64_t method, double position_m) const {
+  if (method > 30) return {Leg{method == 33 ? -1 : 1, Until::index, true}};
+  const std::int64_t alike = method > without_index ? method - without_index : method;
+  Legs legs = alike <= 2   ? legs_to_limit(alike == 1 ? -1 : 1)
+              : alike <= 6 ? legs_to_edge(alike, position_m)
+                           : legs_to_either_edge(alike, position_m);
+  const auto end = std::ranges::find(legs, 0, &Leg::way);
+  if (method < without_index) *end = Leg{std::prev(end)->way, Until::index, true};
+  return legs;
+}
+
+HomeSeeker::Legs HomeSeeker::legs_to_limit(int way) const {
+  if (way < 0) return {Leg{-1, Until::low_limit}, Leg{1, Until::no_low_limit, true}};
+  return {Leg{1, Until::high_limit}, Leg{-1, Until::no_high_limit, true}};
+}
+
+// Odd methods find the edge on the way off the switch, even ones on the way onto it.
+HomeSeeker::Legs HomeSeeker::legs_to_edge(std::int64_t method, double position_m) const {
   const bool switched = sees(Until::switched, position_m);
-  const Leg to_low{-1, Until::low_limit}, off_low{1, Until::no_low_limit, true};
-  const Leg to_high{1, Until::high_limit}, off_high{-1, Until::no_high_limit, true};
-  // The home switch is on above its edge for methods 19 and 20, and below it for 21 and 22.
-  const int up = method <= 20 ? 1 : -1;
-  const Leg on{up, Until::switched, method % 2 == 0}, off{-up, Until::not_switched, method % 2 != 0};
-  switch (method) {
-    case 1:
-      return {to_low, off_low, Leg{1, Until::index, true}};
-    case 2:
-      return {to_high, off_high, Leg{-1, Until::index, true}};
-    case 17:
-      return {to_low, off_low};
-    case 18:
-      return {to_high, off_high};
-    case 19:
-    case 21:
-      return switched ? Legs{off} : Legs{on, off};
-    case 20:
-    case 22:
-      return switched ? Legs{off, on} : Legs{on};
-    case 33:
-      return {Leg{-1, Until::index, true}};
-    default:
-      return {Leg{1, Until::index, true}};
-  }
+  const int up = home_switch_ == HomeSwitch::above ? 1 : -1;
+  const Leg on{up, Until::switched}, off{-up, Until::not_switched};
+  const Leg slowly_on{up, Until::switched, true}, slowly_off{-up, Until::not_switched, true};
+  if (method % 2 != 0) return switched ? Legs{slowly_off} : Legs{on, slowly_off};
+  return switched ? Legs{off, slowly_on} : Legs{on, off, slowly_on};
+}
+
+// 7 to 10 set out upwards: their homes are outside and inside of the edge that is met first, and inside and outside of
+// the other one. 11 to 14 are their mirror images. From beyond the switch the way is to the limit and back.
+HomeSeeker::Legs HomeSeeker::legs_to_either_edge(std::int64_t method, double position_m) const {
+  const int out = method <= 10 ? 1 : -1;
+  const bool switched = sees(Until::switched, position_m);
+  const bool beyond = !switched && (position_m - switches_.home_m) * out > 0;
+
+  std::vector<Leg> row;
+  if (beyond) row = {Leg{out, out > 0 ? Until::high_limit : Until::low_limit}, Leg{-out, Until::switched}};
+  if (!switched && !beyond) row = {Leg{out, Until::switched}};
+  // It is on the switch.
+  const std::int64_t place = (method - 7) % 4;
+  const int first = place < 2 ? -out : out;
+  row.push_back({first, Until::not_switched});
+  if (place == 1 || place == 2) row.push_back({-first, Until::switched});
+  row.back().slowly = true;
+  Legs legs{};
+  std::ranges::copy(row, legs.begin());
+  return legs;
 }
 
 bool HomeSeeker::sees(Until until, double position_m) const {
@@ -59,7 +89,9 @@ bool HomeSeeker::sees(Until until, double position_m) const {
     case Until::no_high_limit:
       return position_m < switches_.high_limit_m;
     case Until::switched:
-      return switches_.home_on_above ? position_m >= switches_.home_m : position_m <= switches_.home_m;
+      if (home_switch_ == HomeSwitch::below) return position_m <= switches_.home_m;
+      return position_m >= switches_.home_m &&
+             (home_switch_ == HomeSwitch::above || position_m <= switches_.home_m + switches_.home_width_m);
     case Until::not_switched:
       return !sees(Until::switched, position_m);
     case Until::index:
@@ -71,7 +103,7 @@ bool HomeSeeker::sees(Until until, double position_m) const {
 void HomeSeeker::start(const HomeSwitches& switches, std::int64_t method, const Speeds& speeds, double position_m) {
   *this = {};
   switches_ = switches;
-  switches_.home_on_above = method <= 20;
+  home_switch_ = home_switch_of(method);
   speeds_ = speeds;
   legs_ = legs_of(method, position_m);
   last_m_ = position_m;

@@ -32,6 +32,7 @@ void read_quirks(const Section& section, drive_emulator::Quirks& q) {
       optional("low_limit_switch_m", number(switches.low_limit_m, "m", Range{})),
       optional("high_limit_switch_m", number(switches.high_limit_m, "m", Range{})),
       optional("home_switch_m", number(switches.home_m, "m", Range{})),
+      optional("home_switch_width_m", number(switches.home_width_m, "m", positive)),
       optional("index_distance_m", number(switches.index_distance_m, "m", positive)),
       optional("speed_gain_Ns_per_m", number(switches.speed_gain_Ns_per_m, "N s/m", positive)),
       optional("refuses_start_with",
@@ -48,8 +49,8 @@ void read_quirks(const Section& section, drive_emulator::Quirks& q) {
       optional("counts_from_power_on", boolean(q.counts_from_power_on)),
   };
   section.read(keys);
-  for (const char* key :
-       {"low_limit_switch_m", "high_limit_switch_m", "home_switch_m", "index_distance_m", "speed_gain_Ns_per_m"}) {
+  for (const char* key : {"low_limit_switch_m", "high_limit_switch_m", "home_switch_m", "home_switch_width_m",
+                          "index_distance_m", "speed_gain_Ns_per_m"}) {
     if (section.has(key)) q.switches = switches;
   }
 }

@@ -280,6 +280,7 @@ TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
   EXPECT_EQ(quirks_of("low_limit_switch_m = -0.3").switches.value().low_limit_m, -0.3);
   EXPECT_EQ(quirks_of("high_limit_switch_m = 0.3").switches.value().high_limit_m, 0.3);
   EXPECT_EQ(quirks_of("home_switch_m = 0.1").switches.value().home_m, 0.1);
+  EXPECT_EQ(quirks_of("home_switch_width_m = 0.03").switches.value().home_width_m, 0.03);
   EXPECT_EQ(quirks_of("index_distance_m = 0.01").switches.value().index_distance_m, 0.01);
   EXPECT_EQ(quirks_of("speed_gain_Ns_per_m = 70").switches.value().speed_gain_Ns_per_m, 70);
   struct Switch {

@@ -16,8 +16,8 @@ namespace breakaway::drive_emulator {
 // What a drive finds its home by, in metres of the axis as the drive counts it.
 struct HomeSwitches {
   double low_limit_m = -HUGE_VAL, high_limit_m = HUGE_VAL;  // limit switches, on from here outwards
-  double home_m = HUGE_VAL;                                 // of the home switch's edge
-  bool home_on_above = true;                                // else it is on below
+  double home_m = HUGE_VAL;                                 // of the home switch's edge, or of its lower one
+  double home_width_m = 0.02;                               // of one that is on between two edges, > 0
   double index_distance_m = 1e-3;                           // between two index pulses, > 0
   double speed_gain_Ns_per_m = 200;                         // of the drive's loop of speed, > 0
 };

@@ -45,13 +45,21 @@ class HomeSeeker {
     Until until = Until::index;
     bool slowly = false;
   };
-  using Legs = std::array<Leg, 3>;
+  // The longest row is to a limit, back over both edges of the home switch, and on to an index pulse.
+  using Legs = std::array<Leg, 5>;
+  // Where the home switch is on, seen from its edge.
+  enum class HomeSwitch : std::uint8_t { above, below, between };
 
+  static HomeSwitch home_switch_of(std::int64_t method);
   Legs legs_of(std::int64_t method, double position_m) const;
+  Legs legs_to_limit(int way) const;
+  Legs legs_to_edge(std::int64_t method, double position_m) const;
+  Legs legs_to_either_edge(std::int64_t method, double position_m) const;
   bool sees(Until until, double position_m) const;
   double wanted_speed_m_s();
 
   HomeSwitches switches_;
+  HomeSwitch home_switch_ = HomeSwitch::above;
   Speeds speeds_{};
   Legs legs_{};
   std::size_t leg_ = 0;
