@@ -13,7 +13,7 @@ import re
 import tomllib
 
 ROOMS = ("controller/law", "controller/identify", "controller/design", "controller/stability", "controller/input",
-         "hal/include", "hal/canopen", "hal/cia402", "hal/ports")
+         "hal/include", "hal/canopen", "hal/cia402", "hal/odrive", "hal/ports")
 REASONS = pathlib.Path(__file__).with_name("coverage_reasons.toml")
 HEAD = """# Branch coverage of controller and hal
 

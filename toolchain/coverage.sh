@@ -42,7 +42,7 @@ names() {
   local files=("${@:2}")
   sed -n "s/^ *$1(\([a-z0-9_]*\).*/\1/p" "${files[@]/%//CMakeLists.txt}"
 }
-unit=(law identify design stability hal canopen cia402 virtual_bus slcan bxcan socketcan xilinx_can firmware c)
+unit=(law identify design stability hal canopen cia402 odrive virtual_bus slcan bxcan socketcan xilinx_can firmware c)
 mapfile -t tests <<<"$(names breakaway_test "${unit[@]/#/tests/unit/}" tests/closed_loop)"
 mapfile -t fuzzers <<<"$(names breakaway_fuzzer tests/fuzz)"
 

@@ -45,6 +45,7 @@ ROOMS = {
     "hal": ["hal/include/*"],
     "canopen": ["hal/canopen/*"],
     "cia402": ["hal/cia402/*"],
+    "odrive": ["hal/odrive/*"],
     "ports": ["hal/ports/slcan/*", "hal/ports/bxcan/*", "hal/ports/xilinx_can/*", "hal/ports/socketcan/*"],
     # What sticks and what slips next, which every certificate and every simulated run rests on.
     "stick": [f"sim/motion/hybrid/src/{name}.cpp" for name in ("stop_problem", "lcp", "mode_choice")] +
@@ -55,13 +56,15 @@ ROOMS = {
 STOP_PATH = ["firmware/include/breakaway/firmware/supervisor.hpp",
              "firmware/include/breakaway/firmware/control_loop.hpp",
              "firmware/include/breakaway/firmware/commanded_force.hpp",
-             "firmware/include/breakaway/firmware/motion_under_force.hpp", "hal/cia402/src/forced_stop.cpp",
+             "firmware/include/breakaway/firmware/motion_under_force.hpp",
+             "firmware/include/breakaway/firmware/motion_without_force.hpp", "hal/cia402/src/forced_stop.cpp",
              "hal/cia402/src/state_machine.cpp", "hal/cia402/include/breakaway/cia402/torque_scale.hpp"]
 # Test programs, from the quick ones of one room to the closed loop.
 TESTS = ["law_test", "k3_table_test", "kick_coordinator_test", "recorded_runs_test", "hal_test", "canopen_test",
-         "cia402_test", "recorded_scripts_test", "firmware_test", "flashed_machine_test", "slcan_test", "bxcan_test",
-         "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test", "drive_emulator_test",
-         "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test", "plants_test", "settling_test"]
+         "cia402_test", "recorded_scripts_test", "odrive_test", "firmware_test", "flashed_machine_test", "slcan_test",
+         "bxcan_test", "xilinx_can_test", "socketcan_test", "socketcan_calls_test", "virtual_bus_test",
+         "drive_emulator_test", "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test",
+         "plants_test", "settling_test", "odrive_loop_test"]
 # Those of what is not flashed, which no other program reaches.
 TESTS_OF = {"stick": ["event_driven_test", "extremes_test", "rest_decision_test", "switched_off_test",
                       "nearly_parallel_test", "stiff_test", "budget_test", "stick_decision_test", "lcp_test",
