@@ -365,9 +365,15 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const double beyond_m =
       detail::hand_overs_beyond * hand_over_m(design) + (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m;
   if (!axes.move) return beyond_m;
-  // A change of the acceleration that is one period late comes as long after it was due.
-  const double periods = axes.move->jerk_m_s3 ? 2 : 1;
-  return beyond_m + periods * axes.move->acceleration_m_s2 * T * T;
+  const double in_move_m = axes.move->acceleration_m_s2 * T * T;
+  if (!axes.move->jerk_m_s3) return beyond_m + in_move_m;
+  // A change of the acceleration that is one period late comes as long after it was due; and a friction that falls is
+  // answered, and the speed that it left taken away, as slowly as the jerk lets it.
+  const KickClass kicks{axes};
+  const double jerk = *axes.move->jerk_m_s3;
+  const double fall = (kicks.most_friction_N() - kicks.least_friction_N()) / axes.mass_kg.least;
+  const double gained_m_s = fall * (old_s + fall / (2 * jerk));
+  return beyond_m + 2 * in_move_m + late * gained_m_s * (old_s + 2 * std::sqrt(gained_m_s / jerk));
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the
