@@ -373,7 +373,7 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const double jerk = *axes.move->jerk_m_s3;
   const double fall = (kicks.most_friction_N() - kicks.least_friction_N()) / axes.mass_kg.least;
   const double gained_m_s = fall * (old_s + fall / (2 * jerk));
-  return beyond_m + 2 * in_move_m + late * gained_m_s * (old_s + 2 * std::sqrt(gained_m_s / jerk));
+  return late * (beyond_m + in_move_m + gained_m_s * (old_s + 2 * std::sqrt(gained_m_s / jerk)));
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the
