@@ -80,6 +80,7 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");
+  table.quantity("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
   table.quantity("Brake", promise.brake_N, "N");
   table.quantity("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");
