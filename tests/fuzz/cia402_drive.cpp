@@ -17,7 +17,7 @@ namespace cia402 = breakaway::cia402;
 namespace object = breakaway::cia402::object;
 
 constexpr cia402::DriveConfig<float> config{.node_id = 5, .force_per_torque_N_per_Nm = 50};
-constexpr hal::NetworkConfig network{.period = std::chrono::milliseconds{1}};
+constexpr breakaway::hal::NetworkConfig network{.period = std::chrono::milliseconds{1}};
 constexpr breakaway::hal::AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
 static_assert(cia402::check(config, network, scale) == cia402::DriveConfigError::none);
 
