@@ -68,38 +68,49 @@ struct Trouble {
   std::uint64_t seed = 1;
 };
 
-template <class Scalar = double>
-ExperimentRun run_experiment(const UnknownAxis& axis, const Trouble& trouble = {}) {
-  identify::Experiment<Scalar> experiment{told<Scalar>(axis)};
-  const auto friction = [&](const Moment& now) {
-    const double v = now.velocity_m_s;
-    return axis.friction_at(now.position_m, (v != 0 ? v : now.force_N) < 0 ? -1 : 1, v);
-  };
-  Slider slider{{.mass_kg = axis.mass_kg, .lag_s = axis.lag_s, .load_N = axis.load_N}, friction, axis.start_m, 0};
-  ExperimentRun run{.record = {axis.period_s, axis.resolution_m, axis.force_step_N, {}},
-                    .lowest_m = axis.start_m,
-                    .highest_m = axis.start_m};
-  std::deque<double> on_the_way(static_cast<std::size_t>(axis.latency_periods), axis.start_m);
+// Plant: Slider, or what moves as it does; the other side of a plant of two is followed where it is given.
+template <class Scalar, class Plant>
+ExperimentRun run_experiment_on(Plant& plant, const identify::ExperimentParameters<Scalar>& told, int latency_periods,
+                                const Trouble& trouble = {}, const double* out_of_sight_m = nullptr) {
+  identify::Experiment<Scalar> experiment{told};
+  const double start_m = plant.position_m(), period_s = static_cast<double>(told.period_s);
+  const double resolution_m = static_cast<double>(told.encoder_resolution_m);
+  ExperimentRun run{.record = {period_s, resolution_m, static_cast<double>(told.force_step_N), {}},
+                    .lowest_m = start_m,
+                    .highest_m = start_m};
+  std::deque<double> on_the_way(static_cast<std::size_t>(latency_periods), start_m);
   std::mt19937_64 dice{trouble.seed};
   for (int k = 0; !experiment.finished() && k < 100'000; ++k) {
     if (run.duration_s >= trouble.end_asked_s) experiment.request_end();
-    const double reading_m = std::round(on_the_way.front() / axis.resolution_m) * axis.resolution_m;
+    const double reading_m = std::round(on_the_way.front() / resolution_m) * resolution_m;
     on_the_way.pop_front();
     const bool fresh = std::uniform_real_distribution<>{0, 1}(dice) >= trouble.lost_share;
     const law::Measurement<Scalar> measured{static_cast<Scalar>(reading_m), Scalar{0}, fresh};
     const auto command_N = static_cast<double>(experiment.update(measured).force_N);
     run.record.readings.push_back({reading_m, command_N, fresh});
     // The sample of the next period is taken when this one's force begins to act.
-    on_the_way.push_back(slider.position_m());
-    slider.run(command_N, axis.period_s, 4);
-    run.lowest_m = std::min(run.lowest_m, slider.position_m());
-    run.highest_m = std::max(run.highest_m, slider.position_m());
-    run.fastest_m_s = std::max(run.fastest_m_s, std::abs(slider.velocity_m_s()));
-    run.duration_s += axis.period_s;
+    on_the_way.push_back(plant.position_m());
+    plant.run(command_N, period_s, 4);
+    for (const double position_m : {plant.position_m(), out_of_sight_m ? *out_of_sight_m : plant.position_m()}) {
+      run.lowest_m = std::min(run.lowest_m, position_m);
+      run.highest_m = std::max(run.highest_m, position_m);
+    }
+    run.fastest_m_s = std::max(run.fastest_m_s, std::abs(plant.velocity_m_s()));
+    run.duration_s += period_s;
   }
-  run.speed_at_end_m_s = slider.velocity_m_s();
+  run.speed_at_end_m_s = plant.velocity_m_s();
   run.ending = experiment.ending();
   return run;
+}
+
+template <class Scalar = double>
+ExperimentRun run_experiment(const UnknownAxis& axis, const Trouble& trouble = {}) {
+  const auto friction = [&](const Moment& now) {
+    const double v = now.velocity_m_s;
+    return axis.friction_at(now.position_m, (v != 0 ? v : now.force_N) < 0 ? -1 : 1, v);
+  };
+  Slider slider{{.mass_kg = axis.mass_kg, .lag_s = axis.lag_s, .load_N = axis.load_N}, friction, axis.start_m, 0};
+  return run_experiment_on(slider, told<Scalar>(axis), axis.latency_periods, trouble);
 }
 
 }  // namespace breakaway::testing

@@ -21,8 +21,10 @@ constexpr std::array rows{
     CertificateKey{"", "loop", counted},
     CertificateKey{"", "bus", counted},
     CertificateKey{"", "run", counted},
-    CertificateKey{"", "machine", refused,
-                   "a certificate is of an axis that moves alone, and here its axes move one another; simulate it"},
+    CertificateKey{
+        "", "machine", refused,
+        "a certificate is of an axis that moves alone, and here its axes move one another; state how in "
+        "[coupling], and one certificate of all of them names each pair that pushes too hard; or simulate it"},
     CertificateKey{"", "coupling", counted},
     CertificateKey{"", "start", apart},
     CertificateKey{"", "target", apart},

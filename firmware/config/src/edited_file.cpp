@@ -30,6 +30,21 @@ toml::table& tables_of(toml::table& document, const std::string& axis, const Set
   throw InputError{fmt::format("has no axis \"{}\"", axis)};
 }
 
+// `load` of `plant.load`.
+std::string last_name(const std::string& table) { return table.substr(table.rfind('.') + 1); }
+
+// Of `plant.load` that is [plant], which the file must have.
+toml::table& table_above(toml::table& document, const std::string& axis, const Setting& setting) {
+  toml::table* above = &tables_of(document, axis, setting);
+  std::string_view path = setting.table;
+  for (std::size_t dot = path.find('.'); dot != path.npos; dot = path.find('.')) {
+    above = (*above)[path.substr(0, dot)].as_table();
+    if (above == nullptr) throw InputError{fmt::format("has no table of which [{}] is a part", setting.table)};
+    path.remove_prefix(dot + 1);
+  }
+  return *above;
+}
+
 // toml++ counts lines and characters, both from 1.
 std::size_t offset_of(std::string_view text, const toml::source_position& place) {
   std::size_t at = 0;
@@ -69,13 +84,14 @@ std::string with_table(std::string_view text, const toml::table& above, bool at_
     const char* const gap = text.empty() || text.back() == '\n' ? "" : "\n";
     return fmt::format("{}{}\n[{}]\n{} = {}\n", text, gap, setting.table, setting.key, setting.value);
   }
-  return with_line(text, above, fmt::format("{} = {{ {} = {} }}", setting.table, setting.key, setting.value));
+  return with_line(text, above,
+                   fmt::format("{} = {{ {} = {} }}", last_name(setting.table), setting.key, setting.value));
 }
 
 std::string edited(std::string_view text, const std::string& file, const std::string& axis, const Setting& setting) {
   toml::table document = parse_toml(text, file);  // a copy would not know where its values stand
-  const toml::table& above = tables_of(document, axis, setting);
-  const toml::table* const table = above[setting.table].as_table();
+  const toml::table& above = table_above(document, axis, setting);
+  const toml::table* const table = above[last_name(setting.table)].as_table();
   if (table == nullptr) return with_table(text, above, &above == &document, setting);
   if (const toml::node* const value = table->get(setting.key)) {
     const std::size_t begin = offset_of(text, value->source().begin), end = offset_of(text, value->source().end);
@@ -90,10 +106,11 @@ std::string edited(std::string_view text, const std::string& file, const std::st
 
 // What the settings make of the file, whatever its spelling.
 toml::table set_anew(toml::table document, const std::string& axis, const Setting& setting) {
-  toml::table& above = tables_of(document, axis, setting);
-  if (!above.contains(setting.table)) above.insert(setting.table, toml::table{});
+  toml::table& above = table_above(document, axis, setting);
+  const std::string name = last_name(setting.table);
+  if (!above.contains(name)) above.insert(name, toml::table{});
   const toml::table value = toml::parse("value = " + setting.value);
-  above[setting.table].as_table()->insert_or_assign(setting.key, *value.get("value"));
+  above[name].as_table()->insert_or_assign(setting.key, *value.get("value"));
   return document;
 }
 

@@ -21,6 +21,11 @@ void require_described(const Node& node, const Axis& axis, const ExperimentReque
         .in_file(node.file);
   if (!node.loop) missing("[loop] period_s");
   if (!axis.drive) missing("[drive]");
+  if (axis.surroundings.load && axis.surroundings.load->encoder_on_load)
+    throw InputError{
+        "[plant.load] encoder = \"load\": an experiment finds a load on a spring by the swings of its motor; read the "
+        "motor's encoder for it"}
+        .in_file(node.file);
   const bool ends_below = std::isfinite(axis.limits.position_min_m) || std::isfinite(request.lowest_m);
   const bool ends_above = std::isfinite(axis.limits.position_max_m) || std::isfinite(request.highest_m);
   if (!ends_below || !ends_above) missing("[limits] position_m, the travel,");
@@ -62,7 +67,8 @@ identify::ExperimentParameters<Real> experiment_parameters(const Node& node, con
           .lowest_m = static_cast<Real>(lowest_m),
           .highest_m = static_cast<Real>(highest_m),
           .max_speed_m_s = static_cast<Real>(axis.limits.speed_m_s),
-          .duration_s = static_cast<Real>(request.duration_s)};
+          .duration_s = static_cast<Real>(request.duration_s),
+          .load_on_spring = axis.surroundings.load.has_value()};
 }
 
 template identify::ExperimentParameters<float> experiment_parameters<float>(const Node&, const Axis&,

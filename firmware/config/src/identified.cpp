@@ -53,30 +53,62 @@ double number_in(const toml::table& axis, std::string_view table, std::string_vi
 
 double with_digits(double value, int digits) { return std::stod(fmt::format("{:.{}g}", value, digits)); }
 
-void enter_friction(AxisEdits& edits, const IdentifiedAxis& found, double mass_kg) {
-  const bool told = edits.axis().contains("told");
-  const std::string table = told ? "told" : "friction", prefix = told ? "friction_" : "";
-  const double lower_N = rounded(found.friction_lower_N, std::floor);
-  const double upper_N = rounded(found.friction_upper_N, std::ceil);
-  if (!told && edits.axis()["friction"]["mu_lower"]) {
-    const double weight_N = mass_kg * number_in(edits.axis(), "friction", "gravity_m_s2", 1);
-    edits.set(table, "mu_lower", rounded(lower_N / weight_N, std::floor, 5));
-    edits.set(table, "mu_upper", rounded(upper_N / weight_N, std::ceil, 5));
+// Of [friction], as forces or as coefficients, whichever the file has.
+void enter_bounds(AxisEdits& edits, double lower_N, double upper_N, double mass_kg) {
+  if (!edits.axis()["friction"]["mu_lower"]) {
+    edits.set("friction", "lower_N", lower_N);
+    edits.set("friction", "upper_N", upper_N);
     return;
   }
-  edits.set(table, prefix + "lower_N", lower_N);
-  edits.set(table, prefix + "upper_N", upper_N);
+  const double weight_N = mass_kg * number_in(edits.axis(), "friction", "gravity_m_s2", 1);
+  edits.set("friction", "mu_lower", rounded(lower_N / weight_N, std::floor, 5));
+  edits.set("friction", "mu_upper", rounded(upper_N / weight_N, std::ceil, 5));
+}
+
+void enter_friction(AxisEdits& edits, const IdentifiedAxis& found, double mass_kg) {
+  const bool told = edits.axis().contains("told");
+  const double lower_N = rounded(found.friction_lower_N, std::floor);
+  const double upper_N = rounded(found.friction_upper_N, std::ceil);
+  if (!told) return enter_bounds(edits, lower_N, upper_N, mass_kg);
+  edits.set("told", "friction_lower_N", lower_N);
+  edits.set("told", "friction_upper_N", upper_N);
 }
 
 // The gains go with the mass.
+void enter_gains(AxisEdits& edits, double mass_kg, double before_kg, double uncertainty) {
+  for (const std::string_view gain : {"k1_N_per_m", "k21_Ns_per_m", "k22_Ns_per_m"})
+    if (const auto value = edits.axis()["controller"][gain].value<double>())
+      edits.set("controller", gain, with_digits(*value * mass_kg / before_kg, 6));
+  edits.set("uncertainty", "mass", rounded(uncertainty, std::ceil, 2));
+}
+
 void enter_mass(AxisEdits& edits, double mass_kg, double uncertainty) {
   const toml::table& axis = edits.axis();
   const double before_kg = number_in(axis, "told", "mass_kg", number_in(axis, "plant", "mass_kg", mass_kg));
   edits.set(axis.contains("told") ? "told" : "plant", "mass_kg", mass_kg);
-  for (const std::string_view gain : {"k1_N_per_m", "k21_Ns_per_m", "k22_Ns_per_m"})
-    if (const auto value = axis["controller"][gain].value<double>())
-      edits.set("controller", gain, with_digits(*value * mass_kg / before_kg, 6));
-  edits.set("uncertainty", "mass", rounded(uncertainty, std::ceil, 2));
+  enter_gains(edits, mass_kg, before_kg, uncertainty);
+}
+
+// Both sides, each for itself, and what the controller is told of both together.
+void enter_spring(AxisEdits& edits, const IdentifiedSpring& spring, double uncertainty) {
+  const double motor_kg = with_digits(spring.motor_kg, 5), load_kg = with_digits(spring.load_kg, 5);
+  const auto plant = edits.axis()["plant"];
+  const double both_kg = plant["mass_kg"].value_or(motor_kg) + plant["load"]["mass_kg"].value_or(load_kg);
+  const double before_kg = number_in(edits.axis(), "told", "mass_kg", both_kg);
+  const auto lower = [](double force_N) { return rounded(force_N, std::floor); };
+  const auto upper = [](double force_N) { return rounded(force_N, std::ceil); };
+  edits.set("plant", "mass_kg", motor_kg);
+  enter_bounds(edits, lower(spring.motor_lower_N), upper(spring.motor_upper_N), motor_kg);
+  edits.set("plant.load", "mass_kg", load_kg);
+  edits.set("plant.load", "stiffness_N_per_m", rounded(spring.stiffness_N_per_m, std::floor, 3));
+  edits.set("plant.load", "stiffness_seen_N_per_m", lower(spring.least_seen_N_per_m));
+  edits.set("plant.load", "damping_Ns_per_m", rounded(spring.damping_Ns_per_m, std::floor, 2));
+  edits.set("plant.load", "friction_lower_N", lower(spring.load_lower_N));
+  edits.set("plant.load", "friction_upper_N", upper(spring.load_upper_N));
+  edits.set("told", "mass_kg", with_digits(motor_kg + load_kg, 6));
+  edits.set("told", "friction_lower_N", with_digits(lower(spring.motor_lower_N) + lower(spring.load_lower_N), 8));
+  edits.set("told", "friction_upper_N", with_digits(upper(spring.motor_upper_N) + upper(spring.load_upper_N), 8));
+  enter_gains(edits, motor_kg + load_kg, before_kg, uncertainty);
 }
 
 void enter_lag(AxisEdits& edits, const IdentifiedAxis& found) {
@@ -95,8 +127,12 @@ std::string with_identified(std::string_view text, const std::string& file, cons
     const toml::table& tables = axis_in(document, axis, file);
     AxisEdits edits{tables};
     const double mass_kg = with_digits(found.mass_kg, 5);
-    enter_friction(edits, found, mass_kg);
-    enter_mass(edits, mass_kg, found.mass_uncertainty);
+    if (found.spring) {
+      enter_spring(edits, *found.spring, found.mass_uncertainty);
+    } else {
+      enter_friction(edits, found, mass_kg);
+      enter_mass(edits, mass_kg, found.mass_uncertainty);
+    }
     enter_lag(edits, found);
     if (found.presliding_stiffness_N_per_m)
       edits.set("friction", "presliding_stiffness_N_per_m",

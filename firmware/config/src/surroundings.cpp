@@ -99,10 +99,12 @@ Slope slope_of(const Section& law) {
 // What the law and its certificate are made of is read to the letter.
 design::SpringLoad read_load(const Section& section) {
   design::SpringLoad load;
+  double seen_N_per_m = 0;
   auto& [lower_N, upper_N] = load.load_friction;
   section.read({
       required("mass_kg", number(load.load_kg, "kg", positive)),
       required("stiffness_N_per_m", number(load.stiffness_N_per_m, "N/m", spring)),
+      optional("stiffness_seen_N_per_m", number(seen_N_per_m, "N/m", spring)),
       optional("damping_Ns_per_m", number(load.damping_Ns_per_m, "N s/m", damping)),
       optional("friction_lower_N", number(lower_N, "N", positive)),
       optional("friction_upper_N", number(upper_N, "N", positive)),
@@ -110,6 +112,12 @@ design::SpringLoad read_load(const Section& section) {
       optional("encoder", choice(load.encoder_on_load, {{"motor", false}, {"load", true}})),
   });
   require_load_friction(section, lower_N, upper_N);
+  if (seen_N_per_m > 0 && load.stiffness_N_per_m > seen_N_per_m)
+    section.fail(
+        "stiffness_N_per_m",
+        fmt::format("is {:g} and exceeds stiffness_seen_N_per_m = {:g}, the least that the identification saw; "
+                    "give a lower bound of that",
+                    load.stiffness_N_per_m, seen_N_per_m));
   return load;
 }
 

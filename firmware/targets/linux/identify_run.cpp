@@ -13,9 +13,11 @@ namespace breakaway::linux_node {
 namespace {
 
 // What the record says, or why it says nothing.
-std::string findings(const evaluation::Record& record) {
+std::string findings(const evaluation::Record& record, bool load_on_spring) {
+  using evaluation::Mechanism;
   try {
-    return evaluation::summary(evaluation::evaluate(record));
+    return evaluation::summary(
+        evaluation::evaluate(record, {}, load_on_spring ? Mechanism::load_on_spring : Mechanism::one_mass));
   } catch (const InputError& error) {
     return fmt::format("  nothing found  {}\n", error.what());
   }
@@ -29,6 +31,7 @@ IdentifyRun<Side>::IdentifyRun(const ExperimentNode& node, const Configuration& 
     : Base{node, configuration, options, socket, telemetry} {
   const identify::ExperimentParameters<float>& told = node.experiment;
   record_ = {told.period_s, plan(0).resolution_m, told.force_step_N, {}};
+  load_on_spring_ = told.load_on_spring;
   // Memory is taken before the first period.
   record_.readings.reserve(static_cast<std::size_t>(2 * told.duration_s / told.period_s));
 }
@@ -69,7 +72,7 @@ template <class Side>
 std::string IdentifyRun<Side>::report() const {
   std::string text =
       fmt::format("{:<11} {}\nexperiment  {}\n", plan(0).name, stop_text(0), to_string(laws_.experiment().ending()));
-  text += findings(record_) + last_words(0);
+  text += findings(record_, load_on_spring_) + last_words(0);
   if (!options_.csv.empty())
     text += fmt::format("next: breakaway identify {} --log {} -o identified.toml\n", shell_word(options_.configuration),
                         shell_word(options_.csv));

@@ -38,6 +38,7 @@ class IdentifyRun : private DriveRun<ExperimentNode, Side> {
   void keep();
 
   evaluation::Record record_;
+  bool load_on_spring_ = false;
 };
 
 }  // namespace breakaway::linux_node

@@ -107,6 +107,23 @@ Picture experiment_over_time(const evaluation::Record& record) {
           format::draw_svg("experiment", format::width_px, 460, commands)};
 }
 
+void spring_rows(const evaluation::SpringEstimate& spring, const Identification& found, format::HtmlTable& table) {
+  const auto range = [](const Interval& interval, const char* unit) {
+    return fmt::format("{:.4g} to {:.4g} {}", interval.least, interval.most, unit);
+  };
+  table.row("Load on a spring", fmt::format("{:.4g} kg behind a motor of {:.4g} kg, swings at {}", spring.load_kg,
+                                            spring.motor_kg, range(spring.resonance_Hz, "Hz")));
+  table.row("Stiffness, at least", fmt::format("{:.3g} N/m, {:g} % below the least of {} in {} switches of the force",
+                                               spring.stiffness_N_per_m, 100 * found.margins.stiffness,
+                                               range(spring.stiffness_seen_N_per_m, "N/m"), spring.switches));
+  table.row("Chance that another switch shows less stiffness than any",
+            fmt::format("at most {:.2g} %", 100 * spring.chance_softer()));
+  table.row("Damping of the spring, at least", fmt::format("{:.2g} N s/m", spring.damping_Ns_per_m));
+  table.row("Friction of the motor alone, of the load alone",
+            fmt::format("{}, {}, with a margin of {:g} %, in {} bends of the spring", range(spring.motor_N, "N"),
+                        range(spring.load_N, "N"), 100 * found.margins.side, spring.bends));
+}
+
 std::string results(const study::IdentifiedRun& run) {
   const Identification& found = run.found;
   format::HtmlTable table;
@@ -118,6 +135,7 @@ std::string results(const study::IdentifiedRun& run) {
                                          found.friction_seen_N.most, found.motions));
   table.row("Bounds", fmt::format("{:.4g} to {:.4g} N, with a margin of {:g} %", found.bounds_N.least,
                                   found.bounds_N.most, 100 * found.margins.friction));
+  if (found.spring) spring_rows(*found.spring, found, table);
   table.row("Latency", fmt::format("{} × control period", found.latency.periods));
   if (found.latency.lag_is_seen)
     table.quantity("Current loop, time constant", 1e3 * found.latency.lag_s, "ms");
@@ -146,6 +164,22 @@ void write_samples(format::JsonWriter& json, const Identification& found) {
         json.member("motion", s.motion);
         write_interval(json, "friction_N", s.friction_N);
       });
+  });
+}
+
+void write_spring(format::JsonWriter& json, const evaluation::SpringEstimate& spring) {
+  json.object("spring", [&] {
+    json.member("motor_kg", spring.motor_kg);
+    json.member("load_kg", spring.load_kg);
+    write_interval(json, "resonance_Hz", spring.resonance_Hz);
+    json.member("stiffness_N_per_m", spring.stiffness_N_per_m);
+    write_interval(json, "stiffness_seen_N_per_m", spring.stiffness_seen_N_per_m);
+    json.member("chance_softer", spring.chance_softer());
+    json.member("damping_Ns_per_m", spring.damping_Ns_per_m);
+    write_interval(json, "motor_friction_bounds_N", spring.motor_N);
+    write_interval(json, "load_friction_bounds_N", spring.load_N);
+    json.member("switches", spring.switches);
+    json.member("bends", spring.bends);
   });
 }
 
@@ -184,6 +218,7 @@ std::string identification_json(const study::IdentifiedRun& run) {
     json.member("latency_periods", found.latency.periods);
     json.member("current_loop_time_constant_s", found.latency.lag_is_seen ? found.latency.lag_s : NAN);
     json.member("presliding_stiffness_N_per_m", found.presliding_N_per_m.value_or(NAN));
+    if (found.spring) write_spring(json, *found.spring);
     write_samples(json, found);
   });
   return json.text();

@@ -33,11 +33,12 @@ void read_presliding(const Section& section, AxisWorld& world) {
 
 void read_load(const Section& section, AxisWorld& world) {
   model::FlexibleLoad& load = world.plant.load.emplace();
-  double lower_N = 0, upper_N = 0;
+  double lower_N = 0, upper_N = 0, seen_N_per_m = 0;  // the last is for the certificate
   model::ShapePtr shape = model::shape::constant(1);
   section.read({
       required("mass_kg", number(load.mass_kg, "kg", positive)),
       required("stiffness_N_per_m", number(load.coupling.stiffness_N_per_m, "N/m", spring)),
+      optional("stiffness_seen_N_per_m", number(seen_N_per_m, "N/m", spring)),
       optional("damping_Ns_per_m", number(load.coupling.damping_Ns_per_m, "N s/m", damping)),
       optional("friction_lower_N", number(lower_N, "N", positive)),
       optional("friction_upper_N", number(upper_N, "N", positive)),

@@ -21,6 +21,23 @@ void require_alone(const Scenario& s) {
         s.node.file);
 }
 
+evaluation::Mechanism mechanism_of(const Scenario& s) {
+  return s.node.axes.front().surroundings.load ? evaluation::Mechanism::load_on_spring
+                                               : evaluation::Mechanism::one_mass;
+}
+
+config::IdentifiedSpring entered_spring(const evaluation::SpringEstimate& spring) {
+  return {.motor_kg = spring.motor_kg,
+          .load_kg = spring.load_kg,
+          .stiffness_N_per_m = spring.stiffness_N_per_m,
+          .least_seen_N_per_m = spring.stiffness_seen_N_per_m.least,
+          .damping_Ns_per_m = spring.damping_Ns_per_m,
+          .motor_lower_N = spring.motor_N.least,
+          .motor_upper_N = spring.motor_N.most,
+          .load_lower_N = spring.load_N.least,
+          .load_upper_N = spring.load_N.most};
+}
+
 }  // namespace
 
 IdentifiedRun run_identification(const Scenario& s, const config::ExperimentRequest& request,
@@ -39,6 +56,7 @@ IdentifiedRun run_identification(const Scenario& s, const config::ExperimentRequ
           .ending = ending,
           .complete = run.fault.empty() && run.ending == identify::Ending::complete,
           .stopped_by = run.fault,
+          .mechanism = mechanism_of(s),
           .record = std::move(run.record),
           .found = {}};
 }
@@ -59,6 +77,7 @@ IdentifiedRun recorded_identification(const Scenario& s, std::string_view csv, c
             .ending = "a record from elsewhere",
             .complete = true,
             .stopped_by = "",
+            .mechanism = mechanism_of(s),
             .record = evaluation::record_of_csv(csv, units),
             .found = {}};
   } catch (const InputError& error) {
@@ -70,7 +89,7 @@ void evaluate(IdentifiedRun& run) {
   if (!run.stopped_by.empty())
     throw InputError{fmt::format("the experiment was stopped by \"{}\"", run.stopped_by)}.in_file(run.file);
   try {
-    run.found = evaluation::evaluate(run.record);
+    run.found = evaluation::evaluate(run.record, {}, run.mechanism);
   } catch (const InputError& error) {
     const InputError whole = run.complete ? error : InputError{fmt::format("{} ({})", error.what(), run.ending)};
     throw whole.in_file(run.file);
@@ -84,6 +103,7 @@ std::string with_found(std::string_view text, const Scenario& s, const evaluatio
                                  .mass_uncertainty = found.mass_uncertainty,
                                  .friction_lower_N = found.bounds_N.least,
                                  .friction_upper_N = found.bounds_N.most};
+  if (found.spring) entered.spring = entered_spring(*found.spring);
   // The only coast that is told of it.
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake)
     entered.presliding_stiffness_N_per_m = found.presliding_N_per_m;

@@ -74,6 +74,69 @@ TEST(WithIdentified, TellsTheNodeAndLeavesTheTruthWhereTheFileHasBoth) {
   EXPECT_DOUBLE_EQ(truth_of(node.axes.front()).mass_kg, 1);
 }
 
+TEST(WithIdentified, EntersBothSidesOfALoadOnASpringAndTellsTheirSum) {
+  IdentifiedAxis sprung = found;
+  sprung.spring = IdentifiedSpring{.motor_kg = 0.5,
+                                   .load_kg = 0.75,
+                                   .stiffness_N_per_m = 30'680,
+                                   .least_seen_N_per_m = 34'090,
+                                   .damping_Ns_per_m = 1.77,
+                                   .motor_lower_N = 1.5,
+                                   .motor_upper_N = 2.5,
+                                   .load_lower_N = 1.25,
+                                   .load_upper_N = 2.25};
+  const std::string before = file_contents(folder + "belt_axis.toml");
+  const std::string text = with_identified(before, "identified", "", sprung);
+  const Axis axis = parse_node(text, "identified").axes.front();
+  EXPECT_DOUBLE_EQ(axis.mass_kg, 1.25);
+  EXPECT_DOUBLE_EQ(axis.friction.bounds.lower_N, 2.75);
+  EXPECT_DOUBLE_EQ(axis.friction.bounds.upper_N, 4.75);
+  EXPECT_DOUBLE_EQ(truth_of(axis).mass_kg, 0.5);
+  EXPECT_DOUBLE_EQ(truth_of(axis).bounds.upper_N, 2.5);
+  ASSERT_TRUE(axis.surroundings.load);
+  EXPECT_DOUBLE_EQ(axis.surroundings.load->load_kg, 0.75);
+  EXPECT_DOUBLE_EQ(axis.surroundings.load->stiffness_N_per_m, 30'600);
+  EXPECT_DOUBLE_EQ(axis.surroundings.load->damping_Ns_per_m, 1.7);
+  EXPECT_DOUBLE_EQ(axis.surroundings.load->load_friction.lower_N, 1.25);
+  EXPECT_NE(text.find("stiffness_N_per_m = 30600 # at least"), std::string::npos) << text;
+  EXPECT_DOUBLE_EQ(axis.controller.impulsive->stiffness_N_per_m, 500);
+}
+
+TEST(WithIdentified, EntersALoadThatStandsInlineInAnAxisOfSeveral) {
+  IdentifiedAxis sprung = found;
+  sprung.spring = IdentifiedSpring{0.5, 0.75, 3e4, 3.4e4, 1, 1.5, 2.5, 1.25, 2.25};
+  std::string text = file_contents(folder + "two_axes.toml");
+  const std::string inline_mass = "plant = { mass_kg = 3,";
+  text.replace(text.find(inline_mass), inline_mass.size(),
+               "plant = { load = { mass_kg = 1, stiffness_N_per_m = 1e4, friction_lower_N = 1, friction_upper_N = 2 }, "
+               "mass_kg = 3,");
+  const std::string name = parse_node(file_contents(folder + "two_axes.toml"), "before").axes.back().name;
+  const Node node = parse_node(with_identified(text, "identified", name, sprung), "identified");
+  EXPECT_DOUBLE_EQ(node.axes.back().surroundings.load->load_kg, 0.75);
+  EXPECT_DOUBLE_EQ(node.axes.back().mass_kg, 1.25);
+  EXPECT_FALSE(node.axes.front().surroundings.load);
+}
+
+TEST(WithIdentified, AStiffnessAboveWhatWasSeenIsRefused) {
+  std::string text = file_contents(folder + "belt_axis.toml");
+  text.insert(text.find("damping_Ns_per_m = 3.6"), "stiffness_seen_N_per_m = 3.3e4\n");
+  try {
+    static_cast<void>(parse_node(text, "belt"));
+    FAIL() << "it is taken";
+  } catch (const InputError& refusal) {
+    const std::string said = refusal.what();
+    EXPECT_NE(said.find("34000 and exceeds stiffness_seen_N_per_m = 33000"), std::string::npos) << said;
+    EXPECT_NE(said.find("lower bound"), std::string::npos) << said;
+  }
+}
+
+TEST(ExperimentParameters, TakeALoadBehindTheMotorAndRefuseAnEncoderOnTheLoad) {
+  Node node = read_node(folder + "belt_axis.toml");
+  EXPECT_TRUE(experiment_parameters<double>(node, node.axes.front(), {}).load_on_spring);
+  node.axes.front().surroundings.load->encoder_on_load = true;
+  EXPECT_THROW(experiment_parameters<double>(node, node.axes.front(), {}), InputError);
+}
+
 TEST(ExperimentParameters, NameTheLimitThatIsMissing) {
   Node node = read_node(folder + "braked_axis.toml");
   EXPECT_DOUBLE_EQ(experiment_parameters<double>(node, node.axes.front(), {}).highest_m, 10);

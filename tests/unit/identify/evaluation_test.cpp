@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "../../campaign/random_unknown_joint.hpp"
 #include "../../unknown_axis.hpp"
 #include "breakaway/evaluation/identification.hpp"
 #include "breakaway/evaluation/summary.hpp"
@@ -14,9 +15,9 @@ namespace {
 using testing::run_experiment;
 using testing::UnknownAxis;
 
-std::string refusal(const Record& record) {
+std::string refusal(const Record& record, Mechanism mechanism = Mechanism::one_mass) {
   try {
-    static_cast<void>(evaluate(record));
+    static_cast<void>(evaluate(record, {}, mechanism));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -83,6 +84,62 @@ TEST(Evaluation, RefusesAnAxisThatSwings) {
   double phase = 0;
   for (Reading& reading : record.readings) reading.position_m += 1e-4 * std::sin(phase += 0.4);
   EXPECT_NE(refusal(record).find("no single mass"), std::string::npos) << refusal(record);
+}
+
+// 0.4 kg and 0.6 kg that swing 60 times a second.
+campaign::UnknownJoint belt() {
+  campaign::UnknownJoint axis;
+  axis.motor.mass_kg = axis.spring.motor_kg = 0.4;
+  axis.load.mass_kg = axis.spring.load_kg = 0.6;
+  axis.motor.friction_N = 2, axis.load.friction_N = 1.6;
+  axis.spring.stiffness_N_per_m = 3.4e4;
+  axis.damping = 0.02;
+  return axis;
+}
+
+TEST(EvaluationOfALoad, FindsBothMassesTheSpringAndTheFrictionOfEitherSide) {
+  const campaign::UnknownJoint axis = belt();
+  const Identification found = evaluate(campaign::run_experiment<double>(axis).record, {}, Mechanism::load_on_spring);
+  ASSERT_TRUE(found.spring);
+  const SpringEstimate& spring = *found.spring;
+  EXPECT_NEAR(spring.motor_kg, 0.4, 0.004);
+  EXPECT_NEAR(spring.load_kg, 0.6, 0.006);
+  EXPECT_NEAR(spring.resonance_Hz.least, axis.spring.resonance_Hz(), 0.2);
+  EXPECT_LE(spring.stiffness_N_per_m, 3.4e4);
+  EXPECT_GE(spring.stiffness_N_per_m, 0.85 * 3.4e4);
+  EXPECT_LE(spring.motor_N.least, axis.motor.true_friction_N().least);
+  EXPECT_GE(spring.motor_N.most, axis.motor.true_friction_N().most);
+  EXPECT_LE(spring.load_N.least, axis.load.true_friction_N().least);
+  EXPECT_GE(spring.load_N.most, axis.load.true_friction_N().most);
+  EXPECT_NE(summary(found).find("stiffness      3.0"), std::string::npos) << summary(found);
+}
+
+TEST(EvaluationOfALoad, NamesThePlayOfAJoint) {
+  for (const double gap_m : {1e-5, 1e-4}) {
+    campaign::UnknownJoint axis = belt();
+    axis.spring.gap_m = gap_m;
+    const std::string said = refusal(campaign::run_experiment<double>(axis).record, Mechanism::load_on_spring);
+    EXPECT_NE(said.find("play"), std::string::npos) << gap_m << ": " << said;
+  }
+}
+
+TEST(EvaluationOfALoad, NamesAnAxisThatIsOneMass) {
+  UnknownAxis axis;
+  auto known = testing::told<double>(axis);
+  known.load_on_spring = true;
+  testing::Slider slider{{.mass_kg = axis.mass_kg}, [](const testing::Moment&) { return 3.0; }, 0, 0};
+  const Record record = testing::run_experiment_on(slider, known, 1).record;
+  EXPECT_NE(refusal(record, Mechanism::load_on_spring).find("leave [plant.load] out"), std::string::npos)
+      << refusal(record, Mechanism::load_on_spring);
+}
+
+TEST(EvaluationOfALoad, SaysOfARecordWithoutBendsThatItDoesNotTellWhatRubs) {
+  const Record record = campaign::run_experiment<double>(belt(), {}, false).record;
+  const std::string said = refusal(record, Mechanism::load_on_spring);
+  EXPECT_NE(said.find("nothing tells how motor and load share the friction"), std::string::npos) << said;
+  const std::string rigid = refusal(record);
+  EXPECT_NE(rigid.find("swings on a spring, 59."), std::string::npos) << rigid;
+  EXPECT_NE(rigid.find("[plant.load]"), std::string::npos) << rigid;
 }
 
 }  // namespace

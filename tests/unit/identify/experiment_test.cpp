@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../campaign/random_unknown_joint.hpp"
 #include "../../unknown_axis.hpp"
 #include "breakaway/firmware/loop_concepts.hpp"
 #include "breakaway/identify/experiment_law.hpp"
@@ -124,6 +125,19 @@ TEST(Experiment, GoesOnAloneWhereTheOriginIsShifted) {
   other.shift_target(0.125);
   for (int k = 0; k < 2000; ++k)
     ASSERT_EQ(one.update({0.0, 0.0, true}).force_N, other.update({-0.125, 0.0, true}).force_N) << k;
+}
+
+TEST(ExperimentWithALoad, KeepsMotorAndLoadWithinTheTravelFromSoftToStiffAndWheneverItIsEnded) {
+  for (const double resonance_Hz : {15.0, 30.0, 60.0, 200.0}) {
+    campaign::Random random{7};
+    const campaign::UnknownJoint axis = campaign::random_unknown_joint(random, resonance_Hz, 1.0001 * resonance_Hz);
+    for (const double asked_s : {1e9, 3.0, 7.7}) {
+      const ExperimentRun run = campaign::run_experiment<double>(axis, {.end_asked_s = asked_s});
+      EXPECT_EQ(run.ending, asked_s < 1e9 ? Ending::asked : Ending::complete) << resonance_Hz;
+      EXPECT_EQ(run.record.readings.back().command_N, 0);
+      expect_within_travel(axis.motor, run);
+    }
+  }
 }
 
 }  // namespace

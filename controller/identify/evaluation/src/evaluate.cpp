@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
+#include <optional>
 
 #include "break_aways.hpp"
 #include "breakaway/evaluation/identification.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "constant_force.hpp"
+#include "sprung.hpp"
 #include "switches.hpp"
+#include "totals.hpp"
 
 namespace breakaway::evaluation {
 namespace {
@@ -50,39 +53,6 @@ struct Friction {
   }
 };
 
-// From rest to rest, in the order of time; a sample belongs to the motion that it is in.
-void number_motions(Identification& found) {
-  std::size_t motion = 0;
-  int direction = 0;
-  double position_m = 0;
-  for (FrictionSample& sample : found.friction) {
-    const bool goes_on =
-        sample.direction == direction && sample.speed_m_s != 0 && direction * (sample.position_m - position_m) >= 0;
-    if (!goes_on) ++motion;
-    sample.motion = motion;
-    direction = sample.direction;
-    position_m = sample.position_m;
-  }
-  found.motions = motion;
-}
-
-void sum_up(Identification& found, const Margins& margins) {
-  constexpr double far = std::numeric_limits<double>::infinity();
-  found.friction_seen_N = {far, -far};
-  found.travel_seen_m = {far, -far};
-  for (const FrictionSample& sample : found.friction) {
-    found.friction_seen_N.least = std::min(found.friction_seen_N.least, sample.friction_N.least);
-    found.friction_seen_N.most = std::max(found.friction_seen_N.most, sample.friction_N.most);
-    found.travel_seen_m.least = std::min(found.travel_seen_m.least, sample.position_m);
-    found.travel_seen_m.most = std::max(found.travel_seen_m.most, sample.position_m);
-  }
-  found.bounds_N = {found.friction_seen_N.least * (1 - margins.friction),
-                    found.friction_seen_N.most * (1 + margins.friction)};
-  const MassEstimate& mass = found.mass;
-  const double spread = std::max(mass.seen_kg.most - mass.mass_kg, mass.mass_kg - mass.seen_kg.least) / mass.mass_kg;
-  found.mass_uncertainty = std::max(margins.mass, 2 * spread);
-}
-
 void require_readable(const Record& record) {
   if (record.readings.size() < 200)
     throw InputError{"the record has fewer than 200 readings: record the whole experiment"};
@@ -91,7 +61,7 @@ void require_readable(const Record& record) {
 }
 
 // A mass under constant force and friction draws parabolas, but for what friction changes on the way.
-void require_rigid(const std::vector<Switch>& switches, const Record& record) {
+void require_rigid(const std::vector<Switch>& switches, const Record& record, const std::vector<Stretch>& stretches) {
   std::vector<double> residuals_m, shares;
   for (const Switch& s : switches) {
     const double half_s = static_cast<double>(s.readings) / 2 * record.period_s;
@@ -100,29 +70,22 @@ void require_rigid(const std::vector<Switch>& switches, const Record& record) {
   }
   const double residual_m = median(residuals_m);
   if (residual_m < 10 * record.resolution_m || median(shares) < 0.01) return;
+  const std::optional<Swing> swing = swing_of(record, switches_in_motion(record, stretches));
   throw InputError{fmt::format(
       "under a constant force the positions are {:.2g} m off a parabola, so that the axis is no single mass: a load "
-      "swings "
-      "on a spring or has play, which this experiment does not identify; take the coast \"work\" and the load's data",
-      residual_m)};
-}
-
-// Friction takes energy, so it never comes out at 0 or below where nothing else pushes the axis.
-void require_friction(const Identification& found) {
-  if (found.friction_seen_N.least > 0) return;
-  throw InputError{fmt::format(
-      "friction comes out at {:.4g} N at the least, and it cannot be 0 or less, so that something else pushes the "
-      "axis: "
-      "a load swings on a spring, or a weight pulls; for a load take the coast \"work\" and the load's data, and "
-      "balance a weight, or lock what swings",
-      found.friction_seen_N.least)};
+      "{}; "
+      "for a load behind a motor with the encoder describe it roughly in a table [plant.load], and identify again",
+      residual_m,
+      swing ? fmt::format("swings on a spring, {:.3g} times a second", swing->rate_rad_s / (2 * std::numbers::pi))
+            : std::string{"swings on a spring or has play"})};
 }
 
 }  // namespace
 
-Identification evaluate(const Record& record, const Margins& margins) {
+Identification evaluate(const Record& record, const Margins& margins, Mechanism mechanism) {
   require_readable(record);
   const std::vector<Stretch> stretches = stretches_of(record);
+  if (mechanism == Mechanism::load_on_spring) return evaluate_sprung(record, stretches, margins);
   Settling settling;
   std::vector<Switch> switches = switches_in(record, stretches, settling);
   if (switches.empty())
@@ -142,7 +105,7 @@ Identification evaluate(const Record& record, const Margins& margins) {
   }
   found.latency = latency_of(switches, record.period_s);
   found.mass = mass_of(switches);
-  require_rigid(switches, record);
+  require_rigid(switches, record, stretches);
   const double m = found.mass.mass_kg;
   const std::vector<BreakAway> broken = break_aways_in(record, found.latency, m);
   if (broken.empty())

@@ -13,6 +13,21 @@ std::string lag_text(const Identification& found) {
   return fmt::format("a current loop of {:.2g} ms", 1e3 * latency.lag_s);
 }
 
+std::string spring_text(const SpringEstimate& spring, const Margins& margins) {
+  return fmt::format(
+      "  load           swings on a spring, {:.4g} to {:.4g} times a second: motor {:.4g} kg, load {:.4g} kg\n"
+      "  stiffness      {:.3g} N/m at least: {:.4g} to {:.4g} N/m in {} switches of the force, less {:g} %; another "
+      "switch shows less than any of them with a chance of at most {:.2g} %\n"
+      "  damping        {:.2g} N s/m at least, {:g} % of what was seen\n"
+      "  motor alone    {:.4g} to {:.4g} N, and load alone {:.4g} to {:.4g} N, in {} bends of the spring, with a "
+      "margin "
+      "of {:g} % on either side\n",
+      spring.resonance_Hz.least, spring.resonance_Hz.most, spring.motor_kg, spring.load_kg, spring.stiffness_N_per_m,
+      spring.stiffness_seen_N_per_m.least, spring.stiffness_seen_N_per_m.most, spring.switches, 100 * margins.stiffness,
+      100 * spring.chance_softer(), spring.damping_Ns_per_m, 100 * (1 - margins.damping), spring.motor_N.least,
+      spring.motor_N.most, spring.load_N.least, spring.load_N.most, spring.bends, 100 * margins.side);
+}
+
 }  // namespace
 
 std::string summary(const Identification& found) {
@@ -28,6 +43,7 @@ std::string summary(const Identification& found) {
              100 * margins.mass, found.friction_seen_N.least, found.friction_seen_N.most, found.motions,
              found.travel_seen_m.least, found.travel_seen_m.most, found.bounds_N.least, found.bounds_N.most,
              100 * margins.friction) +
+         (found.spring ? spring_text(*found.spring, margins) : std::string{}) +
          (found.presliding_N_per_m
               ? fmt::format("  before sliding it bends: {:.2g} N/m at least\n", *found.presliding_N_per_m)
               : std::string{}) +

@@ -10,11 +10,6 @@ namespace {
 constexpr std::size_t least_readings = 16, most_readings = 60;
 constexpr int most_latency_periods = 8;
 
-Interval range_of(const std::vector<double>& values) {
-  const auto [least, most] = std::ranges::minmax(values);
-  return {least, most};
-}
-
 std::optional<Switch> switch_between(const Record& record, const Stretch& a, const Stretch& b,
                                      const Settling& settling) {
   if (a.last != b.first || a.first + settling.all + least_readings > a.last) return {};
@@ -62,6 +57,15 @@ Meeting meeting_of(const Switch& s, double T) {
 }
 
 }  // namespace
+
+Interval range_of(const std::vector<double>& values) {
+  Interval range{values.front(), values.front()};
+  for (const double value : values) {
+    range.least = std::min(range.least, value);
+    range.most = std::max(range.most, value);
+  }
+  return range;
+}
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

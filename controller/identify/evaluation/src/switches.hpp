@@ -28,7 +28,8 @@ struct Switch {
   double mass_kg() const { return change_N / change_m_s2(); }
 };
 
-// Requires one value.
+// Require one value.
+Interval range_of(const std::vector<double>& values);
 double median(std::vector<double> values);
 
 std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Settling& settling);

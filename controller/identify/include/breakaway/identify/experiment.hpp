@@ -54,7 +54,7 @@ class Experiment {
 
   void shift_target(Scalar shift_m) noexcept {
     p_.lowest_m -= shift_m, p_.highest_m -= shift_m;
-    begin_m_ -= shift_m, start_m_ -= shift_m;
+    begin_m_ -= shift_m, start_m_ -= shift_m, furthest_m_ -= shift_m;
     watch_.shift_origin(shift_m);
     guard_.shift_origin(shift_m);
   }
@@ -82,7 +82,7 @@ class Experiment {
   Scalar max_force_N() const noexcept { return p_.max_force_N; }
 
  private:
-  enum class Action : std::uint8_t { wait, pulse, ramp, push, coast, brake, halt };
+  enum class Action : std::uint8_t { wait, pulse, bend, unbend, ramp, push, coast, brake, halt };
 
   // In counts: seen to move by a pulse; moved at the end of a ramp; moved by something else than the drive.
   static constexpr Scalar pulse_counts = 3, ramp_counts = 8, drift_counts = 3;
@@ -90,6 +90,7 @@ class Experiment {
   static constexpr Scalar hops = 12;  // of a sweep
   static constexpr Scalar longest_halt_s = 2;
   static constexpr std::uint32_t good_pairs = 8, most_pairs = 40;
+  static constexpr Scalar bends_a_second = 4;
 
   // Time in which whatever the drive was told has happened.
   std::size_t reach() const noexcept {
@@ -100,7 +101,8 @@ class Experiment {
   Scalar travel_m() const noexcept { return p_.highest_m - p_.lowest_m; }
   Scalar counts_m(Scalar counts) const noexcept { return counts * p_.encoder_resolution_m; }
   TravelGuard<Scalar> new_guard() const noexcept {
-    const Scalar margin_m = std::max(counts_m(20), travel_m() / 100);
+    // A load leads its motor on its spring.
+    const Scalar margin_m = std::max(counts_m(20), travel_m() * (p_.load_on_spring ? Scalar(0.03) : Scalar(0.01)));
     return {p_.lowest_m, p_.highest_m, margin_m, reach_s(), reach()};
   }
   std::uint32_t in_periods(Scalar seconds, std::uint32_t least) const noexcept {
@@ -149,12 +151,15 @@ class Experiment {
   }
 
   // An axis that stood still for so long rests, for friction stops what is slower than a count within.
-  std::uint32_t patience() const noexcept { return in_periods(Scalar(0.01), 20); }
+  // Where a load swings, it is a whole swing at 20 Hz.
+  std::uint32_t patience() const noexcept { return in_periods(Scalar(p_.load_on_spring ? 0.05 : 0.01), 20); }
   bool still() const noexcept { return watch_.still_periods() >= patience(); }
 
   // Braking
 
   Scalar braking_N() const noexcept {
+    if (p_.load_on_spring && highest_breakaway_N_ > 0)
+      return std::min(3 * highest_breakaway_N_, share_of_force * p_.max_force_N);
     return mass_kg_ > 0 ? share_of_force * p_.max_force_N : std::max(greatest_N_, p_.force_step_N);
   }
   bool must_brake() const noexcept {
@@ -164,10 +169,21 @@ class Experiment {
   Scalar force_to_rest_N() noexcept {
     if (still()) at_rest_ = true;
     if (at_rest_ || action_s() > longest_halt_s) return 0;
+    if (p_.load_on_spring) return one_way_to_rest_N();
     const Scalar speed_m_s = watch_.speed_now_m_s();
     if (mass_kg_ > 0) return -law::limited(mass_kg_ * speed_m_s / (2 * reach_s()), braking_N());
     const bool fast = std::abs(speed_m_s) * reach_s() > counts_m(8);
     return fast ? std::copysign(braking_N(), -speed_m_s) : Scalar{0};
+  }
+
+  // A force that followed the motor's swings late would drive them. So there is one against the motion as it was until
+  // the motor turns, and again only where it gets further than where it turned.
+  Scalar one_way_to_rest_N() noexcept {
+    const Scalar speed_m_s = watch_.speed_m_s(), here_m = watch_.position_m();
+    if (halted_way_ == 0 && speed_m_s != 0) halted_way_ = std::copysign(Scalar{1}, speed_m_s);
+    if (turned_ && halted_way_ * (here_m - furthest_m_) > counts_m(8) && must_brake()) turned_ = false;
+    if (!turned_ && halted_way_ * speed_m_s < 0) turned_ = true, furthest_m_ = watch_.furthest_m(halted_way_);
+    return turned_ ? Scalar{0} : -halted_way_ * braking_N();
   }
 
   void end(Ending ending) noexcept {
@@ -183,7 +199,8 @@ class Experiment {
     action_ = action;
     action_periods_ = 0;
     start_m_ = watch_.position_m();
-    at_rest_ = false;
+    at_rest_ = turned_ = false;
+    halted_way_ = 0;
   }
   void wait(std::uint32_t periods) noexcept {
     begin(Action::wait);
@@ -200,6 +217,10 @@ class Experiment {
       case Action::pulse:
         if (action_periods_ >= pulse_periods_) wait(patience());
         return direction_ * pulse_N_;
+      case Action::bend:
+        return act_bend();
+      case Action::unbend:
+        return act_unbend();
       case Action::ramp:
         return act_ramp();
       case Action::push:
@@ -228,11 +249,33 @@ class Experiment {
     return 0;
   }
 
-  // One that bends before it slides follows the ramp slowly.
+  // One that bends before it slides follows the ramp slowly. A motor leads its load by less than it moves here.
   bool slides() const noexcept {
     constexpr auto span = static_cast<Scalar>(MotionWatch<Scalar>::span);
     const bool fast = std::abs(watch_.speed_m_s()) * span * p_.period_s >= counts_m(2);
-    return fast && moved_m() >= counts_m(ramp_counts);
+    const Scalar least_m = counts_m(ramp_counts);
+    return fast && moved_m() >= (p_.load_on_spring ? std::max(travel_m() / 200, least_m) : least_m);
+  }
+
+  // The motor creeps on along the spring, and then back, under a force that the load holds.
+  Scalar bending_N() const noexcept { return Scalar(0.85) * std::min(breakaway_N_[0], breakaway_N_[1]); }
+  Scalar act_bend() noexcept {
+    const Scalar force_N = bends_a_second * bending_N() * action_s();
+    if (slides()) return end_of_bend();
+    if (force_N >= bending_N()) begin(Action::unbend);
+    return direction_ * force_N;
+  }
+  Scalar act_unbend() noexcept {
+    const Scalar force_N = bending_N() * (1 - bends_a_second * action_s());
+    if (slides()) return end_of_bend();
+    if (force_N <= -bending_N()) begin(Action::ramp);
+    return direction_ * force_N;
+  }
+  // The load broke away as well: the next hop does without.
+  Scalar end_of_bend() noexcept {
+    bends_ = false;
+    begin(Action::halt);
+    return 0;
   }
 
   // From half of the least force that broke the axis away in this direction so far.
@@ -320,6 +363,7 @@ class Experiment {
       direction_ = -1;
       return begin(Action::ramp);
     }
+    if (p_.load_on_spring) return begin_sweep();
     stage_ = Stage::pairs;
     push_N_ = whole_steps(std::min(Scalar(1.5) * highest_breakaway_N_, share_of_force * p_.max_force_N));
     next_pair();
@@ -368,7 +412,8 @@ class Experiment {
     }
     if (turns_ > 2 || (turns_ == 2 && direction_ * (watch_.position_m() - sweep_start_m_) >= 0))
       return end(Ending::complete);
-    begin(Action::ramp);
+    begin(p_.load_on_spring && bends_ ? Action::bend : Action::ramp);
+    bends_ = true;
   }
   void next_of_hop() noexcept {
     if (action_ == Action::ramp) return begin(Action::push);
@@ -389,10 +434,12 @@ class Experiment {
   Action action_ = Action::wait;
   bool begun_ = false, at_rest_ = false, interrupted_ = false, growing_ = true;
   bool pulsed_[2] = {false, false};
-  Scalar direction_ = 1;
+  bool turned_ = false;  // since it halts
+  bool bends_ = true;    // the next hop begins by that
+  Scalar direction_ = 1, halted_way_ = 0;
   std::uint32_t periods_ = 0, action_periods_ = 0, wait_periods_ = 0;
   std::uint32_t pulse_periods_ = 2, push_periods_ = 0, pairs_ = 0, repeated_ = 0, turns_ = 0;
-  Scalar begin_m_{}, start_m_{}, pulse_start_m_{}, sweep_start_m_{};
+  Scalar begin_m_{}, start_m_{}, furthest_m_{}, pulse_start_m_{}, sweep_start_m_{};
   Scalar pulse_N_{}, push_N_{}, push_m_{};
   Scalar greatest_N_{};             // commanded so far
   Scalar breakaway_N_[2] = {0, 0};  // the least that a ramp took, downwards and upwards

@@ -16,6 +16,9 @@ struct ExperimentParameters {
   Scalar lowest_m{}, highest_m{};  // of the travel; nothing beyond is ever entered on purpose
   Scalar max_speed_m_s{};
   Scalar duration_s = 60;  // of the whole experiment, at most
+  // A load hangs on the motor by a spring, and the encoder is the motor's. There are no pairs then, which no swing has
+  // room in; each hop begins by bending the spring one way and back, so slowly that the load holds.
+  bool load_on_spring = false;
 };
 
 // What the experiment does at present.

@@ -46,6 +46,13 @@ class MotionWatch {
   }
   // At the newest reading.
   Scalar speed_now_m_s() const noexcept { return speed_m_s() + acceleration_m_s2() * span_s() / 2; }
+  // Of the last readings, upwards or downwards.
+  Scalar furthest_m(Scalar direction) const noexcept {
+    Scalar furthest_m = position_m();
+    for (const Scalar reading_m : readings_)
+      if (direction * (reading_m - furthest_m) > 0) furthest_m = reading_m;
+    return furthest_m;
+  }
   // For so long the axis has not left the count that it is on, or the next.
   std::uint32_t still_periods() const noexcept { return still_periods_; }
 

@@ -7,7 +7,7 @@
 
 namespace breakaway::config {
 
-// `[table] key = value`, the value as TOML has it.
+// `[table] key = value`, the value as TOML has it. A table within another, which the file must have, has a dot.
 struct Setting {
   std::string table, key, value;
 };

@@ -18,6 +18,7 @@ struct IdentifiedRun {
   std::string ending;  // in words
   bool complete = false;
   std::string stopped_by;  // a fault of the loop, by name; the record ends with it
+  evaluation::Mechanism mechanism = evaluation::Mechanism::one_mass;
   evaluation::Record record;
   evaluation::Identification found;  // by evaluate()
 };

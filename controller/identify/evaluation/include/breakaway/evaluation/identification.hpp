@@ -42,8 +42,26 @@ struct LatencyEstimate {
 
 // What is added to what was seen.
 struct Margins {
-  double friction = 0.1;  // share of the least and of the greatest friction
-  double mass = 0.01;     // least relative uncertainty of the mass
+  double friction = 0.1;   // share of the least and of the greatest friction
+  double mass = 0.01;      // least relative uncertainty of the mass
+  double side = 0.25;      // share of the friction of motor or load alone
+  double stiffness = 0.1;  // of the least stiffness seen
+  double damping = 0.5;    // of the damping seen
+};
+
+// A load on a spring, as the motor's swings about switches of the force showed it.
+struct SpringEstimate {
+  double motor_kg = 0, load_kg = 0;  // within Identification::mass_uncertainty, each
+  Interval resonance_Hz;             // of the single switches
+  Interval stiffness_seen_N_per_m;
+  double stiffness_N_per_m = 0;  // at least: with the margin
+  double damping_Ns_per_m = 0;   // at least
+  Interval motor_N, load_N;      // friction of either side, with the margin
+  std::size_t switches = 0, bends = 0;
+
+  // No more likely is another switch to show less stiffness than any that was seen: 1 / (n + 1). The margin comes on
+  // top.
+  double chance_softer() const { return 1.0 / (static_cast<double>(switches) + 1); }
 };
 
 struct Identification {
@@ -56,6 +74,7 @@ struct Identification {
   Interval travel_seen_m;                      // where friction was seen
   std::size_t motions = 0;                     // n, from rest to rest
   std::optional<double> presliding_N_per_m{};  // where the axis bends before it slides
+  std::optional<SpringEstimate> spring{};      // between motor and load
   double duration_s = 0;
   Margins margins{};  // that bounds_N and mass_uncertainty have
 
@@ -64,8 +83,13 @@ struct Identification {
   double chance_outside() const { return 2.0 / (static_cast<double>(motions) + 1); }
 };
 
+enum class Mechanism {
+  one_mass,
+  load_on_spring,  // behind the motor, whose encoder is read
+};
+
 // Throws InputError with the remedy where the record does not show what is needed: too short, no motion, no switch of
-// the force in motion.
-Identification evaluate(const Record& record, const Margins& margins = {});
+// the force in motion, or a mechanism that is another one.
+Identification evaluate(const Record& record, const Margins& margins = {}, Mechanism mechanism = Mechanism::one_mass);
 
 }  // namespace breakaway::evaluation
