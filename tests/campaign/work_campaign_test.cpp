@@ -224,6 +224,29 @@ TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesAfterASlowApproach) {
   run_all(Encoder::on_load, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_LOAD_AXES", 5));
 }
 
+// Proposition H, and the bound of the floor that it rests on.
+TEST(WorkCampaign, FloorIsAboveWhatAForceThatTheLoadHoldsReaches) {
+  const long axes = asked_for("BREAKAWAY_HELD_AXES", 12);
+  long tried = 0;
+  for (long number = 0; number < axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number)};
+    BrakedClass c = random_jointed_axes(r);
+    SpringLoad& load = *c.spring_load;
+    if (load.motor_friction.lower_N > load.load_friction.lower_N) std::swap(load.motor_friction, load.load_friction);
+    load.gap_m = c.load_N = 0;
+    const auto design = design::design_work_kicks<float>(c);
+    if (!design.possible()) continue;
+    const auto& [A1, B1] = load.motor_friction;
+    const auto& [A2, B2] = load.load_friction;
+    const double K = load.stiffness_N_per_m, g = A1 + A2, Bs = std::min(B1, B2);
+    const double work_J = (B2 + Bs) / K * (B1 + (B2 - Bs) / 2), eps_m = (Bs + A2) * (Bs + A2) / (2 * K * g);
+    EXPECT_GE(design.floor_m, eps_m + work_J / g) << number;
+    EXPECT_GE(design.floor_m, std::max(A2 - B1, 0.0) / K) << number;
+    ++tried;
+  }
+  EXPECT_GE(tried, axes / 3);
+}
+
 struct Figure {
   const char* name;
   double start_m, resonance_Hz;  // 0: 50 to 300 Hz
