@@ -52,10 +52,10 @@ struct BrakedPromise {
   double aim_lost;        // share of the distance by which the table aims short
   std::size_t table_bytes;
   double approach_beyond_m;  // that an approach may go past its target, tested
-  double least_move_s;   // that the longest move takes under any law; 0: none is stated
-  double longest_way_m;  // from rest over which
-  double approach_s;     // the approach takes at most, up to the first kick or the hold, tested; 0: nothing is said
-  std::string promise;   // the above in a sentence
+  double least_move_s;       // that the longest move takes under any law; 0: none is stated
+  double longest_way_m;      // from rest over which
+  double approach_s;         // the approach takes at most, up to the first kick or the hold, tested; 0: nothing is said
+  std::string promise;       // the above in a sentence
 };
 
 // What a certificate of the coast "work" says in figures.

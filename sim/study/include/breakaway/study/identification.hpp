@@ -24,7 +24,8 @@ struct IdentifiedRun {
 };
 
 // The experiment on the emulated drive of the scenario's only axis. Throws InputError as
-// config::experiment_parameters() and sil::run_experiment(), for a [machine], and where the room about the start ends it.
+// config::experiment_parameters() and sil::run_experiment(), for a [machine], and where the room about the start ends
+// it.
 IdentifiedRun run_identification(const scenario::Scenario& scenario, const config::ExperimentRequest& request,
                                  const sil::ExperimentProgress& progress = {});
 
