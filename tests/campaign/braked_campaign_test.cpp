@@ -323,7 +323,7 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
 }
 
 TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) {
-  const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 40);
+  const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 200);
   MoveTally tally;
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0);
   for (long number = first; number < first + moves; ++number) {

@@ -136,9 +136,13 @@ int run(const Options& o) {
   }
   const auto control_by = [&]<class Side, class Flashed>(const Flashed& flashed, Side) {
     typename RunOf<Flashed, Side>::Type node{flashed, configuration, o, socket, *telemetry};
-    if (o.realtime)
-      if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
-    const ExitCode code = node.run();
+    const auto run_in_time = [&] {
+      const RealtimeScope scope;
+      if (o.realtime)
+        if (const std::string problem = become_realtime(o.priority); !problem.empty()) throw InputError{problem};
+      return node.run();
+    };
+    const ExitCode code = run_in_time();
     reporter.finish();
     fmt::print("{}{}", node.report(), reporter.stream_report());
     return code;

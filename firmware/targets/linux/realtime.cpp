@@ -45,6 +45,11 @@ std::string become_realtime(int priority) {
       std::strerror(errno));
 }
 
+RealtimeScope::~RealtimeScope() {
+  const sched_param usual{.sched_priority = 0};
+  static_cast<void>(sched_setscheduler(0, SCHED_OTHER, &usual));
+}
+
 hal::Time Ticker::wait() noexcept {
   const hal::Duration next = next_.time_since_epoch();
   const timespec until{.tv_sec = next / std::chrono::seconds{1}, .tv_nsec = (next % std::chrono::seconds{1}).count()};
