@@ -15,8 +15,8 @@ hal::Time monotonic_now() noexcept;
 // 99). Empty, or what is not permitted with the remedy.
 std::string become_realtime(int priority);
 
-// Gives the calling thread its usual priority back at the end of its life: to report, to end by an exception and to free
-// locked memory take longer than a period, which another node on this processor would have to wait for.
+// Gives the calling thread its usual priority back at the end of its life: to report, to end by an exception and to
+// free locked memory take longer than a period, which another node on this processor would have to wait for.
 class RealtimeScope {
  public:
   RealtimeScope() = default;
