@@ -70,6 +70,7 @@ std::vector<SeenSwitch> seen_switches(const Record& record, const std::vector<Sw
 template <class Value>
 std::vector<double> values_of(const std::vector<SeenSwitch>& seen, Value value) {
   std::vector<double> values;
+  values.reserve(seen.size());
   for (const SeenSwitch& s : seen) values.push_back(value(s));
   return values;
 }
