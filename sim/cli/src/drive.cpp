@@ -135,10 +135,16 @@ class LiveDrives {
     }
   }
 
+  // An axis that may move is followed in short steps: a frame that comes after a silence does not wait for all of it.
+  hal::Duration longest_wait() const {
+    const bool still = std::ranges::none_of(axes_, [](const Axis& axis) { return axis.mechanism.axis->released(); });
+    return still ? std::chrono::milliseconds{1000} : std::chrono::milliseconds{5};
+  }
+
   void wait(const sigset_t& mask, hal::Duration duration) {
     hal::Time until{duration};
     for (const Axis& axis : axes_) until = std::min(until, axis.drive->next_event().value_or(until));
-    const hal::Duration left = std::clamp<hal::Duration>(until - passed(), hal::Duration{0}, std::chrono::seconds{1});
+    const hal::Duration left = std::clamp<hal::Duration>(until - passed(), hal::Duration{0}, longest_wait());
     const timespec patience{.tv_sec = left / std::chrono::seconds{1},
                             .tv_nsec = (left % std::chrono::seconds{1}).count()};
     pollfd watched{.fd = socket_.descriptor(), .events = POLLIN, .revents = 0};
