@@ -138,7 +138,7 @@ class LiveDrives {
   // An axis that may move is followed in short steps: a frame that comes after a silence does not wait for all of it.
   hal::Duration longest_wait() const {
     const bool still = std::ranges::none_of(axes_, [](const Axis& axis) { return axis.mechanism.axis->released(); });
-    return still ? std::chrono::milliseconds{1000} : std::chrono::milliseconds{5};
+    return still ? std::chrono::milliseconds{1000} : std::chrono::milliseconds{2};
   }
 
   void wait(const sigset_t& mask, hal::Duration duration) {
