@@ -104,7 +104,7 @@ class LiveDrives {
     }
 
     // The brake opens when the drive first holds the axis, so that setting it up does not count as motion.
-    void advance_to(hal::Time now) {
+    void advance_to(hal::Time now) const {
       drive->advance_to(now);
       if (!mechanism.axis->released() && holds_axis()) mechanism.axis->release(hal::seconds(now));
     }

@@ -44,7 +44,7 @@ struct NewCommand {
 
 // What is wrong with an answer, or nothing.
 std::string answer_problem(const std::string& answer, const Question& question, config::KnownAxis known) try {
-  if (const std::string wrong = positive_number(answer); !wrong.empty()) return wrong;
+  if (std::string wrong = positive_number(answer); !wrong.empty()) return wrong;
   known.*question.answer = std::stod(answer);
   config::require_possible_so_far(known);
   return "";
