@@ -93,7 +93,7 @@ void enter_masses(Identification& found, SpringEstimate& spring, const std::vect
   const auto both_kg = values_of(seen, [](const SeenSwitch& s) { return s.fit.mass_kg(); });
   found.mass = {spring.motor_kg + spring.load_kg, range_of(both_kg), seen.size()};
   const double apart = std::max(spread_about(motor_kg, spring.motor_kg), spread_about(load_kg, spring.load_kg));
-  found.mass_uncertainty = std::max({margins.mass, 2 * apart, found.mass_uncertainty});
+  found.mass_uncertainty = std::max(margins.mass, 2 * apart);
 }
 
 void enter_spring(SpringEstimate& spring, const std::vector<SeenSwitch>& seen, const Swing& swing,
@@ -236,9 +236,7 @@ Identification evaluate_sprung(const Record& record, const std::vector<Stretch>&
   enter_friction(found, seen, broken, record);
   number_motions(found);
   found.margins = margins;
-  const double uncertainty = found.mass_uncertainty;
   sum_up(found, margins);
-  found.mass_uncertainty = std::max(found.mass_uncertainty, uncertainty);
   require_friction(found);
   const Interval& stiffness = spring.stiffness_seen_N_per_m;
   const double middle_N_per_m = (stiffness.least + stiffness.most) / 2;

@@ -120,7 +120,8 @@ class Experiment {
     if (stage_ == Stage::rest && std::abs(watch_.position_m() - begin_m_) > counts_m(drift_counts))
       end(Ending::drifting);
     if (action_ != Action::halt && must_brake()) begin(Action::halt), interrupted_ = true;
-    return act();
+    const Scalar force_N = act();
+    return fault() == law::ControlFault::none ? force_N : Scalar{0};  // which acting on may have brought
   }
 
   bool take(const law::Measurement<Scalar>& z) noexcept {
