@@ -265,7 +265,8 @@ async function say(action, more = {}) {
       headers: { "Content-Type": "application/json", "X-Breakaway-Token": token },
     });
     const { refused } = await answer.json();
-    element("answer").textContent = refused ? `not done: ${refused}` : "";
+    // One that was done says nothing, and wipes nothing: what stands there by now may be of a later command.
+    if (refused) element("answer").textContent = `not done: ${refused}`;
   } catch {
     element("answer").textContent = "not done: breakaway watch does not answer";
   }
