@@ -236,8 +236,8 @@ bool DriveNode::next_question(hal::CanFrame& frame, hal::Time now) noexcept {
     frame = request_frame(settings_.node_id, Command::get_error);
     return true;
   }
-  const bool waits_for_state = (wished_ && !running_) || has_force();
-  if (!settings_.polled && (!waits_for_state || wished_ == running_)) return false;
+  const bool waits_for_state = wished_ && !running_;
+  if (!settings_.polled && !waits_for_state) return false;
   if (!due(asked_at_, poll_time, now)) return false;
   frame = request_frame(settings_.node_id, Command::heartbeat);
   return true;

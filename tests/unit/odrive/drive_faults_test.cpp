@@ -76,6 +76,18 @@ TEST_F(OdriveFaults, ARefusalToEnableIsNamed) {
   EXPECT_EQ(feedback.fault_code, procedure_code(14));
 }
 
+TEST_F(OdriveFaults, ADriveThatDoesNotSayWhyItIsNotEnabledIsToldFurther) {
+  set_up();
+  node.enables = false;
+  drive.request_enable();
+  run(2s);
+  EXPECT_EQ(feedback.state, DriveState::enabling);
+  EXPECT_EQ(feedback.fault_code, 0);
+  node.enables = true;
+  run(500ms);
+  EXPECT_EQ(feedback.state, DriveState::enabled);
+}
+
 TEST_F(OdriveFaults, ADriveThatStartsForEverIsNamedAndReset) {
   node.errors = error::initializing;
   run(2s);

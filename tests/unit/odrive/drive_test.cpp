@@ -57,6 +57,35 @@ TEST_F(OdriveDrive, OfOldFirmwareIsUnusable) {
   EXPECT_TRUE(node.told.empty());
 }
 
+TEST_F(OdriveDrive, OfFirmwareThatIsNewerByItsFirstNumberIsUsed) {
+  node.major = 1;
+  node.minor = 0;
+  set_up();
+}
+
+TEST_F(OdriveDrive, OfOldFirmwareIsAskedAnewWhenItsFaultIsReset) {
+  node.minor = 5;
+  run(300ms);
+  ASSERT_EQ(feedback.state, DriveState::unusable);
+  node.minor = 6;
+  run(300ms);
+  EXPECT_EQ(feedback.state, DriveState::unusable) << "nobody has said that it was mended";
+  drive.reset_fault();
+  run(300ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+}
+
+TEST_F(OdriveDrive, ThatFallsSilentAsItStartsIsSaidToBeSilent) {
+  node.answers_version = false;
+  run(150ms);
+  ASSERT_EQ(drive.setup_status(), SetupStatus::no_version);
+  node.errors = error::initializing;
+  run(100ms);
+  node.silent = true;
+  run(400ms);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::no_heartbeat);
+}
+
 TEST_F(OdriveDrive, ThatDoesNotSayItsVersionIsNotUsed) {
   node.answers_version = false;
   run(1s);
@@ -226,6 +255,41 @@ TEST_F(OdriveDrive, StandsAtItsHomeWhenItIsEnabledFirst) {
   EXPECT_EQ(drive.position_counts(), 1234);
   node.turns = 7.5F;
   step();
+  EXPECT_EQ(drive.position_counts(), 51234);
+}
+
+class OdriveHomedWhereItStands : public DriveTest {
+ protected:
+  static DriveConfig<float> homed_config() {
+    auto c = config;
+    c.home_here = true;
+    c.home_counts = 1234;
+    return c;
+  }
+  OdriveHomedWhereItStands() : DriveTest{homed_config()} {}
+};
+
+TEST_F(OdriveHomedWhereItStands, IsHomedAnewAfterItLostItsReferenceAndWasReset) {
+  enable();
+  node.silent = true;
+  run(400ms);
+  ASSERT_TRUE(drive.reference_lost());
+  node.silent = false;
+  node.turns = 3;
+  run(600ms);
+  drive.reset_fault();
+  enable();
+  EXPECT_EQ(drive.position_counts(), 1234);
+  EXPECT_FALSE(drive.reference_lost());
+}
+
+TEST_F(OdriveHomedWhereItStands, KeepsTheReferenceThatItHasWhenItIsReset) {
+  enable();
+  drive.request_stop();
+  node.turns = 0.5F;
+  run(300ms);
+  drive.reset_fault();
+  enable();
   EXPECT_EQ(drive.position_counts(), 51234);
 }
 

@@ -19,7 +19,7 @@ struct ObedientNode {
   std::uint8_t node_id = 5;
   AxisState state = AxisState::idle;
   std::uint32_t errors = 0, disarm_reason = 0;
-  std::uint8_t result = 0, minor = 6;
+  std::uint8_t result = 0, major = 0, minor = 6;
   float turns = 0, torque_Nm = 0;
   bool deaf = false;  // to every command
   bool deaf_to_idle = false;
@@ -41,6 +41,7 @@ struct ObedientNode {
   }
   hal::CanFrame version() const {
     auto frame = frame_of(node_id, Command::get_version, std::uint32_t{2}, std::uint32_t{0});
+    frame.data[4] = major;
     frame.data[5] = minor;
     return frame;
   }
