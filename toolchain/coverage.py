@@ -18,7 +18,8 @@ REASONS = pathlib.Path(__file__).with_name("coverage_reasons.toml")
 HEAD = """# Branch coverage of controller and hal
 
 Written by `toolchain/coverage.sh --write`: how many outcomes, true and false, of the conditions in each room came when the
-tests of controller, hal and firmware, the closed-loop tests and the fuzzers' corpora were run once. Instantiations of a
+tests of controller, hal, firmware and of the reading of descriptions, the closed-loop tests and the fuzzers' corpora were
+run once; the campaigns are not counted. Instantiations of a
 template count as one; what is decided as the program is compiled is no condition.
 """
 

@@ -7,7 +7,7 @@ usage() {
   cat <<'HELP'
 Usage: toolchain/coverage.sh [--missed | --write] [ROOM...]
 
-Builds the unit tests of controller, hal and firmware, the closed-loop tests and the fuzzers with clang's branch counters,
+Builds the unit tests of controller, hal, firmware and the reading of descriptions, the closed-loop tests and the fuzzers with clang's branch counters,
 runs them (the fuzzers over their corpus only), and prints for each room how many outcomes of its conditions were ever
 seen. Instantiations of a template count as one; what is decided as the program is compiled is no condition. It takes as long as
 a build of these tests: half an hour on two processors.
@@ -42,7 +42,7 @@ names() {
   local files=("${@:2}")
   sed -n "s/^ *$1(\([a-z0-9_]*\).*/\1/p" "${files[@]/%//CMakeLists.txt}"
 }
-unit=(law identify design stability hal canopen cia402 odrive virtual_bus slcan bxcan socketcan xilinx_can firmware c)
+unit=(law identify design stability input config scenario hal canopen cia402 odrive virtual_bus slcan bxcan socketcan xilinx_can firmware c)
 mapfile -t tests <<<"$(names breakaway_test "${unit[@]/#/tests/unit/}" tests/closed_loop)"
 mapfile -t fuzzers <<<"$(names breakaway_fuzzer tests/fuzz)"
 
@@ -56,7 +56,12 @@ mkdir -p -- "$build/profiles"
 for name in "${programs[@]}"; do
   program=$(find "$build/tests" -type f -executable -name "$name")
   arguments=()
-  [[ $name != fuzz_* ]] || arguments=(-runs=0 "$root/tests/fuzz/corpus/${name#fuzz_}")
+  if [[ $name == fuzz_* ]]; then
+    # The fuzzer of scenarios begins with those of the simulation and has no corpus of its own.
+    corpus=$root/tests/fuzz/corpus/${name#fuzz_}
+    [[ -d $corpus ]] || corpus=$root/sim/scenarios
+    arguments=(-runs=0 "$corpus")
+  fi
   LLVM_PROFILE_FILE=$build/profiles/$name.profraw "$program" "${arguments[@]}" >"$build/profiles/$name.log" 2>&1 || failed=1
   ((failed == 0)) || { printf 'coverage: %s failed, see %s\n' "$name" "$build/profiles/$name.log" >&2 && exit 1; }
   llvm-profdata merge -sparse "$build/profiles/$name.profraw" -o "$build/profiles/$name.profdata"

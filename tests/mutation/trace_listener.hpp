@@ -21,13 +21,13 @@ inline long long milliseconds_of(int who) {
 // Of this process and of the children that it waited for.
 inline long long processor_ms() { return milliseconds_of(RUSAGE_SELF) + milliseconds_of(RUSAGE_CHILDREN); }
 
-class TraceListener : public testing::EmptyTestEventListener {
+class TraceListener : public ::testing::EmptyTestEventListener {
  public:
   explicit TraceListener(std::FILE* file) : file_{file} {}
 
  private:
-  void OnTestStart(const testing::TestInfo& /*info*/) override { began_ms_ = processor_ms(); }
-  void OnTestEnd(const testing::TestInfo& info) override {
+  void OnTestStart(const ::testing::TestInfo& /*info*/) override { began_ms_ = processor_ms(); }
+  void OnTestEnd(const ::testing::TestInfo& info) override {
     std::fprintf(file_, "%s.%s %lld %d", info.test_suite_name(), info.name(), processor_ms() - began_ms_,
                  info.result()->Failed() ? 1 : 0);
     for (int id = 1; marks != nullptr && id < most_mutants; ++id) {
@@ -45,7 +45,7 @@ class TraceListener : public testing::EmptyTestEventListener {
 inline bool listen() {
   const char* const path = std::getenv("BREAKAWAY_MUTANT_TRACE");
   std::FILE* const file = path == nullptr ? nullptr : std::fopen(path, "w");
-  if (file != nullptr) testing::UnitTest::GetInstance()->listeners().Append(new TraceListener{file});
+  if (file != nullptr) ::testing::UnitTest::GetInstance()->listeners().Append(new TraceListener{file});
   return file != nullptr;
 }
 

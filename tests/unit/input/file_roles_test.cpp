@@ -54,6 +54,24 @@ TEST_F(FileRoles, AreRefusedWhereTwoOutputsAreOneFileThereOrNot) {
   }
 }
 
+TEST_F(FileRoles, AreRefusedWhereAnOutputBehindOneThatIsNotGivenIsAnother) {
+  EXPECT_EQ(why_not({{"--report", ""}, {"--json", path("a")}}), "");
+  EXPECT_NE(why_not({{"--report", ""}, {"--json", path("a")}, {"--csv", path("a")}}), "");
+}
+
+TEST_F(FileRoles, LetOneInputComeFromStandardInputAndNoMore) {
+  EXPECT_EQ(refusal([&] { require_apart({{"axis", path("axis.toml")}, {"--record", "-"}}, {{"--json", "-"}}); }), "");
+  const std::string why = refusal([] { require_apart({{"axis", "-"}, {"--record", "-"}}, {}); });
+  EXPECT_NE(why.find("two inputs would come from there, axis and --record"), std::string::npos) << why;
+}
+
+// What becomes of such a name its opening says.
+TEST_F(FileRoles, TakeANameThatTheSystemCannotFollowForNoOtherFile) {
+  fs::create_symlink(path("round"), path("round"));
+  EXPECT_FALSE(same_file(path("round") + "/a", path("axis.toml")));
+  EXPECT_FALSE(same_file(path("axis.toml"), path("round") + "/a"));
+}
+
 TEST_F(FileRoles, LetADeviceBeReadAndWritten) {
   EXPECT_EQ(refusal([] { require_apart({{"axis", "/dev/null"}}, {{"--json", "/dev/null"}}); }), "");
 }

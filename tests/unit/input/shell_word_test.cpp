@@ -11,7 +11,8 @@ namespace breakaway {
 namespace {
 
 TEST(ShellWord, IsThePlainTextWhereNothingInItMeansMore) {
-  for (const char* text : {"axis.toml", "../a/b-c_2.toml", "ächse.toml"}) EXPECT_EQ(shell_word(text), text);
+  for (const char* text : {"axis.toml", "../a/b-c_2.toml", "ächse.toml", "AXIS-Z.toml"})
+    EXPECT_EQ(shell_word(text), text);
   EXPECT_EQ(shell_word(""), "''");
 }
 

@@ -1,0 +1,49 @@
+// What people are told, and the words and numbers in it.
+#include "breakaway/input/input_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "../refusal.hpp"
+#include "breakaway/input/edit_distance.hpp"
+#include "breakaway/input/numbers.hpp"
+
+namespace breakaway {
+namespace {
+
+using testing::refusal;
+
+TEST(InputErrorText, BeginsWithTheFileAndTheKeyWhereThereAreSuch) {
+  const InputError error{"axis.mass_kg", "is 0;\ngive more"};
+  EXPECT_STREQ(error.what(), "axis.mass_kg is 0; give more");
+  EXPECT_STREQ(error.in_file("a.toml").what(), "a.toml: axis.mass_kg is 0; give more");
+  EXPECT_STREQ(error.in_file("").what(), error.what());
+  EXPECT_EQ(error.in_file("a.toml").file(), "a.toml");
+  EXPECT_EQ(error.in_file("a.toml").key(), "axis.mass_kg");
+  EXPECT_EQ(error.in_file("a.toml").problem(), "is 0; give more");
+  EXPECT_STREQ(InputError{"nothing is there"}.what(), "nothing is there");
+}
+
+TEST(EditDistance, CountsLettersThatAreLeftOutAddedOrReplaced) {
+  EXPECT_EQ(edit_distance("mass_kg", "mass_kg"), 0U);
+  EXPECT_EQ(edit_distance("", "mass"), 4U);
+  EXPECT_EQ(edit_distance("mass", ""), 4U);
+  EXPECT_EQ(edit_distance("mas_kg", "mass_kg"), 1U);
+  EXPECT_EQ(edit_distance("masss_kg", "mass_kg"), 1U);
+  EXPECT_EQ(edit_distance("mess_kg", "mass_kg"), 1U);
+  EXPECT_EQ(edit_distance("period", "friction"), 6U);
+}
+
+TEST(Numbers, ThatAreNotFiniteOrTooSmallAreRefusedByName) {
+  for (const double bad : {-1.0, 0.0, HUGE_VAL, std::nan("")})
+    EXPECT_EQ(refusal([&] { require_positive("a", bad); }), "a is " + to_text(bad) + "; give a finite number above 0");
+  for (const double bad : {-1.0, HUGE_VAL, std::nan("")})
+    EXPECT_NE(refusal([&] { require_not_negative("a", bad); }).find("give a finite number, 0 or above"),
+              std::string::npos);
+  EXPECT_EQ(refusal([] { require_not_negative("a", 0.0), require_positive("a", 5e-324); }), "");
+}
+
+}  // namespace
+}  // namespace breakaway
