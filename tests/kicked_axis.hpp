@@ -200,8 +200,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
   Disturber disturber{disturbance, q};
   std::deque<std::optional<double>> samples;
-  firmware::MotionWithoutForce<Real> external{
-      {controller.held_force_N(), controller.led_back_m(), controller.is_of_a_rigid_axis}};
+  firmware::MotionWithoutForce<Real> external{controller.held()};
   double newest = 0;
   bool holds = false;
   RunEnd end;

@@ -51,10 +51,7 @@ int main() try {
   const Loop::AxisId axis_x = *loop.axis(0), axis_y = *loop.axis(1);
   hal::Time now{};
   const auto run_for = [&](hal::Duration time) {
-    for (const hal::Time end = now + time; now < end; now += node.loop.network.period) {
-      network.advance_to(now);
-      loop.step(now);
-    }
+    for (const hal::Time end = now + time; now < end; now += node.loop.network.period) network.begin_period(loop, now);
   };
 
   loop.request_enable(axis_x);

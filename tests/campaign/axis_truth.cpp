@@ -192,8 +192,7 @@ std::vector<double> true_way_m(const scenario::Scenario& s, std::size_t samples)
   const hal::Duration period = node->loop.network.period;
   hal::Time now{};
   const auto step = [&] {
-    network.advance_to(now);
-    loop.step(now);
+    network.begin_period(loop, now);
     now += period;
   };
   bool enabled = false;

@@ -322,18 +322,21 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
   }
 }
 
+// The move of a number, where it is certified.
+void run_numbered_move(long number, MoveTally& tally) {
+  Random r{static_cast<std::uint64_t>(number) + 5'000'000};
+  BrakedClass c = random_axes(r);
+  const auto design = random_move(c, r);
+  if (!design) return;
+  ++tally.moves;
+  run_move(number, c, *design, r, tally);
+}
+
 TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) {
   const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 200);
   MoveTally tally;
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0);
-  for (long number = first; number < first + moves; ++number) {
-    Random r{static_cast<std::uint64_t>(number) + 5'000'000};
-    BrakedClass c = random_axes(r);
-    const auto design = random_move(c, r);
-    if (!design) continue;
-    ++tally.moves;
-    run_move(number, c, *design, r, tally);
-  }
+  for (long number = first; number < first + moves; ++number) run_numbered_move(number, tally);
   std::printf(
       "%ld of %ld moves, %ld runs, at most %.3f of the speed, %.3f of the acceleration, %.2f of what may be beyond, "
       "%.3f of the time of the approach\n",
@@ -371,6 +374,27 @@ TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   }
   for (const auto& [name, count] : ends) std::printf("%s: %ld\n", name.data(), count);
   std::printf("at most %ld kicks\n", kicks);
+}
+
+// What failed before the certificate knew better, and is certified still.
+TEST(BrakedCampaign, MovesThatFailedOnceKeepTheirLimits) {
+  struct Example {
+    long number;
+    const char* what;
+  };
+  MoveTally tally;
+  for (const Example& example : {
+           Example{2078, "stuck again and again for 110 s before its end, and was not left to the kicks"},
+           {3549, "went a fifth further beyond its target than was said: a jerk of five periods"},
+           {11546, "a thousandth further, under one friction"},
+           {21237, "a fifth further, a force gain off by a tenth"},
+           {30256, "was driven to and fro where the brake did not take over from a plan that braked harder"},
+           {7001124, "half as far again: friction fell, and the jerk let it be answered in ten periods"},
+       }) {
+    const long before = tally.moves;
+    run_numbered_move(example.number, tally);
+    EXPECT_EQ(tally.moves, before + 1) << "move " << example.number << " is refused, which " << example.what;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Drives as they are in the field: each settles, is refused as it is set up, or stops by name.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <utility>
 
@@ -153,6 +154,92 @@ TEST(DriveKinds, ANodeThatRefusesToStartIsNamedByTheErrorThatItTells) {
   rig.run(2s);
   EXPECT_EQ(rig.status(0).fault, AxisFault::emergency) << to_string(rig.status(0).fault);
   EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), 0x6320);
+}
+
+// FFxxh, and one that its drive says in every fifth period while it works.
+RigConfig talkative() {
+  RigConfig config = far_from_target();
+  config.quirks.informs_with = 0xFF01;
+  config.quirks.informs_every = 5ms;
+  config.emcy_information = {.first = {0x4210, 0xFF00}, .last = {0x4210, 0xFFFF}};
+  return config;
+}
+
+// Starts it and has it speed up, for so long that its drive has said something.
+void start_and_hear(Rig& rig) {
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  ASSERT_GT(rig.force_N(0), 10) << to_string(rig.status(0).fault);
+  ASSERT_EQ(rig.loop().drive(rig.id(0)).last_emcy().code, 0xFF01);
+  ASSERT_EQ(rig.status(0).fault, AxisFault::none);
+}
+
+void expect_stopped_by(Rig& rig, AxisFault fault, std::uint16_t code) {
+  EXPECT_EQ(rig.status(0).fault, fault) << to_string(rig.status(0).fault);
+  EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), code);
+  rig.run(2ms);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << "two periods after the step that saw it";
+  EXPECT_LT(rig.largest_force_N(0, 300ms), 0.1) << "latched";
+}
+
+TEST(DriveKinds, ADriveThatInformsByEmcySettlesWhereTheFileListsTheCode) {
+  Rig rig{talkative()};
+  start_and_hear(rig);
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).last_error_code(), 0);
+}
+
+TEST(DriveKinds, ADriveThatInformsByEmcyIsStoppedByThatCodeWhereTheFileDoesNotListIt) {
+  RigConfig config = talkative();
+  config.emcy_information = {.first = {0x4210, 0xFF02}, .last = {0x4210, 0xFF02}};
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  while (rig.status(0).fault == AxisFault::none && rig.now() < hal::Time{10s}) rig.step();
+  expect_stopped_by(rig, AxisFault::emergency, 0xFF01);
+}
+
+// It comes with the first statusword that says Operation enabled.
+TEST(DriveKinds, AnErrorThatADriveTellsAsItIsEnabledStopsTheAxis) {
+  RigConfig config = talkative();
+  config.emcy_information = {};
+  config.quirks.informs_every = 3600s;
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  while (rig.status(0).fault == AxisFault::none && rig.now() < hal::Time{10s}) rig.step();
+  expect_stopped_by(rig, AxisFault::emergency, 0xFF01);
+}
+
+TEST(DriveKinds, AnErrorAmongInformationStopsTheAxisInThePeriodInWhichItIsHeard) {
+  for (int onset = 0; onset < 6; ++onset) {  // before, with and after what the drive says by itself
+    Rig rig{talkative()};
+    start_and_hear(rig);
+    auto& other = rig.network().add_port();
+    rig.run(onset * 1ms);
+    for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x4210, 0x3110, 0xFF02})
+      ASSERT_EQ(other.send(canopen::emcy_frame({.code = code}, 1), rig.now() + 1s), hal::SendResult::queued);
+    rig.step();
+    expect_stopped_by(rig, AxisFault::emergency, 0x3110);
+    EXPECT_NE(rig.loop().drive(rig.id(0)).last_emcy().code, 0x3110) << "something newer was told";
+  }
+}
+
+// The code is that of 603Fh, because its EMCY was told to be information.
+TEST(DriveKinds, ADriveInFaultStopsTheAxisWhateverTheFileListsAsInformation) {
+  Rig rig{talkative()};
+  start_and_hear(rig);
+  rig.drive(0).trip_fault(0x4210, rig.now());
+  const hal::Time begin = rig.now();
+  steps_until_fault(rig, 10);
+  EXPECT_LE(rig.now() - begin, 2ms) << "a period after the SYNC at which the drive shows it";
+  rig.run(20ms);
+  expect_stopped_by(rig, AxisFault::drive_fault, 0x4210);
+  EXPECT_EQ(rig.loop().drive(rig.id(0)).last_error_code(), 0);
+  rig.loop().reset_fault(rig.id(0));
+  rig.run(5s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_LE(std::abs(rig.position_m(0)), 3e-6);
 }
 
 TEST(DriveKinds, ADriveThatTakesASecondForAnAnswerIsSetUpWhileTheOthersRun) {

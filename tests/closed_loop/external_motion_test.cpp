@@ -27,7 +27,7 @@ class ExternalMotion : public ::testing::TestWithParam<law::Coast> {
   CampaignNode node = GetParam() == law::Coast::brake ? braked_node() : make_node(true);
   FaultWorld world{node, -0.05, 1};
   float led_back_m =
-      law::AxisController<float>{node.axes[0].law, node.axes[0].k3_table, node.axes[0].kicks}.led_back_m();
+      law::AxisController<float>{node.axes[0].law, node.axes[0].k3_table, node.axes[0].kicks}.held().allowed_m;
 
   void SetUp() override {
     ASSERT_TRUE(verify(node).ok()) << to_string(verify(node).error);

@@ -41,6 +41,7 @@ struct RigConfig {
   cia402::HomingConfig homing{};
   cia402::TorqueBase torque_base = cia402::TorqueBase::rated;
   std::uint16_t drive_max_torque_per_mille = 2000;
+  canopen::EmcyCodes emcy_information{};
   bool user_position_unit = false;  // a count of the loop is a unit of the drive, whatever its encoder's are
   drive_emulator::Quirks quirks{};
 };
@@ -81,9 +82,10 @@ class Rig {
   // open.
   void advance_world() {
     now_ += config_.period;
+    network_.finish_period(loop_);
     network_.advance_to(now_);
   }
-  void loop_step() { loop_.step(now_); }
+  void loop_step() { loop_.command(now_); }
   void release_brakes() {
     for (std::size_t i = 0; i < loop_.axes(); ++i) {
       if (status(i).running && !mechanisms_[i]->released()) mechanisms_[i]->release(hal::seconds(now_));
@@ -170,6 +172,7 @@ class Rig {
     master.absolute_encoder = config_.absolute_encoder;
     master.homing = config_.homing;
     master.torque_base = config_.torque_base;
+    master.emcy_information = config_.emcy_information;
     master.user_position_unit = config_.user_position_unit;
     const auto added = loop_.add_axis(master, {p, table_}, config_.limits);
     if (!added.id) std::abort();

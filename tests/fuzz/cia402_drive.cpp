@@ -16,7 +16,8 @@ namespace canopen = breakaway::canopen;
 namespace cia402 = breakaway::cia402;
 namespace object = breakaway::cia402::object;
 
-constexpr cia402::DriveConfig<float> config{.node_id = 5, .force_per_torque_N_per_Nm = 50};
+constexpr cia402::DriveConfig<float> config{
+    .node_id = 5, .force_per_torque_N_per_Nm = 50, .emcy_information = {.first = {0xFF00}, .last = {0xFFFF}}};
 constexpr breakaway::hal::NetworkConfig network{.period = std::chrono::milliseconds{1}};
 constexpr breakaway::hal::AxisScale<float> scale{.encoder_resolution_m = 1e-6F, .max_force_N = 50};
 static_assert(cia402::check(config, network, scale) == cia402::DriveConfigError::none);
@@ -123,6 +124,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
     if (input.ConsumeProbability<float>() > 0.9F) drive.on_frame({any_frame(input), now});
 
     drive.update(now);
+    require(!config.emcy_information.hold(drive.take_emergency()));
     const auto feedback = drive.feedback();
     require(std::isfinite(feedback.position_m) && std::isfinite(feedback.force_N));
     drive.command(input.ConsumeFloatingPoint<float>());

@@ -189,7 +189,7 @@ def require_keeps_up(drive):
     require(drive.terminate() == 0, f"the drive failed:\n{drive.output()}")
     match = re.search(r"busy for at most ([\d.e+-]+) ms at a time", drive.output())
     require(match, f"does not say how long it was busy:\n{drive.output()}")
-    require(float(match[1]) < 1e3 * PERIOD_S, f"the emulated drives were busy for {match[1]} ms at a time")
+    require(float(match[1]) < 1e3 * PERIOD_S, f"the emulated drives were busy for too long:\n{drive.output()}")
     return float(match[1])
 
 

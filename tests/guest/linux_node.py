@@ -262,6 +262,30 @@ def bad_input_is_refused_by_name(build):
     return "each with one line that names the remedy; no drive was enabled"
 
 
+def periods_us(frames, can_id):
+    """By how much one frame of that id and the next were not a period apart, in ascending order."""
+    times_s = [f.time_s for f in frames if f.can_id == can_id]
+    return sorted(1e6 * abs(b - a - bench.PERIOD_S) for a, b in zip(times_s, times_s[1:]))
+
+
+@case
+def sync_leaves_at_its_time(build):
+    """However late the node wakes at a tick, and however long its step takes: pulses last from SYNC to SYNC."""
+    with Bench(build) as b:
+        b.drive("vcan0")
+        recorder = b.record("vcan0")
+        node = b.node("vcan0", "--duration", "4")
+        code = node.end()
+        require(code == 0, f"exit code {code}:\n{node.output()}")
+        frames = bench.frames_of(recorder)
+        sync, commands = periods_us(frames, 0x080), periods_us(frames, 0x201)
+        require(len(sync) >= 4000, f"only {len(sync)} periods")
+        of_100 = [off[len(off) * 99 // 100] for off in (sync, commands)]
+        require(of_100[0] <= 5, f"1 of 100 SYNC is {of_100[0]:.2f} us or more off whole periods")
+    return (f"99 of 100 are within {of_100[0]:.2f} us of whole periods, all within {sync[-1]:.0f} us; commands within "
+            f"{of_100[1]:.1f} and {commands[-1]:.0f} us")
+
+
 @case
 def two_kvaser_cards_on_one_bus(build):
     with Bench(build) as b:
@@ -290,11 +314,14 @@ def wait_for_state(interface, state):
 def slcan_with_real_error_states(build):
     """The adapter's controller goes error-passive, which is no fault, and bus-off, which is one.
 
-    Each frame passes a pty, the kernel's workers and a Python program: at 1 kHz now and then one is late."""
+    Each frame passes a pty, the kernel's workers and a Python program: at 1 kHz now and then one is late. A node whose
+    bus comes back after 0.3 s may have come to its last means, to boot the drive anew: the encoder must be absolute."""
+    path = "/dev/shm/slcan.toml"
+    scenario = bench.scenario_with_absolute_encoders(scenario_with_period(0.004, path), path)
     with Bench(build) as b:
         adapter = b.adapter("vcan1")
-        drive = b.drive("vcan1")
-        node = b.logged_node("slcan0", scenario=scenario_with_period(0.004, "/dev/shm/slcan.toml"))
+        drive = b.drive("vcan1", scenario=scenario)
+        node = b.logged_node("slcan0", scenario=scenario)
         node.wait_for("enabled")
         time.sleep(0.25)
         adapter.tell("sp128200")

@@ -71,6 +71,8 @@ void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const K
       .deceleration_m_s2 = static_cast<Real>(braking),
       .jerk_m_s3 = static_cast<Real>(axes.move->jerk_m_s3.value_or(0))};
   approach.hard_m_s2 = std::min(approach.hard_m_s2, static_cast<Real>(followed * force.sure_deceleration(braking)));
+  // It answers a friction above the least so late that it ends short enough.
+  if (axes.move->jerk_m_s3) approach.short_of_target_m = 0;
 }
 
 // Below this speed a friction that rises from its least to its greatest stops the axis before the plan can answer.

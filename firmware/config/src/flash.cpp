@@ -89,7 +89,8 @@ cia402::DriveConfig<Real> drive_config(const Axis& axis) {
           .user_position_unit = d.user_position_unit,
           .invert_direction = d.invert_direction,
           .absolute_encoder = d.absolute_encoder,
-          .homing = homing_config(d)};
+          .homing = homing_config(d),
+          .emcy_information = d.emcy_information};
 }
 
 template <class Real>

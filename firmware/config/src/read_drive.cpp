@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "axis_tables.hpp"
+#include "emcy_codes.hpp"
 #include "read_odrive.hpp"
 #include "sheet_rows.hpp"
 
@@ -67,25 +68,31 @@ Drive read_canopen_drive(const Section& section, std::size_t place, std::vector<
           optional("rated_current_A", thousandths(d.rated_current_mA, "A")),
           optional("max_torque_per_mille",
                    integer([&](std::int64_t n) { d.max_torque_per_mille = static_cast<std::uint16_t>(n); }, 1, 32767)),
-          required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
-          optional("peak_force_N", number(d.peak_force_N, "N", positive)),
-          required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
-          optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", up_to_a_second)),
           optional("torque_relative_to",
                    choice(d.torque_base, {{"rated", cia402::TorqueBase::rated}, {"max", cia402::TorqueBase::largest}})),
           optional("position_unit", choice(d.user_position_unit, {{"encoder", false}, {"user", true}})),
-          optional("invert_direction", boolean(d.invert_direction)),
-          optional("encoder", choice(d.absolute_encoder, {{"incremental", false}, {"absolute", true}})),
-          optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
-          optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
           optional("sdo_timeout_s", duration_s(d.sdo_timeout, {1e-3, 60})),
+          optional("emcy_information", emcy_codes(d.emcy_information)),
       } +
-      homing_rows(d.homing) + odrive_keys_refused() + std::move(others));
+      rows_of_any_drive(d) + homing_rows(d.homing) + odrive_keys_refused() + std::move(others));
   take_from_sheet(section, d);
   return d;
 }
 
 }  // namespace
+
+std::vector<Key> rows_of_any_drive(Drive& d) {
+  return {
+      required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
+      optional("peak_force_N", number(d.peak_force_N, "N", positive)),
+      required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
+      optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", up_to_a_second)),
+      optional("invert_direction", boolean(d.invert_direction)),
+      optional("encoder", choice(d.absolute_encoder, {{"incremental", false}, {"absolute", true}})),
+      optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
+      optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
+  };
+}
 
 Drive read_drive(const Section& section, std::size_t place, const Node& node, std::vector<Key> others) {
   Protocol protocol = Protocol::canopen;

@@ -8,6 +8,7 @@
 #include "axis_tables.hpp"
 #include "breakaway/odrive/messages.hpp"
 #include "breakaway/odrive/turns_scale.hpp"
+#include "read_drive.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -16,8 +17,8 @@ namespace {
 std::vector<Key> of_canopen_alone() {
   return elsewhere(
       {"eds", "rated_torque_Nm", "rated_current_A", "max_torque_per_mille", "torque_relative_to", "position_unit",
-       "sdo_timeout_s", "home_method", "home_speed_m_s", "home_zero_speed_m_s", "home_acceleration_m_s2",
-       "home_timeout_s", "tpdo_delay_min_s", "tpdo_delay_max_s", "seed", "quirks"},
+       "sdo_timeout_s", "emcy_information", "home_method", "home_speed_m_s", "home_zero_speed_m_s",
+       "home_acceleration_m_s2", "home_timeout_s", "tpdo_delay_min_s", "tpdo_delay_max_s", "seed", "quirks"},
       "it is for a drive of protocol = \"canopen\"; leave it out");
 }
 
@@ -56,30 +57,21 @@ Drive read_odrive(const Section& section, std::size_t place, const Node& node) {
   Odrive o;
   Protocol protocol{};
   d.node_id = static_cast<std::uint8_t>(place + 1);
-  section.read(
-      std::vector<Key>{
-          required("protocol", choice(protocol, {{"odrive", Protocol::odrive}})),
-          optional("node_id",
-                   integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 0, odrive::most_node_id)),
-          required("travel_per_turn_m", number(o.travel_per_turn_m, "m", positive)),
-          required("max_torque_Nm", number(o.max_torque_Nm, "N m", {1e-3, 4e6})),
-          required("force_per_torque_N_per_Nm", number(d.force_per_torque_N_per_Nm, "N/(N m)", positive)),
-          optional("peak_force_N", number(d.peak_force_N, "N", positive)),
-          required("encoder_resolution_m", number(d.encoder_resolution_m, "m", {1e-12, 1})),
-          optional("torque_constant_Nm_per_A", number(o.torque_constant_Nm_per_A, "N m/A", positive)),
-          optional("velocity_limit_turns_s", number(o.velocity_limit_turns_s, "1/s", positive)),
-          optional("estimates",
-                   choice(o.estimates, {{"cyclic", odrive::Estimates::cyclic}, {"polled", odrive::Estimates::polled}})),
-          optional("estimate_period_s", duration_s(o.estimate_period, {1e-3, 1})),
-          optional("current_loop_time_constant_s", number(d.current_loop_time_constant_s, "s", up_to_a_second)),
-          optional("invert_direction", boolean(d.invert_direction)),
-          optional("encoder", choice(d.absolute_encoder, {{"incremental", false}, {"absolute", true}})),
-          optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
-          optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
-          optional("home", choice(d.homing.home, {{"none", Home::none}, {"here", Home::here}})),
-          optional("home_position_m", number(d.homing.position_m, "m", anywhere)),
-      } +
-      of_canopen_alone());
+  section.read(std::vector<Key>{
+                   required("protocol", choice(protocol, {{"odrive", Protocol::odrive}})),
+                   optional("node_id", integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 0,
+                                               odrive::most_node_id)),
+                   required("travel_per_turn_m", number(o.travel_per_turn_m, "m", positive)),
+                   required("max_torque_Nm", number(o.max_torque_Nm, "N m", {1e-3, 4e6})),
+                   optional("torque_constant_Nm_per_A", number(o.torque_constant_Nm_per_A, "N m/A", positive)),
+                   optional("velocity_limit_turns_s", number(o.velocity_limit_turns_s, "1/s", positive)),
+                   optional("estimates", choice(o.estimates, {{"cyclic", odrive::Estimates::cyclic},
+                                                              {"polled", odrive::Estimates::polled}})),
+                   optional("estimate_period_s", duration_s(o.estimate_period, {1e-3, 1})),
+                   optional("home", choice(d.homing.home, {{"none", Home::none}, {"here", Home::here}})),
+                   optional("home_position_m", number(d.homing.position_m, "m", anywhere)),
+               } +
+               rows_of_any_drive(d) + of_canopen_alone());
   check_estimates(section, o, node);
   check_drive_limits(section, o);
   d.odrive = o;

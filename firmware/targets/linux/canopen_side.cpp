@@ -49,7 +49,7 @@ std::string CanopenSide::why_unusable(const Drive& drive) {
 }
 
 std::string CanopenSide::why_standing(const Drive& drive) {
-  if (const canopen::Emcy& told = drive.last_emcy(); told.code != 0)
+  if (const canopen::Emcy& told = drive.last_error(); told.code != 0)
     return fmt::format("it does not get ready, and tells why: {}; see its manual",
                        error_text(told.code, told.error_register));
   return fmt::format("the set-up stands still at object {} ({}); check the wiring", object_text(drive.setup_object()),
@@ -57,7 +57,7 @@ std::string CanopenSide::why_standing(const Drive& drive) {
 }
 
 void CanopenSide::note(const Drive& drive, StepRecord& step) {
-  step.error_register = drive.last_emcy().error_register;
+  step.error_register = drive.last_error().error_register;
   step.statusword = drive.statusword();
 }
 

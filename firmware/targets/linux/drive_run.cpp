@@ -84,9 +84,20 @@ template <class Flashed, class Side>
 void DriveRun<Flashed, Side>::step() {
   poll();
   if (telemetry_.reset.exchange(false)) reset_faults();
-  loop_.step(now_);
+  loop_.command(now_);
+  sync();
   answer();
   for (std::size_t place = 0; place < axes_.size(); ++place) note(place);
+}
+
+// At its time after the tick, however late this thread woke then.
+template <class Flashed, class Side>
+void DriveRun<Flashed, Side>::sync() {
+  const auto due = loop_.sync_due();
+  if (!due) return;
+  const hal::Time now = *due > now_ ? ticker_.wait_within(*due - now_) : now_;
+  port_.set_time(now);
+  loop_.sync(now);
 }
 
 // Whoever reads our objects by SDO gets one answer a period at most.

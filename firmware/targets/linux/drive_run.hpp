@@ -82,6 +82,7 @@ class DriveRun {
  private:
   void add_axes();
   void poll();
+  void sync();
   void answer();
   void reset_faults();
   void note(std::size_t place);

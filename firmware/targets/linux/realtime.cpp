@@ -21,6 +21,15 @@ void touch_stack() noexcept {
   for (std::size_t at = 0; at < room.size(); at += page) first[at] = std::byte{0};
 }
 
+// Returns the time then.
+hal::Time sleep_until(hal::Time time) noexcept {
+  const hal::Duration due = time.time_since_epoch();
+  const timespec until{.tv_sec = due / std::chrono::seconds{1}, .tv_nsec = (due % std::chrono::seconds{1}).count()};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+  return monotonic_now();
+}
+
 }  // namespace
 
 hal::Time monotonic_now() noexcept {
@@ -51,17 +60,16 @@ RealtimeScope::~RealtimeScope() {
 }
 
 hal::Time Ticker::wait() noexcept {
-  const hal::Duration next = next_.time_since_epoch();
-  const timespec until{.tv_sec = next / std::chrono::seconds{1}, .tv_nsec = (next % std::chrono::seconds{1}).count()};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-  const hal::Time now = monotonic_now();
+  const hal::Time now = sleep_until(next_);
   last_ = now - next_;
   latency_.add(last_);
   const std::int64_t passed = last_ / period_;
   latency_.missed += static_cast<std::uint64_t>(passed);
-  next_ += period_ * (passed + 1);
+  tick_ = next_ + period_ * passed;
+  next_ = tick_ + period_;
   return now;
 }
+
+hal::Time Ticker::wait_within(hal::Duration after_tick) const noexcept { return sleep_until(tick_ + after_tick); }
 
 }  // namespace breakaway::linux_node

@@ -48,6 +48,8 @@ class Ticker {
 
   // Sleeps until the next tick; returns the time then.
   hal::Time wait() noexcept;
+  // Sleeps until so long after the newest tick was due; returns the time then. What latency() says is of the ticks.
+  hal::Time wait_within(hal::Duration after_tick) const noexcept;
   const Latency& latency() const noexcept { return latency_; }
   hal::Duration last_latency() const noexcept { return last_; }
   // Whether the newest tick was reached before the one after it was due.
@@ -56,6 +58,7 @@ class Ticker {
  private:
   hal::Duration period_;
   hal::Time next_;
+  hal::Time tick_{};  // when the newest was due
   hal::Duration last_{};
   Latency latency_;
 };

@@ -117,8 +117,8 @@ void Reporter::write(const StepRecord& step) {
   newest_[step.axis] = step;
   const auto& shown = shown_[step.axis];
   const bool changed = !shown || step.drive != shown->drive || step.fault != shown->fault ||
-                       step.stop_not_obeyed != shown->stop_not_obeyed || step.link_lost != shown->link_lost ||
-                       step.reset_refused;
+                       step.stop_not_obeyed != shown->stop_not_obeyed || step.fault_code != shown->fault_code ||
+                       step.link_lost != shown->link_lost || step.reset_refused;
   if (changed) show_change(step);
   constexpr auto interval = std::chrono::milliseconds{100};
   if (!changed && terminal_ && step.time - shown_at_ >= interval) show_live(step.time);

@@ -44,10 +44,13 @@ class BxcanNode {
     return StartResult::running;
   }
 
-  // Once a period. A step that takes longer than its period does not serve the watchdog.
+  // Once a period. SYNC waits for its time, which interrupts may use. A step that takes longer than its period does not
+  // serve the watchdog.
   void step(hal::Time now) noexcept {
     port_.poll(now);
-    node_.step(now);
+    node_.command(now);
+    if (const auto due = node_.sync_due()) ticker.wait_until(*due);
+    node_.sync(ticker.now());
     if (ticker.in_time()) watchdog_.serve();
   }
 

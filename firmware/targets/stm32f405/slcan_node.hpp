@@ -49,7 +49,8 @@ class SlcanNode {
     return clocks.crystal == Crystal::runs ? StartResult::running : StartResult::running_on_internal;
   }
 
-  // Once a period, one after the other. A period that is not over in time does not serve the watchdog.
+  // Once a period, one after the other. A period that is not over in time does not serve the watchdog. SYNC waits for
+  // nothing: when it gets onto the bus is up to the line and the adapter.
   void step(hal::Time now) noexcept {
     port_.poll(now);
     node_.step(now);

@@ -59,6 +59,12 @@ class Ticker {
                                                                (bare_metal::reg32(systick_load) + 1)}};
   }
 
+  // Within a period: returns at that time, to a few cycles, or at the next tick if that comes first.
+  void wait_until(hal::Time time) const noexcept {
+    while (now() < time && in_time()) {
+    }
+  }
+
   // For emulation: time stands still while the rest of the world catches up.
   void hold() noexcept { bare_metal::reg32(systick_control) = from_core; }
   void resume() noexcept { bare_metal::reg32(systick_control) = from_core | interrupt | enable; }

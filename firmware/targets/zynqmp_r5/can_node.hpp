@@ -51,16 +51,20 @@ class CanNode {
     return started ? StartResult::running : StartResult::period_impossible;
   }
 
-  // Once a period, one after the other. A step that takes longer than its period does not serve the watchdog.
+  // Once a period, one after the other. A period that is not over in time does not serve the watchdog.
   hal::Time wait() noexcept {
-    return ticker_.wait([this](hal::Time now) {
-      port_.poll(now);
-      pause();
-    });
+    return ticker_.wait([this](hal::Time now) { look_at_bus(now); });
   }
-  void step(hal::Time now) noexcept {
+  void command(hal::Time now) noexcept {
     port_.poll(now);
-    node_.step(now);
+    node_.command(now);
+  }
+  hal::Time wait_for_sync() noexcept {
+    if (const auto due = node_.sync_due()) ticker_.wait_until(*due, [this](hal::Time now) { look_at_bus(now); });
+    return ticker_.now();
+  }
+  void sync(hal::Time now) noexcept {
+    node_.sync(now);
     if (ticker_.in_time()) watchdog_.serve();
   }
 
@@ -71,6 +75,11 @@ class CanNode {
  private:
   // Some 100 ns a poll over the peripherals' bus: 100 ms, in which a bus at 10 kbit/s is idle for 11 bits many times.
   static constexpr std::uint32_t polls = 1'000'000;
+
+  void look_at_bus(hal::Time now) noexcept {
+    port_.poll(now);
+    pause();
+  }
 
   Registers can_;
   SystemWatchdog watchdog_registers_;

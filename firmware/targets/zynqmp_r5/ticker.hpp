@@ -59,6 +59,16 @@ class Ticker {
     return hal::Time{period_ * ticks_};
   }
 
+  // Within a period: calls idle(now) until that time is near, and waits for it to a few cycles; at the latest the next
+  // tick ends it.
+  template <class Idle>
+  void wait_until(hal::Time time, const Idle& idle) const noexcept {
+    const hal::Duration near = period_ / 64;
+    while (now() + near < time && in_time()) idle(now());
+    while (now() < time && in_time()) {
+    }
+  }
+
   // To a few cycles. At least once in 2^31 cycles there must be a wait().
   hal::Time now() const noexcept {
     return hal::Time{period_ * ticks_ + hal::Duration{period_.count() * since_tick() / cycles_}};

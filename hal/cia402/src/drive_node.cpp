@@ -36,9 +36,9 @@ constexpr std::uint32_t meant_bits(std::uint16_t index) noexcept {
 
 }  // namespace
 
-void DriveNode::on_frame(const hal::ReceivedFrame& received) noexcept {
+void DriveNode::on_frame(const hal::ReceivedFrame& received, const canopen::EmcyCodes& information) noexcept {
   heartbeat_.on_frame(received.frame, received.time);
-  emcy_.on_frame(received.frame);
+  emcy_.on_frame(received.frame, information);
   sdo_.on_frame(received.frame);
 }
 

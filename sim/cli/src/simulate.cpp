@@ -20,6 +20,7 @@
 #include "call_files.hpp"
 #include "commands.hpp"
 #include "progress.hpp"
+#include "sync_off.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -80,17 +81,19 @@ void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
              accuracy->error_estimate_m, accuracy->asked_m);
 }
 
-void print_certificate(const config::Node& node, const config::Axis& axis) {
+void print_certificate(const config::Node& node, const config::Axis& axis,
+                       const std::optional<sil::LoopFigures>& loop) {
   if (!axis.controller.impulsive) return;
   const std::string why_not = config::why_not_certified(node, axis);
   fmt::print("  certificate    {}\n", why_not.empty() ? "yes" : "none: " + why_not);
+  if (why_not.empty() && loop) print_sync_off("  SYNC           ", axis, loop->sync_off_s);
 }
 
 void print_figures(const Scenario& s, const Result& r) {
   for (std::size_t i = 0; i < r.axes.size(); ++i) {
     if (s.axes() > 1) fmt::print("  axis {}\n", r.axes[i].name);
     print_axis(s.node.axes[i], r.axes[i], r.duration_s);
-    print_certificate(s.node, s.node.axes[i]);
+    print_certificate(s.node, s.node.axes[i], r.loop);
   }
   if (r.loop) {
     fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -23,6 +24,7 @@
 #include "commands.hpp"
 #include "progress.hpp"
 #include "shard_option.hpp"
+#include "sync_off.hpp"
 
 namespace breakaway::cli {
 namespace {
@@ -142,6 +144,10 @@ void print_certificate(const Study& study) {
   if (node.axes.front().controller.pid) return;
   const std::string why_not = config::why_not_certified(node, node.axes.front());
   fmt::print("{}: {}\n", study.name, why_not.empty() ? "certified" : "not certified: " + why_not);
+  if (!why_not.empty()) return;
+  double off_s = 0;
+  for (const StudyRow& row : study.rows) off_s = std::max(off_s, sync_off_s(row));
+  print_sync_off("SYNC of these runs was ", node.axes.front(), off_s);
 }
 
 void print_table(const std::vector<Study>& studies, const StudyOptions& options) {

@@ -35,6 +35,7 @@ void validate(const EmulatorConfig& config) {
   require(config.valid_pdos <= 4, "valid_pdos must be 0..4");
   require(config.quirks.sdo_response_delay.count() >= 0, "quirks.sdo_response_delay must not be negative");
   require(config.quirks.sdo_busy.count() >= 0, "quirks.sdo_busy must not be negative");
+  require(config.quirks.informs_every.count() > 0, "quirks.informs_every must be above 0");
   const HomeSwitches switches = config.quirks.switches.value_or(HomeSwitches{});
   require(positive(switches.index_distance_m), "quirks.index_distance_m must be finite and above 0");
   require(positive(switches.speed_gain_Ns_per_m), "quirks.speed_gain_Ns_per_m must be finite and above 0");

@@ -143,6 +143,9 @@ void DriveEmulator::on_time(std::size_t timer) {
       return post({.id = canopen::sdo_response_cob_id(config_.node_id),
                    .size = 8,
                    .data = sdo_.abort(canopen::SdoAbort::timeout)});
+    case information:
+      emergency_.inform(config_.quirks.informs_with);
+      return timers_.set(information, now_ + config_.quirks.informs_every);
   }
 }
 
@@ -151,7 +154,14 @@ void DriveEmulator::settle() {
   if (drive_.settle(now_)) note_event(object::statusword);
   if (mode != last_mode_display_) note_event(object::mode_display);
   last_mode_display_ = mode;
+  schedule_information();
   flush();
+}
+
+void DriveEmulator::schedule_information() {
+  if (config_.quirks.informs_with == 0) return;
+  if (drive_.state() != cia402::State::operation_enabled) return timers_.cancel(information);
+  if (!timers_.due(information)) timers_.set(information, now_);
 }
 
 void DriveEmulator::flush() {

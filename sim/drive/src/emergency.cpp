@@ -32,23 +32,29 @@ unsigned register_bit(std::uint16_t code) {
 }  // namespace
 
 void EmergencyProducer::raise(std::uint16_t code) {
-  if (active_.insert(code).second) send(code);
+  if (active_.insert(code).second) tell(code);
 }
 
 void EmergencyProducer::clear(std::uint16_t code) {
-  if (active_.erase(code) != 0) send(emcy::no_error);
+  if (active_.erase(code) != 0) tell(emcy::no_error);
 }
 
-void EmergencyProducer::send(std::uint16_t code) {
+void EmergencyProducer::inform(std::uint16_t code) { send(code); }
+
+void EmergencyProducer::tell(std::uint16_t code) {
   unsigned error_register = 0;
   for (const std::uint16_t active : active_) error_register |= 1U | register_bit(active);
   dictionary_.set(error_register_entry, error_register);
   if (code != emcy::no_error) remember(code);
+  send(code);
+}
+
+void EmergencyProducer::send(std::uint16_t code) {
   const auto cob_id = static_cast<std::uint32_t>(dictionary_.get(emcy_cob_id_entry));
   if ((cob_id & canopen::cob_id_invalid) != 0) return;
   hal::CanFrame frame{.id = static_cast<std::uint16_t>(cob_id & 0x7FFU), .size = 8};
   canopen::store_little_endian(frame.data, code);
-  frame.data[2] = static_cast<std::uint8_t>(error_register);
+  frame.data[2] = static_cast<std::uint8_t>(dictionary_.get(error_register_entry));
   post_(frame);
 }
 

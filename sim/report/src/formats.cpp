@@ -28,6 +28,7 @@ void write_loop(format::JsonWriter& json, const sil::LoopFigures& loop) {
   json.member("ticks", loop.ticks);
   json.member("missed_ticks", loop.missed_ticks);
   json.member("bus_load", loop.bus_load);
+  json.member("sync_off_s", loop.sync_off_s);
 }
 
 void write_kick(format::JsonWriter& json, const sil::KickRecord& kick, bool ideal) {

@@ -47,6 +47,7 @@ void add_run(HtmlTable& table, const Result& r) {
     table.row("Control periods",
               fmt::format("{}, of which {} without fresh feedback", r.loop->ticks, r.loop->missed_ticks));
     table.row("Mean bus load", fmt::format("{:.1f} %", 100 * r.loop->bus_load));
+    if (r.loop->sync_off_s > 0) table.row("SYNC off whole periods", fmt::format("{:.3g} s", r.loop->sync_off_s));
   }
   table.row("Time taken to compute", fmt::format("{:.1f} ms", 1e3 * r.wall_s));
 }

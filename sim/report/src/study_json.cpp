@@ -41,6 +41,7 @@ void write_row(format::JsonWriter& json, const StudiedAxis& axis, const StudyRow
   json.member("worst_error_m", worst_error_m(row));
   write_excursions(json, worst_excursions(row));
   json.member("max_force_N", largest_force_N(row));
+  json.member("sync_off_s", sync_off_s(row));
   write_margins(json, margins(axis.node, row));
   json.array("runs", [&] {
     for (const StudyRun& run : row.runs) json.object([&] { write_run(json, run); });

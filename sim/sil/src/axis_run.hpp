@@ -131,9 +131,18 @@ class AxisRun {
 
   void note_fault(double time_s) {
     const firmware::AxisFault fault = loop_.status(id_).fault;
-    if (fault == firmware::AxisFault::none || !result_.faults.empty()) return;
+    if (fault == firmware::AxisFault::none) return;
+    const std::uint16_t code = loop_.supervisor(id_).fault_code();
+    if (result_.faults.empty())
+      result_.faults.push_back({time_s, fault_text(fault, code)});
+    else if (noted_code_ == 0 && code != 0)  // it is read after its fault was seen
+      result_.faults.front().name = fault_text(fault, code);
+    noted_code_ = code;
+  }
+
+  std::string fault_text(firmware::AxisFault fault, std::uint16_t code) const {
     std::string name{to_string(fault)};
-    if (const auto code = loop_.supervisor(id_).fault_code(); code != 0) {
+    if (code != 0) {
       if constexpr (requires { loop_.drive(id_).fault_text(code); })
         name += fmt::format(" (error code {:04X}h: {})", code, loop_.drive(id_).fault_text(code));
       else
@@ -147,7 +156,7 @@ class AxisRun {
                             static_cast<double>(loop_.controller(id_).seen_friction_N()), axis_.friction.bounds.lower_N,
                             axis_.friction.bounds.upper_N);
     }
-    result_.faults.push_back({time_s, name});
+    return name;
   }
 
   void note_sample(double time_s, hal::Time now, double bus_load, law::Mode mode) {
@@ -179,6 +188,7 @@ class AxisRun {
   std::size_t next_target_ = 0;
   std::uint64_t periods_without_feedback_ = 0;
   int velocity_pending_ = 0;
+  std::uint16_t noted_code_ = 0;  // with the fault in result_
 };
 
 }  // namespace breakaway::sil

@@ -58,8 +58,7 @@ class ExperimentOnBus {
   using Loop = firmware::ControlLoop<SimulatedNetwork::Port, cia402::Drive<double>, ExperimentLaw<double>, double, 1>;
 
   void step() {
-    network_.advance_to(now_);
-    loop_.step(now_);
+    network_.begin_period(loop_, now_);
     now_ += period_;
   }
   bool commission() {

@@ -54,8 +54,7 @@ class LoopRun {
   using Axis = AxisRun<Loop>;
 
   void step() {
-    network_.advance_to(now_);
-    loop_.step(now_);
+    network_.begin_period(loop_, now_);
     now_ += period_;
   }
   // When the last step began.
@@ -82,6 +81,7 @@ class LoopRun {
     }
     release_ = stepped_at();
     for (Axis& axis : axes_) axis.release(hal::seconds(network_.bus().now()));
+    network_.watch_sync(period_);
     busy_before_ = busy_at_release_ = network_.bus().counters().busy_time;
     return std::ranges::any_of(axes_, &Axis::running);
   }
@@ -116,6 +116,7 @@ class LoopRun {
     for (const Axis& axis : axes_) figures.missed_ticks += axis.periods_without_feedback();
     if (result_.duration_s > 0)
       figures.bus_load = hal::seconds(network_.bus().counters().busy_time - busy_at_release_) / result_.duration_s;
+    figures.sync_off_s = hal::seconds(network_.sync_off());
     result_.loop = figures;
     result_.work = budget_.spent();
     result_.work_share = budget_.share();

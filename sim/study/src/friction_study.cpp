@@ -76,7 +76,8 @@ StudyRun run_one(const scenario::Scenario& scenario, const sil::SharedNode& node
           r.max_force_N,
           r.kicks.size(),
           std::move(r.reached),
-          std::move(r.faults)};
+          std::move(r.faults),
+          result.loop ? result.loop->sync_off_s : 0};
 }
 
 double time_or_infinity(const StudyRun& run) {
@@ -169,6 +170,9 @@ const StudyRun& slowest_run(const StudyRow& row) { return *std::ranges::max_elem
 
 double worst_error_m(const StudyRow& row) {
   return largest(row, [](const StudyRun& run) { return run.final_error_m; });
+}
+double sync_off_s(const StudyRow& row) {
+  return largest(row, [](const StudyRun& run) { return run.sync_off_s; });
 }
 sil::Excursions worst_excursions(const StudyRow& row) {
   sil::Excursions worst{

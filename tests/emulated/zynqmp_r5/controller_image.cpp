@@ -22,7 +22,11 @@ void run_image() {
     const hal::Time now = node.wait();
     statistics.begin(now);
     count_begin();
-    node.step(now);
+    node.command(now);
+    count_end();
+    const hal::Time sync = node.wait_for_sync();
+    count_begin();
+    node.sync(sync);
     count_end();
     if (!node.in_time()) ++report.late;
   }

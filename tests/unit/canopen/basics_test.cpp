@@ -193,6 +193,19 @@ TEST(Emcy, RoundTripAndReset) {
   EXPECT_EQ(consumer.take_error(), 0);
 }
 
+TEST(Emcy, EveryCodeOfTheClassOfNoErrorSaysThatErrorsAreGone) {
+  for (const std::uint16_t code : std::array<std::uint16_t, 3>{0x0000, 0x0001, 0x00FF}) {
+    EmcyConsumer consumer{9};
+    consumer.on_frame(emcy_frame({.code = code}, 9));
+    EXPECT_EQ(consumer.take_error(), 0) << code;
+    consumer.on_frame(emcy_frame({.code = 0x0100}, 9));
+    EXPECT_TRUE(consumer.active());
+    consumer.on_frame(emcy_frame({.code = code}, 9));
+    EXPECT_FALSE(consumer.active()) << code;
+    EXPECT_EQ(consumer.last().code, code) << "what was said is shown as it was";
+  }
+}
+
 TEST(Emcy, IsADataFrameOfEightBytes) {
   EmcyConsumer consumer{9};
   CanFrame frame = emcy_frame({.code = 0x2310}, 9);
@@ -206,11 +219,70 @@ TEST(Emcy, IsADataFrameOfEightBytes) {
   EXPECT_TRUE(consumer.on_frame(frame));
 }
 
+constexpr EmcyCodes a_code_and_a_class{.first = {0xFF01, 0x4200}, .last = {0xFF01, 0x42FF}};
+
+TEST(EmcyCodes, HoldACodeAloneAndAllOfAClass) {
+  for (unsigned code = 0; code <= 0xFFFF; ++code) {
+    const bool expected = code == 0xFF01 || (code >= 0x4200 && code <= 0x42FF);
+    ASSERT_EQ(a_code_and_a_class.hold(static_cast<std::uint16_t>(code)), expected) << code;
+    ASSERT_FALSE(EmcyCodes{}.hold(static_cast<std::uint16_t>(code))) << code;
+  }
+  EmcyCodes full;
+  for (std::size_t i = 0; i < EmcyCodes::most; ++i)
+    full.first[i] = full.last[i] = static_cast<std::uint16_t>(0xFF01 + i);
+  EXPECT_TRUE(full.hold(0xFF08)) << "the last of as many as there is room for";
+}
+
+TEST(EmcyCodes, AreCodesOrClassesAndNoneThatEndsErrors) {
+  static_assert(are_possible(EmcyCodes{}) && are_possible(a_code_and_a_class));
+  const auto possible = [](unsigned first, unsigned last) {
+    EmcyCodes codes;
+    codes.first[7] = static_cast<std::uint16_t>(first);
+    codes.last[7] = static_cast<std::uint16_t>(last);
+    return are_possible(codes);
+  };
+  EXPECT_TRUE(possible(0x0100, 0x0100) && possible(0x0100, 0x01FF) && possible(0xFF00, 0xFFFF));
+  EXPECT_FALSE(possible(0x0000, 0x00FF) || possible(0x00FF, 0x00FF) || possible(0x0001, 0x0001));
+  EXPECT_FALSE(possible(0x0000, 0xFFFF) || possible(0x0000, 0x0100)) << "more than a class";
+  EXPECT_FALSE(possible(0x4200, 0x43FF) || possible(0x4200, 0x42FE) || possible(0x4201, 0x42FF));
+  EXPECT_FALSE(possible(0x4201, 0x4200) || possible(0x4200, 0)) << "none would be held";
+}
+
+TEST(Emcy, InformationIsTheNewestMessageAndNoError) {
+  const Emcy fan_on{.code = 0xFF01, .error_register = 0x80, .manufacturer = {5, 4, 3, 2, 1}};
+  EmcyConsumer consumer{9};
+  EXPECT_TRUE(consumer.on_frame(emcy_frame(fan_on, 9), a_code_and_a_class));
+  EXPECT_EQ(consumer.last(), fan_on);
+  EXPECT_EQ(consumer.error(), Emcy{});
+  EXPECT_FALSE(consumer.active());
+  EXPECT_EQ(consumer.take_error(), 0);
+  EXPECT_TRUE(consumer.on_frame(emcy_frame(fan_on, 9)));
+  EXPECT_EQ(consumer.take_error(), fan_on.code) << "where nobody says that it is information";
+}
+
+TEST(Emcy, InformationNeitherHidesNorEndsAnError) {
+  const Emcy overload{.code = 0x2310, .error_register = 0x03, .manufacturer = {1, 2, 3, 4, 5}};
+  const Emcy warm{.code = 0x4210, .error_register = 0x09}, fan_on{.code = 0xFF01};
+  EmcyConsumer consumer{9};
+  const auto hear = [&](const Emcy& emcy) { return consumer.on_frame(emcy_frame(emcy, 9), a_code_and_a_class); };
+  EXPECT_TRUE(hear(warm) && hear(overload) && hear(fan_on));
+  EXPECT_EQ(consumer.last(), fan_on);
+  EXPECT_EQ(consumer.error(), overload);
+  EXPECT_TRUE(consumer.active());
+  EXPECT_EQ(consumer.take_error(), overload.code);
+  EXPECT_TRUE(hear(warm) && hear({.code = 0x3210}) && hear(warm));
+  EXPECT_EQ(consumer.take_error(), 0x3210) << "the next one";
+  EXPECT_TRUE(hear({}));
+  EXPECT_FALSE(consumer.active()) << "a reset ends it";
+  EXPECT_EQ(consumer.error(), Emcy{});
+}
+
 TEST(Emcy, ForgetsTheLastErrorWhenTold) {
   EmcyConsumer consumer{9};
   ASSERT_TRUE(consumer.on_frame(emcy_frame({.code = 0x2310}, 9)));
   consumer.forget();
   EXPECT_FALSE(consumer.active());
+  EXPECT_EQ(consumer.error(), Emcy{});
   EXPECT_EQ(consumer.last(), Emcy{});
   EXPECT_EQ(Emcy{}.error_register, 0);
 }

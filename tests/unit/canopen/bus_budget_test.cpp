@@ -66,6 +66,17 @@ TEST(BusBudget, TakesTheWholeOfEachRange) {
   EXPECT_EQ(nothing.needed_us + nothing.available_us + nothing.max_axes + nothing.max_rate_Hz, 0U);
 }
 
+TEST(BusBudget, SyncWaitsForTheLongestCommandsAndForTheStepThatComputesThem) {
+  EXPECT_EQ(sync_offset(1, 1ms, 1'000'000), 95us + 50us) << "a twentieth of the period for the step";
+  EXPECT_EQ(sync_offset(3, 1ms, 1'000'000), 3 * 95us + 50us);
+  EXPECT_EQ(sync_offset(1, 1ms, 500'000), 190us + 50us);
+  EXPECT_EQ(sync_offset(1, 10ms, 1'000'000), 95us + 100us) << "no step takes longer than that";
+  const auto full = bus_budget(3, 10ms, 1'000'000).least_period;
+  EXPECT_EQ(sync_offset(3, full + 20us, 1'000'000), 3 * 95us + 10us) << "half of the room that is left";
+  EXPECT_EQ(sync_offset(3, full, 1'000'000), 3 * 95us);
+  EXPECT_EQ(sync_offset(3, full - 1us, 1'000'000), 0us) << "they do not fit";
+}
+
 TEST(BusBudget, NamesTheParameterThatIsOutOfRange) {
   EXPECT_EQ(check_bus_budget(0, 1ms, 1'000'000), BusFit::axes_out_of_range);
   EXPECT_EQ(check_bus_budget(128, 1ms, 1'000'000), BusFit::axes_out_of_range);

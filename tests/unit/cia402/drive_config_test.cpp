@@ -92,6 +92,9 @@ TYPED_TEST(DriveConfigTest, NamesTheFieldThatIsOutOfRange) {
   EXPECT_EQ(error_after([](G& g) { g.drive.sdo_timeout = 0ms; }), DriveConfigError::sdo_timeout);
   EXPECT_EQ(error_after([](G& g) { g.drive.sdo_timeout = -1ms; }), DriveConfigError::sdo_timeout);
   EXPECT_EQ(error_after([](G& g) { g.drive.homing.timeout = 0ms; }), DriveConfigError::homing_timeout);
+  EXPECT_EQ(error_after([](G& g) { g.drive.emcy_information.last[3] = 0x00FF; }), DriveConfigError::emcy_information);
+  EXPECT_EQ(error_after([](G& g) { g.drive.emcy_information.first[0] = g.drive.emcy_information.last[0] = 0x0100; }),
+            DriveConfigError::none);
   EXPECT_EQ(error_after([](G& g) { g.network.period = 1111us; }), DriveConfigError::period);
   EXPECT_EQ(error_after([](G& g) { g.network.period = 0ms; }), DriveConfigError::period);
   for (const TypeParam wrong : {TypeParam{0}, TypeParam{-1}, Limits::infinity(), Limits::quiet_NaN()}) {

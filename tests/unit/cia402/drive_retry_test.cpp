@@ -106,6 +106,33 @@ TEST_F(DriveRetryTest, ANodeThatAnswersLateIsGivenTheTimeThatItNeedsAndIsNotWhen
   EXPECT_EQ(drive.extra_setup_time(), 0ms);
 }
 
+// At each moment between two questions for the mode of operation.
+TEST_F(DriveRetryTest, ANodeThatLeavesOperationalIsStartedAnewBeforeItIsAskedForItsModeAgain) {
+  const auto asks_for_the_mode = [this] {
+    return std::any_of(sent.begin(), sent.end(), [](const CanFrame& frame) {
+      return frame.id == sdo_request_cob_id(node_id) && frame.data[0] == 0x40 && frame.data[1] == 0x61 &&
+             frame.data[2] == 0x60;
+    });
+  };
+  for (Duration onset{}; onset < DriveNode::mode_poll_time + 5ms; onset += 1ms) {
+    boot_again();
+    node.objects[ScriptedDrive::key(0x6061, 0)] = 0;
+    run_until([&] { return asks_for_the_mode(); });
+    run_for(onset);
+    node.nmt = NmtState::pre_operational;
+    node.ignores_start = true;
+    node.heartbeat();
+    deliver();
+    for (int period = 0; period < 50; ++period) {
+      step();
+      ASSERT_FALSE(asks_for_the_mode()) << "left after " << onset / 1ms << " ms";
+    }
+    node.ignores_start = false;
+    node.objects[ScriptedDrive::key(0x6061, 0)] = 10;
+    run_until_state(DriveState::disabled);
+  }
+}
+
 struct Position {
   std::uint16_t index;
   std::uint8_t subindex;

@@ -232,6 +232,13 @@ TEST_F(DriveTest, TakesTheTorqueLimitThatTheDriveKeeps) {
   EXPECT_FLOAT_EQ(drive.max_force_N(), 50.0F) << "of a drive that does not say, its rated torque";
 }
 
+TEST_F(DriveTest, ReadsATorqueLimitThatItCannotLower) {
+  node.read_only.insert(ScriptedDrive::key(0x6072, 0));
+  set_up();
+  EXPECT_EQ(node.value_of(0x6072, 0), 2000U);
+  EXPECT_EQ(drive.rating().found_max_torque_per_mille, 2000);
+}
+
 TEST_F(DriveTest, TakesAwayWhatAnotherToolLeftInTheDrive) {
   const auto key = ScriptedDrive::key;
   constexpr std::array<std::uint16_t, 6> cleared{0x60B2, 0x605A, 0x605B, 0x605C, 0x605E, 0x6071};

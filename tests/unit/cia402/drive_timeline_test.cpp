@@ -164,6 +164,69 @@ TEST_F(TimelineTest, TheErrorCodeIsReadOnceForEachFaultThatNoEmergencyTellsOf) {
   EXPECT_EQ(times_of(100, std::uint16_t{0x603F}).size(), 1U) << "the emergency went with its fault";
 }
 
+constexpr DriveConfig<float> talkative{.node_id = node_id,
+                                       .force_per_torque_N_per_Nm = 50.0F,
+                                       .emcy_information = {.first = {0x4200, 0xFF01}, .last = {0x42FF, 0xFF01}}};
+class TalkativeTest : public TimelineTest {
+ protected:
+  TalkativeTest() : TimelineTest{talkative} {}
+};
+
+TEST_F(TalkativeTest, InformationIsShownAndIsNoError) {
+  enable();
+  node.emergency(0xFF01);
+  run_for(2ms);
+  EXPECT_EQ(feedback.state, DriveState::enabled);
+  EXPECT_EQ(drive.take_emergency(), 0);
+  EXPECT_EQ(drive.last_error_code(), 0);
+  EXPECT_EQ(drive.last_emcy().code, 0xFF01) << "for people to read";
+  node.emergency(0x8110);
+  node.emergency(0x4210);
+  run_for(2ms);
+  EXPECT_EQ(drive.take_emergency(), 0x8110);
+  EXPECT_EQ(drive.last_error_code(), 0x8110);
+  EXPECT_EQ(drive.last_emcy().code, 0x4210);
+}
+
+TEST_F(TalkativeTest, TheErrorCodeOfAFaultIsReadWhereOnlyInformationCame) {
+  enable();
+  node.objects[ScriptedDrive::key(0x603F, 0)] = 0x2310;
+  node.emergency(0x4210);
+  node.state = State::fault;
+  EXPECT_EQ(times_of(100, std::uint16_t{0x603F}).size(), 1U);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+  EXPECT_EQ(feedback.fault_code, 0x2310);
+}
+
+TEST_F(TalkativeTest, AFaultIsNamedByTheErrorThatCameBeforeInformation) {
+  enable();
+  node.emergency(0x7305);
+  node.emergency(0xFF01);
+  node.state = State::fault;
+  EXPECT_TRUE(times_of(100, std::uint16_t{0x603F}).empty());
+  EXPECT_EQ(feedback.fault_code, 0x7305);
+}
+
+TEST_F(TimelineTest, ADriveIsFaultyFromTheReactionToItsFaultUntilItIsReset) {
+  enable();
+  EXPECT_FALSE(feedback.faulty);
+  node.state = State::fault_reaction_active;
+  run_for(2ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  EXPECT_TRUE(feedback.faulty);
+  node.state = State::fault;
+  run_for(2ms);
+  EXPECT_TRUE(feedback.faulty);
+  drive.request_stop();
+  step();
+  drive.reset_fault();
+  expect_that_it_works();
+  EXPECT_FALSE(feedback.faulty);
+  node.state = State::quick_stop_active;
+  run_for(2ms);
+  EXPECT_FALSE(feedback.faulty);
+}
+
 // What was told to a drive that is no longer the same one goes no further: a bus that was full may still hold it.
 TEST_F(TimelineTest, ACommandThatWasNotSentIsForgottenWithWhatItWasFor) {
   const auto pass = [this](int periods) {

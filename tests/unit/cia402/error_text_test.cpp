@@ -19,6 +19,7 @@ TEST(DriveConfigError, NamesTheFieldAndWhatItMustBe) {
        {E::master_heartbeat_period, {"master's heartbeat_period must be 0 or at least two periods"}},
        {E::sdo_timeout, {"sdo_timeout must be above 0"}},
        {E::homing_timeout, {"homing.timeout must be above 0"}},
+       {E::emcy_information, {"emcy_information must hold codes of 0100h to FFFFh", "its class"}},
        {E::period, {"period must be 1 to 255 times 1 us"}},
        {E::encoder_resolution, {"encoder_resolution_m must be a finite number above 0"}},
        {E::force_per_torque, {"force_per_torque_N_per_Nm must be a finite number above 0"}},

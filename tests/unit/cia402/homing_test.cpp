@@ -65,6 +65,14 @@ TEST_F(HomingTest, TheSetUpTellsTheDriveHow) {
   EXPECT_EQ(mode(), 10U);
 }
 
+// Some vendors' methods, which are below 0, press against a stop until nothing moves.
+TEST(HomingMethods, BelowZeroLookForAStop) {
+  for (const int method : {-128, -4, -1, 0, 1, 17, 37}) {
+    const auto told = with({.home = Home::by_drive, .method = static_cast<std::int8_t>(method)});
+    EXPECT_EQ((Drive<float>{told, network, scale}.homes_against_a_stop()), method < 0) << method;
+  }
+}
+
 TEST_F(HomingTest, LeadsTheDriveToItsHomeAndBackToTorque) {
   seek();
   for (int period = 0; period < 200; ++period) {

@@ -28,6 +28,7 @@ class ScriptedDrive {
       {key(0x6072, 0), 2000},       {key(0x6061, 0), 10},      {key(0x603F, 0), 0x2310}};
   std::map<std::uint32_t, canopen::SdoAbort> refused;  // writes and reads of these abort
   std::map<std::uint32_t, std::uint32_t> kept;         // writes of these are taken and forgotten
+  std::map<std::uint32_t, std::uint32_t> most;         // writes of more to these abort
   std::set<std::uint32_t> read_only;                   // writes of these abort
   std::vector<std::uint32_t> written;                  // keys, in order
   std::vector<canopen::NmtCommand> commands;
@@ -113,6 +114,8 @@ class ScriptedDrive {
     objects[key(0x6041, 0)] = cia402::status_bits(state);
     if (kept.contains(object)) objects[object] = kept[object];
     if (!read && read_only.contains(object)) error = canopen::SdoAbort::read_only;
+    if (!read && most.contains(object) && canopen::load_little_endian<std::uint32_t>(frame.data, 4) > most[object])
+      error = canopen::SdoAbort::value_too_high;
     if (read && !objects.contains(object)) error = canopen::SdoAbort::no_such_object;
     if (error) {
       answer.data[0] = 0x80;

@@ -142,10 +142,37 @@ TEST_F(Command, KeepsTheContractOfTheAxisOnCan) {
   const Ended ended = run("simulate " + scenarios + "can_axis.toml --json - --candump " + path("can.log"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   expect_keys(ended.out, {"settled", "settling_time_s", "final_error_m", "max_force_N", "kicks", "ticks",
-                          "missed_ticks", "bus_load", "faults"});
+                          "missed_ticks", "bus_load", "sync_off_s", "faults"});
   EXPECT_LE(std::fabs(figure(ended.out, "final_error_m")), 3e-6);
   EXPECT_LE(figure(ended.out, "max_force_N"), 50);
   EXPECT_TRUE(content(path("can.log")).starts_with("(0000000000."));
+}
+
+// What a certificate takes of the bus is held against the bus of the run.
+TEST_F(Command, SaysWhereSyncWasOffWholePeriodsByMoreThanACertificateTakesIn) {
+  for (const char* name : {"braked_axis.toml", "move_axis.toml", "three_axes.toml"})
+    EXPECT_EQ(figure(run("simulate " + scenarios + name + " --json -").out, "sync_off_s"), 0) << name;
+
+  std::string file = content(scenarios + "braked_axis.toml");
+  file.insert(file.find("[bus]"),
+              "emcy_information = [\"4210h\"]\n[drive.quirks]\ninforms_with = 0x4210\ninforms_every_s = 0.00137\n");
+  std::ofstream{path("busy.toml")} << file;
+  const Ended busy = run("simulate " + path("busy.toml"));
+  EXPECT_NE(busy.out.find("  SYNC           off whole periods by up to "), std::string::npos) << busy.out;
+  const double off_s = figure(run("simulate " + path("busy.toml") + " --json -").out, "sync_off_s");
+  EXPECT_GT(off_s, 60e-6) << "the drive's message was on the wire";
+  EXPECT_LE(off_s, 135e-6) << "a frame of eight bytes takes no longer";
+
+  const std::string study = run("study " + path("busy.toml") + " --laws 0 --start -0.01 0").out;
+  EXPECT_NE(study.find("SYNC of these runs was off whole periods by up to "), std::string::npos) << study;
+
+  file.insert(file.find("current_loop_time_constant = 0.2"), "jitter_s = 1.35e-4\n");
+  file.replace(file.find("position_tolerance_m = 2e-6"), 27, "position_tolerance_m = 3e-6");
+  file.replace(file.find("settle_tolerance_m = 3e-6"), 25, "settle_tolerance_m = 4e-6");
+  std::ofstream{path("told.toml")} << file;
+  const Ended told = run("simulate " + path("told.toml"));
+  EXPECT_NE(told.out.find("  certificate    yes"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("  SYNC "), std::string::npos) << told.out;
 }
 
 // The bus of three axes: every figure of an axis stands beside its name.

@@ -146,7 +146,7 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   const auto drive_of = [](const std::string& line) { return certified_node(with_line("drive", line)).axes[0].drive; };
   // Does not compile when DriveConfig gets another field: then it needs a key and a line here.
   const auto [node_id, force, rated, heartbeat_period, heartbeat_timeout, sdo_timeout, torque_base, user_unit, inverted,
-              absolute, homing] = drive_of("");
+              absolute, homing, information] = drive_of("");
   EXPECT_EQ(node_id, 1);
   EXPECT_EQ(force, 50);
   EXPECT_EQ(rated, 500U);
@@ -158,6 +158,9 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_FALSE(inverted);
   EXPECT_FALSE(absolute);
   EXPECT_EQ(homing.home, cia402::Home::none);
+  EXPECT_EQ(information, canopen::EmcyCodes{});
+  EXPECT_EQ(drive_of("emcy_information = [\"42xxh\", \"ff0Ah\"]").emcy_information,
+            (canopen::EmcyCodes{.first = {0x4200, 0xFF0A}, .last = {0x42FF, 0xFF0A}}));
   EXPECT_EQ(certified_node(with(two_axes, "node_id = 1", "node_id = 99")).axes[0].drive.node_id, 99);
   EXPECT_EQ(drive_of("heartbeat_period_s = 0.2").heartbeat_period, 200ms);
   EXPECT_EQ(drive_of("heartbeat_timeout_s = 0.5").heartbeat_timeout, 500ms);
@@ -183,6 +186,45 @@ TEST(ReadNode, EveryFieldOfADriveCanBeSet) {
   EXPECT_FALSE(drive_of("encoder = \"incremental\"").absolute_encoder);
   const std::string geared = with(two_axes, "force_per_torque_N_per_Nm = 50", "force_per_torque_N_per_Nm = 100");
   EXPECT_EQ(certified_node(geared).axes[0].drive.force_per_torque_N_per_Nm, 100);
+}
+
+TEST(ReadNode, CodesOfInformationAreRefusedWithTheRemedyWhereTheyAreNone) {
+  struct Wrong {
+    const char *codes, *says;
+  };
+  const char* const no_code =
+      ", must be an array of error codes of EMCY in quotes, each as \"FF01h\", or \"42xxh\" for a whole class";
+  for (const auto& [codes, says] :
+       {Wrong{"\"FF01h\"", no_code},
+        Wrong{"[0xFF01]", no_code},
+        Wrong{"[\"fan\"]", no_code},
+        Wrong{"[\"FF01\"]", no_code},
+        Wrong{"[\"0xFF01\"]", no_code},
+        Wrong{"[\"1h\"]", no_code},
+        Wrong{"[\"-F01h\"]", no_code},
+        Wrong{"[\"4xxxh\"]", no_code},
+        Wrong{"[\"h\"]", no_code},
+        Wrong{"[\"0000h\"]", "has \"0000h\", and 00xxh is how a drive says that errors are gone; leave it out"},
+        Wrong{"[\"00xxh\"]", "has \"00xxh\", and 00xxh is how"},
+        Wrong{"[\"00FFh\"]", "has \"00FFh\", and 00xxh is how"},
+        Wrong{"[\"10000h\"]", "has \"10000h\", which is above FFFFh, the last error code of EMCY; give it four digits"},
+        Wrong{"[\"FFFFFFFFFFFFFFFFFFh\"]", "which is above FFFFh"},
+        Wrong{"[\"FF01h\", \"4210h\", \"ff01h\"]", "has \"FF01h\" twice; leave one out"},
+        Wrong{"[\"42xxh\", \"42xxh\"]", "has \"42xxh\" twice; leave one out"},
+        Wrong{"[\"4210h\", \"42xxh\"]", "has \"4210h\", which \"42xxh\" holds as well; leave one of the two out"},
+        Wrong{"[\"42xxh\", \"4200h\"]", "has \"4200h\", which \"42xxh\" holds as well; leave one of the two out"},
+        Wrong{"[\"42xxh\", \"42FFh\"]", "has \"42FFh\", which \"42xxh\" holds as well"},
+        Wrong{"[\"1001h\",\"1002h\",\"1003h\",\"1004h\",\"1005h\",\"1006h\",\"1007h\",\"1008h\",\"1009h\"]",
+              "has 9 entries, and a drive has room for 8; name a class, as \"FFxxh\", in the place of several"}}) {
+    const std::string text = with_line("drive", std::string{"emcy_information = "} + codes);
+    const std::string message = breakaway::testing::refusal([&] { parse_node(text, "node.toml"); });
+    EXPECT_TRUE(message.starts_with("node.toml:")) << message;
+    EXPECT_NE(message.find(".drive] emcy_information "), message.npos) << message;
+    EXPECT_NE(message.find(says), message.npos) << codes << ": " << message;
+    EXPECT_EQ(message.find('\n'), message.npos) << message;
+  }
+  const std::string widest = R"(emcy_information = ["0100h","0101h","01FFh","41xxh","43xxh","42FFh","4200h","FFxxh"])";
+  EXPECT_EQ(certified_node(with_line("drive", widest)).axes[0].drive.emcy_information.last[7], 0xFFFF);
 }
 
 TEST(ReadNode, EveryFieldOfTheLoopCanBeSet) {

@@ -30,6 +30,7 @@ TEST(EmulatorConfig, NamesTheMemberThatIsOutOfRange) {
       {"sdo_response_delay", [](EmulatorConfig& c) { c.sdo_response_delay = milliseconds{-1}; }},
       {"sdo_timeout", [](EmulatorConfig& c) { c.sdo_timeout = milliseconds{0}; }},
       {"error_behaviour", [](EmulatorConfig& c) { c.error_behaviour = 3; }},
+      {"informs_every", [](EmulatorConfig& c) { c.quirks.informs_every = {}; }},
       {"valid_pdos", [](EmulatorConfig& c) { c.valid_pdos = 5; }},
   };
   for (const Row& row : rows) {

@@ -86,6 +86,27 @@ TEST_F(DriveQuirksTest, FallsBackToSwitchedOnWithoutAWord) {
   EXPECT_EQ(drive->state(), State::operation_enabled);
 }
 
+TEST_F(DriveQuirksTest, InformsByEmcyWhileItWorksAndKnowsOfNoError) {
+  config.quirks.informs_with = 0xFF01;
+  config.quirks.informs_every = milliseconds{10};
+  start(config);
+  enable_cyclic();
+  sent.clear();
+  for (int i = 0; i < 25; ++i) cycle(0x0F, 500);
+  const std::size_t told = count(0x085);
+  EXPECT_GE(told, 2U);
+  EXPECT_LE(told, 3U);
+  EXPECT_EQ(last(0x085), (Bytes{0x01, 0xFF, 0, 0, 0, 0, 0, 0}));
+  EXPECT_DOUBLE_EQ(force_N(), 5.0);
+  EXPECT_EQ(drive->objects().get({0x1001, 0}), 0);
+  EXPECT_EQ(drive->objects().get({0x1003, 0}), 0);
+  EXPECT_EQ(drive->objects().get({0x603F, 0}), 0);
+  drive->trip_fault(0x2310, now);
+  sent.clear();
+  run(milliseconds{100});
+  EXPECT_EQ(count(0x085), 0U) << "it does not work any more";
+}
+
 TEST_F(DriveQuirksTest, AlarmsWhenSyncIsLate) {
   config.quirks.sync_alarm_periods = 2;
   start(config);

@@ -26,6 +26,36 @@ TEST_F(ControlLoopTest, SendsCommandsBeforeTheSyncAtWhichTheyAct) {
   EXPECT_EQ(probe.syncs.back(), now);
 }
 
+TEST_F(ControlLoopTest, SyncLeavesAtItsTimeOfThePeriodAndOnlyAfterCommands) {
+  loop.sync(now);
+  EXPECT_TRUE(port.sent.empty()) << "nothing was commanded";
+  EXPECT_FALSE(loop.sync_due());
+  probe.wants_acyclic = true;
+  for (const hal::Duration late : {0us, 7us, 300us}) {
+    now += 1ms;
+    port.sent.clear();
+    loop.command(now);
+    ASSERT_EQ(port.sent.size(), 1U);
+    EXPECT_EQ(port.sent[0].id, canopen::rpdo_cob_id(1, 1));
+    ASSERT_EQ(loop.sync_due(), now + canopen::sync_offset(1, 1ms, 1'000'000));
+    const hal::Time leaves = *loop.sync_due() + late;
+    loop.sync(leaves);
+    ASSERT_EQ(port.sent.size(), 3U);
+    EXPECT_EQ(port.sent[1].id, canopen::sync_cob_id);
+    EXPECT_EQ(port.sent[2].id, canopen::sdo_request_cob_id(1));
+    EXPECT_EQ(probe.syncs.back(), leaves) << "the drive samples when it comes";
+    EXPECT_FALSE(loop.sync_due()) << "it left";
+  }
+}
+
+TEST_F(ControlLoopTest, WhatIsLateIsStaleAtTheEndOfItsOwnPeriod) {
+  probe.wants_acyclic = true;
+  loop.command(now += 1ms);
+  loop.sync(*loop.sync_due());
+  ASSERT_EQ(port.deadlines.size(), 3U);
+  for (const hal::Time deadline : port.deadlines) EXPECT_EQ(deadline, now + 1ms);
+}
+
 TEST_F(ControlLoopTest, AnAxisThatStopsAsAskedHasNoFaultAndCanBeEnabledAgain) {
   enable();
   loop.request_stop(axis);

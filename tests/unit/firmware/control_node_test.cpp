@@ -91,6 +91,20 @@ TEST(RemoteControl, KeepsTheCommandsOfTwoAxesApart) {
   EXPECT_EQ(commanded.take_command(1)->target_counts, 7);
 }
 
+TEST(ControlNode, SaysWhenTheSyncOfItsPeriodIsToLeave) {
+  const FlashedNode<float, 2> flashed = testing::certified_node();
+  ListedPort port;
+  ControlNode<ListedPort, FlashedNode<float, 2>> controller{port, flashed};
+  EXPECT_FALSE(controller.sync_due()) << "no period has begun";
+  for (hal::Time now{1ms}; now < hal::Time{4ms}; now += 1ms) {
+    controller.command(now);
+    const auto due = controller.sync_due();
+    ASSERT_EQ(due, now + canopen::sync_offset(2, 1ms, flashed.loop.network.bit_rate));
+    controller.sync(*due);
+    EXPECT_FALSE(controller.sync_due()) << "it left";
+  }
+}
+
 constexpr hal::Time start{};
 constexpr hal::Duration timeout = 500ms;
 

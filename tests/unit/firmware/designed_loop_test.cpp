@@ -107,9 +107,7 @@ TEST(DesignedLoop, NamesAnAxisThatShowsNoMotionUnderMoreThanItsFriction) {
 }
 
 struct HoldingLaw : DesignedLaw {
-  static constexpr bool is_of_a_rigid_axis = true;
-  float held_force_N() const noexcept { return 2; }
-  float led_back_m() const noexcept { return 0.01F; }
+  law::HeldAxis<float> held() const noexcept { return {.force_N = 2, .allowed_m = 0.01F, .is_rigid = true}; }
   law::ControlOutput<float> update(const law::Measurement<float>&) noexcept { return {1, 0, mode_, false}; }
 };
 

@@ -100,6 +100,9 @@ TEST(FlashedMachine, EveryMemberOfItsCoordinatorCountsIntoTheChecksum) {
     };
     EXPECT_TRUE((first(members) && ...));
   };
+  expect_visited(machine.loop.network.period, machine.wiring.can_controller, machine.wiring.serial_baud, machine.count,
+                 machine.axes[0].name, machine.axes[1].drive.node_id, machine.axes[1].limits.force_N,
+                 machine.certified);
   const auto& [period, count, settling, still, release, most_kicks, axes] = machine.coordinator;
   expect_visited(period, count, settling, still, release, most_kicks);
   for (const auto& axis : axes) {
@@ -159,6 +162,9 @@ constexpr Refusal refusals[] = {
     {"name of the other", NodeError::name_taken, 1, [](Machine& m) { m.axes[1].name = m.axes[0].name; }},
     {"force", NodeError::limits_below_law, 1, [](Machine& m) { m.axes[1].limits.force_N = 49.9F; }},
     {"following error", NodeError::limits_below_law, 0, [](Machine& m) { m.axes[0].limits.following_error_m = 9e-6F; }},
+    {"no room", NodeError::limits_below_law, 1,
+     [](Machine& m) { m.axes[1].limits.position_min_m = m.axes[1].limits.position_max_m = 1; }},
+    {"no speed", NodeError::limits_below_law, 1, [](Machine& m) { m.axes[1].limits.speed_m_s = 0; }},
     {"slow bus", NodeError::bus_overloaded, 0, [](Machine& m) { m.loop.network.bit_rate = 125'000; }},
 };
 
@@ -172,6 +178,20 @@ TEST(FlashedMachine, IsRefusedByNameWhereItContradictsItself) {
     EXPECT_EQ(verdict.error, refusal.error) << refusal.label << ": " << to_string(verdict.error);
     EXPECT_EQ(verdict.axis, refusal.axis) << refusal.label;
   }
+}
+
+TEST(FlashedMachine, TakesLimitsThatItsLawJustKeepsAndAMachineOfOneAxis) {
+  EXPECT_FALSE(Machine{}.certified) << "before a design has certified it";
+  Machine machine = certified_machine();
+  machine.axes[0].limits.force_N = machine.coordinator.axes[0].max_force_N;
+  machine.axes[0].limits.following_error_m = machine.coordinator.axes[0].tolerance_m;
+  machine.axes[1].limits.speed_m_s = 1e-3F;
+  machine.checksum = checksum_of(machine);
+  EXPECT_TRUE(verify(machine).ok()) << to_string(verify(machine).error);
+  machine.count = machine.coordinator.count = 1;
+  machine.coordinator.axes[0].hold_off = {};
+  machine.checksum = checksum_of(machine);
+  EXPECT_TRUE(verify(machine).ok()) << to_string(verify(machine).error);
 }
 
 TEST(FlashedMachine, AnAxisThatIsNeverKickedNeedsNoHoldOffForces) {

@@ -57,6 +57,8 @@ constexpr Edit<Axis> edits_of_an_axis[] = {
     {"drive.homing.zero_counts_s", [](Axis& a) { change(a.drive.homing.zero_counts_s); }},
     {"drive.homing.acceleration_counts_s2", [](Axis& a) { change(a.drive.homing.acceleration_counts_s2); }},
     {"drive.homing.timeout", [](Axis& a) { change(a.drive.homing.timeout); }},
+    {"drive.emcy_information.first[0]", [](Axis& a) { change(a.drive.emcy_information.first[0]); }},
+    {"drive.emcy_information.last[7]", [](Axis& a) { change(a.drive.emcy_information.last[7]); }},
     {"limits.position_min_m", [](Axis& a) { change(a.limits.position_min_m); }},
     {"limits.position_max_m", [](Axis& a) { change(a.limits.position_max_m); }},
     {"limits.speed_m_s", [](Axis& a) { change(a.limits.speed_m_s); }},
@@ -156,6 +158,38 @@ constexpr Edit<Node> edits_of_the_node[] = {
     {"count", [](Node& n) { change(n.count); }},
 };
 
+// Of a law whose kicks are measured by their work.
+using WorkNode = FlashedNode<float, 1, law::WorkKicks<float>>;
+using WorkKicks = law::WorkKicks<float>;
+
+constexpr Edit<WorkKicks> edits_of_work_kicks[] = {
+    {"force_step_N", [](WorkKicks& k) { change(k.force_step_N); }},
+    {"slow_lag", [](WorkKicks& k) { change(k.slow_lag); }},
+    {"load_N", [](WorkKicks& k) { change(k.load_N); }},
+    {"spring_m", [](WorkKicks& k) { change(k.spring_m); }},
+    {"creep_m", [](WorkKicks& k) { change(k.creep_m); }},
+    {"friction_per_gain_N", [](WorkKicks& k) { change(k.friction_per_gain_N); }},
+    {"speeding_s_per_kg", [](WorkKicks& k) { change(k.speeding_s_per_kg); }},
+    {"held_back_N", [](WorkKicks& k) { change(k.held_back_N); }},
+    {"late_periods", [](WorkKicks& k) { change(k.late_periods); }},
+    {"still_periods", [](WorkKicks& k) { change(k.still_periods); }},
+    {"patient_periods", [](WorkKicks& k) { change(k.patient_periods); }},
+    {"longest_coast_periods", [](WorkKicks& k) { change(k.longest_coast_periods); }},
+    {"metered", [](WorkKicks& k) { change(k.metered); }},
+    {"approach.mass_kg", [](WorkKicks& k) { change(k.approach.mass_kg); }},
+    {"approach.friction_N", [](WorkKicks& k) { change(k.approach.friction_N); }},
+    {"approach.acceleration_m_s2", [](WorkKicks& k) { change(k.approach.acceleration_m_s2); }},
+    {"approach.stiffness_N_per_m", [](WorkKicks& k) { change(k.approach.stiffness_N_per_m); }},
+    {"approach.damping_Ns_per_m", [](WorkKicks& k) { change(k.approach.damping_Ns_per_m); }},
+    {"approach.short_of_target_m", [](WorkKicks& k) { change(k.approach.short_of_target_m); }},
+    {"approach.begin_m", [](WorkKicks& k) { change(k.approach.begin_m); }},
+    {"approach.swing_periods", [](WorkKicks& k) { change(k.approach.swing_periods); }},
+    {"approach.speed_periods", [](WorkKicks& k) { change(k.approach.speed_periods); }},
+    {"approach.mean_periods", [](WorkKicks& k) { change(k.approach.mean_periods); }},
+    {"table.first", [](WorkKicks& k) { change(k.table.first); }},
+    {"table.entries[0].a0", [](WorkKicks& k) { change(k.table.entries[0].a0); }},
+};
+
 // With two kicks in each table, since of a table only what is there counts.
 Node node_with_tables() {
   Node node = testing::certified_node();
@@ -171,6 +205,16 @@ TEST(Checksum, CountsEveryNumberOfEveryAxis) {
       edit.make(edited.axes[axis]);
       EXPECT_NE(checksum_of(edited), checksum_of(whole)) << edit.label << " of axis " << axis;
     }
+  }
+}
+
+TEST(Checksum, CountsEveryNumberOfKicksByTheirWork) {
+  WorkNode whole;
+  whole.axes[0].kicks.table.count = 2;
+  for (const auto& edit : edits_of_work_kicks) {
+    WorkNode edited = whole;
+    edit.make(edited.axes[0].kicks);
+    EXPECT_NE(checksum_of(edited), checksum_of(whole)) << edit.label;
   }
 }
 
@@ -235,12 +279,19 @@ constexpr Refusal refusals[] = {
     {"id of the node", NodeError::node_id_taken, 1, [](Node& n) { n.axes[1].drive.node_id = n.loop.network.node_id; }},
     {"id of the other", NodeError::node_id_taken, 1, [](Node& n) { n.axes[1].drive.node_id = 1; }},
     {"id of nobody", NodeError::drive_invalid, 1, [](Node& n) { n.axes[1].drive.node_id = 0; }},
+    {"information that is an end", NodeError::drive_invalid, 1,
+     [](Node& n) { n.axes[1].drive.emcy_information.last[0] = 0x00FF; }},
     {"name of the other", NodeError::name_taken, 1, [](Node& n) { n.axes[1].name = n.axes[0].name; }},
     {"force", NodeError::limits_below_law, 0, [](Node& n) { n.axes[0].limits.force_N = 49.9F; }},
     {"following error", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.following_error_m = 1.9e-6F; }},
     {"no room", NodeError::limits_below_law, 1,
      [](Node& n) { n.axes[1].limits.position_min_m = n.axes[1].limits.position_max_m = 1; }},
     {"speed", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.speed_m_s = 4.9F; }},
+    {"the largest number for a speed", NodeError::limits_below_law, 1,
+     [](Node& n) {
+       n.axes[1].law.max_approach_speed_m_s = std::numeric_limits<float>::max();
+       n.axes[1].limits.speed_m_s = 5;
+     }},
     {"force is no number", NodeError::limits_below_law, 1, [](Node& n) { n.axes[1].limits.force_N = std::nanf(""); }},
     {"slow bus", NodeError::bus_overloaded, 0, [](Node& n) { n.loop.network.bit_rate = 125'000; }},
 };

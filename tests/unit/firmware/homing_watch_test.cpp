@@ -72,6 +72,103 @@ TEST(HomingWatch, NamesWhatGoesWrongAndMindsNoJumpOfThePosition) {
   }
 }
 
+// Samples of a drive that seeks its home, one each millisecond.
+struct Seeking {
+  Supervisor<float> supervisor;
+  hal::Time time{};
+
+  explicit Seeking(const AxisModel<float>& model = {})
+      : supervisor{AxisLimits<float>{.speed_m_s = 1, .feedback_timeout = 20ms}, model} {}
+  AxisFault see(float travel_m, float force_N = 0, bool against_a_stop = false, hal::Duration after = 1ms) {
+    time += after;
+    Feedback f = homing({}, force_N);
+    f.travel_m = travel_m;
+    f.sample_time = time;
+    supervisor.check_homing(f, {}, time, against_a_stop);
+    return supervisor.fault();
+  }
+};
+
+TEST(HomingWatch, ThreeSamplesInARowThatAreTooFastAreTheSpeedLimit) {
+  for (const float sign : {1.0F, -1.0F}) {
+    Seeking drive;
+    EXPECT_EQ(drive.see(sign), AxisFault::none) << "the first has none before it";
+    for (int round = 0; round < 3; ++round) {
+      EXPECT_EQ(drive.see(sign * 0.0011F), AxisFault::none);
+      EXPECT_EQ(drive.see(sign * 0.0011F), AxisFault::none) << "the place may jump where it is found";
+      EXPECT_EQ(drive.see(sign * 0.0009F), AxisFault::none);
+    }
+    drive.see(sign * 0.0011F);
+    drive.see(sign * 0.0011F);
+    EXPECT_EQ(drive.see(sign * 0.0011F), AxisFault::speed_limit);
+    EXPECT_EQ(drive.supervisor.fault_code(), 0) << "no drive told of it";
+  }
+}
+
+// A drive that was running, looks for its zero and runs again: samples of one count nothing for the other.
+TEST(HomingWatch, CountsTheSamplesThatAreTooFastApartFromThoseOfARun) {
+  Seeking drive;
+  const auto run = [&drive](float travel_m) {
+    Feedback f;
+    f.state = hal::DriveState::enabled;
+    f.sample_time = drive.time += 1ms;
+    f.travel_m = travel_m;
+    f.fresh = f.ever_valid = true;
+    return drive.supervisor.check(f, {}, drive.time);
+  };
+  EXPECT_EQ(run(0), AxisFault::none);
+  EXPECT_EQ(drive.see(0.0011F), AxisFault::none);
+  EXPECT_EQ(drive.see(0.0011F), AxisFault::none) << "the second of three that name it";
+  EXPECT_EQ(drive.see(0.0009F), AxisFault::none);
+  Seeking found;
+  EXPECT_EQ(found.see(0), AxisFault::none);
+  drive = found;
+  EXPECT_EQ(run(0.0011F), AxisFault::none) << "the first of the two that name it";
+  EXPECT_EQ(run(0.0011F), AxisFault::speed_limit);
+}
+
+TEST(HomingWatch, SamplesBeforeAGapDoNotCount) {
+  Seeking drive;
+  drive.see(0);
+  drive.see(0.0011F);
+  drive.see(0.0011F);
+  EXPECT_EQ(drive.see(1, 0, false, 20ms + 1ns), AxisFault::none) << "a speed over a gap says nothing";
+  EXPECT_EQ(drive.see(0.0011F), AxisFault::none);
+  EXPECT_EQ(drive.see(0.0011F), AxisFault::none);
+  EXPECT_EQ(drive.see(0.03F, 0, false, 20ms), AxisFault::speed_limit) << "as long as the timeout is no gap";
+}
+
+TEST(HomingWatch, AnAxisThatDoesNotMoveUnderForceIsNamedUnlessItStandsAgainstAStop) {
+  const AxisModel<float> model{
+      .max_force_N = 50, .mass_kg = 1, .friction_upper_N = 5, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
+  const auto after = [&](float force_N, bool against_a_stop, bool gap) {
+    Seeking drive{model};
+    for (int n = 0; n < 20; ++n) drive.see(0, force_N, against_a_stop, gap && n == 8 ? hal::Duration{21ms} : 1ms);
+    return drive.supervisor.fault();
+  };
+  EXPECT_EQ(after(40, false, false), AxisFault::no_motion_under_force);
+  EXPECT_EQ(after(-40, false, false), AxisFault::no_motion_under_force);
+  EXPECT_EQ(after(40, true, false), AxisFault::none);
+  EXPECT_EQ(after(14, false, false), AxisFault::none) << "feedforward holds most of it";
+  EXPECT_EQ(after(-4, false, false), AxisFault::no_motion_under_force) << "and pushes with this one";
+  Seeking drive{model};
+  for (int n = 0; n < 9; ++n) EXPECT_EQ(drive.see(0, 40), AxisFault::none);
+  drive.see(0, 40, false, 21ms);
+  for (int n = 0; n < 8; ++n) EXPECT_EQ(drive.see(0, 40), AxisFault::none) << "counted anew after a gap: " << n;
+  for (int n = 0; n < 4; ++n) drive.see(0, 40);
+  EXPECT_EQ(drive.supervisor.fault(), AxisFault::no_motion_under_force);
+  EXPECT_EQ(drive.supervisor.fault_code(), 0) << "no drive told of it";
+
+  Supervisor<float> untold{AxisLimits<float>{.feedback_timeout = 20ms}, model};
+  for (hal::Time time{1ms}; time < hal::Time{20ms}; time += 1ms) {
+    Feedback f = homing({}, 40);
+    f.travel_m = 0;
+    f.sample_time = time;
+    untold.check_homing(f, {}, time);
+  }
+  EXPECT_EQ(untold.fault(), AxisFault::no_motion_under_force) << "unless told a drive looks for no stop";
+}
+
 TEST_F(ControlLoopTest, WatchesADriveThatFindsItsZeroWhereItIsWanted) {
   probe.feedback = {.state = hal::DriveState::homing, .fresh = true, .ever_valid = true};
   probe.new_error = 0x8611;
@@ -106,6 +203,76 @@ TEST_F(ControlLoopTest, NamesADriveThatFoundNoZeroWantedOrNot) {
   EXPECT_TRUE(loop.reset_fault(axis));
   step();
   EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+}
+
+TEST_F(ControlLoopTest, NamesTheErrorThatADriveToldOfWhenItFoundNoZero) {
+  for (const std::uint16_t code : {std::uint16_t{0x8611}, std::uint16_t{0}}) {
+    loop.request_enable(axis);
+    probe.feedback = {.state = hal::DriveState::disabled, .homing_failed = true};
+    probe.new_error = code;
+    step();
+    EXPECT_EQ(loop.status(axis).fault, code != 0 ? AxisFault::emergency : AxisFault::homing_failed);
+    EXPECT_EQ(loop.supervisor(axis).fault_code(), code);
+    probe.feedback.homing_failed = false;
+    EXPECT_TRUE(loop.reset_fault(axis));
+  }
+  loop.request_stop(axis);
+  probe.feedback.homing_failed = true;
+  probe.new_error = 0x8611;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::homing_failed) << "nobody wants the axis";
+  EXPECT_EQ(loop.supervisor(axis).fault_code(), 0);
+}
+
+TEST_F(ControlLoopTest, NamesTheErrorThatADriveToldOfWhenItWasJustEnabled) {
+  loop.request_enable(axis);
+  probe.feedback = {.state = hal::DriveState::enabled, .fresh = true, .ever_valid = true};
+  probe.new_error = 0x2310;
+  step();
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::emergency);
+  EXPECT_EQ(loop.supervisor(axis).fault_code(), 0x2310);
+  EXPECT_TRUE(probe.commands.empty()) << "it got no force before";
+}
+
+// A law of a mass of 1 kg, whose friction is told.
+struct LawOfAMass : testing::ProportionalLaw {
+  struct Told {
+    float mass_kg = 1;
+    struct {
+      float upper_N = 5;
+    } friction;
+    float feedforward_N = 0, encoder_resolution_m = 1e-6F;
+  };
+  static Told parameters() noexcept { return {}; }
+};
+
+template <bool against_a_stop>
+struct SeekingDrive : testing::FakeDrive {
+  using FakeDrive::FakeDrive;
+  static bool homes_against_a_stop() noexcept { return against_a_stop; }
+};
+
+// Its axis does not move under 40 N for as long.
+template <class Drive>
+AxisFault fault_of_a_standing_search() {
+  testing::FakePort port;
+  testing::DriveProbe probe;
+  ControlLoop<testing::FakePort, Drive, LawOfAMass, float> loop{port,
+                                                                {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+  const auto axis = *loop.add_axis({&probe, 1}, {}, testing::moderate_limits()).id;
+  loop.request_enable(axis);
+  probe.feedback = {.state = hal::DriveState::homing, .force_N = 40, .fresh = true, .ever_valid = true};
+  for (hal::Time time{1ms}; time < hal::Time{30ms}; time += 1ms) {
+    probe.feedback.sample_time = time;
+    loop.step(time);
+  }
+  return loop.status(axis).fault;
+}
+
+TEST(HomingWatch, ALoopTakesADriveThatLooksForAStopForNoOtherOne) {
+  EXPECT_EQ(fault_of_a_standing_search<SeekingDrive<true>>(), AxisFault::none);
+  EXPECT_EQ(fault_of_a_standing_search<SeekingDrive<false>>(), AxisFault::no_motion_under_force);
+  EXPECT_EQ(fault_of_a_standing_search<testing::FakeDrive>(), AxisFault::no_motion_under_force) << "it does not say";
 }
 
 TEST_F(ControlLoopTest, StartsWithTheFaultThatEndedItsLastRunAndStaysDisabled) {

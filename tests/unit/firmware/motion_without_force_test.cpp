@@ -119,7 +119,7 @@ TEST(MotionWithoutForce, AForceThatIsNoNumberMayBeAny) {
 }
 
 TEST(MotionWithoutForce, WatchesNothingWhereNothingIsTold) {
-  MotionWithoutForce<double> motion{HeldAxis<double>{}};
+  MotionWithoutForce<double> motion{law::HeldAxis<double>{}};
   motion.sample(0, true);
   motion.sample(1e300, true);
   EXPECT_FALSE(motion.seen());

@@ -116,6 +116,8 @@ TEST_F(NodeObjectsTest, TellsWhoItIs) {
   EXPECT_EQ(number<std::uint32_t>(0x1000, 0), 0U);
   EXPECT_EQ(text(0x1008, 0), "breakaway");
   EXPECT_EQ(number<std::uint8_t>(0x1018, 0), 4);
+  for (std::uint8_t nobody = 1; nobody <= 3; ++nobody)
+    EXPECT_EQ(number<std::uint32_t>(0x1018, nobody), 0U) << "no vendor's";
   EXPECT_EQ(number<std::uint32_t>(0x1018, 4), flashed.checksum);
   EXPECT_EQ(number<std::uint16_t>(0x1017, 0), flashed.loop.network.heartbeat_period / 1ms);
   EXPECT_EQ(number<std::uint32_t>(0x1200, 1), 0x67FU);
@@ -138,6 +140,24 @@ TEST_F(NodeObjectsTest, TellsHowTheLoopRuns) {
   EXPECT_EQ(number<std::uint32_t>(0x2000, 7), 0U);
 }
 
+TEST_F(NodeObjectsTest, TellsIntervalsBeyondItsNumbersByTheLastOfThem) {
+  run(10ms);
+  now -= 5ms;
+  step();
+  EXPECT_EQ(number<std::uint32_t>(0x2000, 5), 0U) << "of a clock that went back";
+  now += 5s;
+  step();
+  EXPECT_EQ(number<std::uint32_t>(0x2000, 6), 0xFFFF'FFFFU) << "more than 4.29 s";
+}
+
+TEST_F(NodeObjectsTest, TellsAtWhichObjectASetUpEnded) {
+  drive.objects[test::ScriptedDrive::key(0x607B, 1)] = 1;
+  drive.boot();
+  run(1s);
+  EXPECT_EQ(number<std::uint8_t>(0x2101, 0x0E), static_cast<std::uint8_t>(cia402::SetupStatus::position_wraps));
+  EXPECT_EQ(number<std::uint32_t>(0x2101, 0x0F), 0x607B01U);
+}
+
 TEST_F(NodeObjectsTest, TellsWhatEveryAxisDoes) {
   drive.counts = 4321;
   drive.boot();
@@ -152,6 +172,8 @@ TEST_F(NodeObjectsTest, TellsWhatEveryAxisDoes) {
   EXPECT_EQ(number<std::int32_t>(0x2101, 3), 4321);
   EXPECT_FLOAT_EQ(real(0x2101, 4), 4321 * flashed.axes[0].law.encoder_resolution_m);
   EXPECT_EQ(real(0x2101, 6), 0.0F);
+  const auto& status = controller.loop().status(*controller.loop().axis(0));
+  EXPECT_EQ(number<std::uint8_t>(0x2101, 7), static_cast<std::uint8_t>(status.output.mode));
   EXPECT_EQ(number<std::uint8_t>(0x2101, 8), static_cast<std::uint8_t>(hal::DriveState::enabled));
   EXPECT_EQ(number<std::uint8_t>(0x2102, 8), static_cast<std::uint8_t>(hal::DriveState::configuring));
   EXPECT_EQ(number<std::uint8_t>(0x2101, 9), 0);
@@ -239,6 +261,32 @@ TEST(NodeObjects, ATargetBeyondTheLimitsOfPositionIsRefusedByTheCodesOfTheStanda
   EXPECT_EQ(world.write(0x2101, 2, {0xA6, 0x3C, 0xFF, 0xFF}), SdoResult::aborted);
   EXPECT_EQ(world.tool.abort_code(), SdoAbort::value_too_low);
   EXPECT_EQ(world.number<std::int32_t>(0x2101, 2), 99'990);
+}
+
+TEST(NodeObjects, ATargetMayBeAtTheLimitsOfPosition) {
+  constexpr float micrometre = 1e-6F;
+  World world{[](FlashedNode<float, 2>& node) {
+    node.axes[0].limits.position_min_m = -50'000 * micrometre;
+    node.axes[0].limits.position_max_m = 100'000 * micrometre;
+  }};
+  world.drive.boot();
+  world.enable();
+  EXPECT_EQ(world.write(0x2101, 2, {0xA0, 0x86, 1, 0}), SdoResult::done) << "100000";
+  EXPECT_EQ(world.write(0x2101, 2, {0xB0, 0x3C, 0xFF, 0xFF}), SdoResult::done) << "-50000";
+}
+
+// Whoever has no SdoServer asks them himself.
+TEST(NodeObjects, SayThatAnAxisThatIsNotThereCannotBeWritten) {
+  const FlashedNode<float, 2> node = testing::certified_node();
+  ListedPort port;
+  ControlLoop<ListedPort, cia402::Drive<float>, law::AxisController<float>, float, 2> loop{port, node.loop};
+  NodeObjects objects{loop, node};
+  constexpr std::array<std::uint8_t, 4> zero{};
+  EXPECT_EQ(objects.write({0x2101, 2}, zero), SdoAbort::no_such_object);
+  add_axes(loop, node);
+  EXPECT_EQ(objects.write({0x2101, 2}, zero), SdoAbort::device_state) << "it is there, and nobody wants it";
+  EXPECT_EQ(objects.write({0x2103, 2}, zero), SdoAbort::no_such_object);
+  EXPECT_EQ(objects.write({0x2101, 0x11}, zero), SdoAbort::no_such_subindex);
 }
 
 TEST_F(NodeObjectsTest, RefusesWhatIsNotThere) {

@@ -7,7 +7,9 @@
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/firmware/flashed_node.hpp"
 #include "breakaway/firmware/remote_control.hpp"
+#include "breakaway/firmware/served_port.hpp"
 #include "fake_axis.hpp"
+#include "listed_port.hpp"
 
 namespace breakaway::firmware::remote_port {
 namespace {
@@ -67,13 +69,14 @@ TEST(RemoteBytes, TellTheStateAndThePositionOfAnAxis) {
   LoopOfOne loop;
   loop.shown.fault = AxisFault::emergency;
   loop.shown.output.mode = law::Mode::hold;
-  loop.shown.feedback.state = hal::DriveState::enabled;
+  loop.shown.feedback.state = hal::DriveState::fault;
   const hal::CanFrame frame = status_frame(loop, LoopOfOne::AxisId{}, node);
   EXPECT_EQ(frame.id, canopen::tpdo_cob_id(1, node));
   EXPECT_EQ(frame.data[0], 1);
   EXPECT_EQ(frame.data[1], static_cast<std::uint8_t>(AxisFault::emergency));
   EXPECT_EQ(frame.data[2], static_cast<std::uint8_t>(law::Mode::hold));
-  EXPECT_EQ(frame.data[3], static_cast<std::uint8_t>(hal::DriveState::enabled));
+  EXPECT_EQ(frame.data[3], static_cast<std::uint8_t>(hal::DriveState::fault));
+  ASSERT_NE(frame.data[2], frame.data[3]) << "or the two could be mixed up";
   EXPECT_EQ(canopen::load_little_endian<std::int32_t>(frame.data, 4), -70'000);
   const auto told = decode_status(frame, node);
   ASSERT_TRUE(told);
@@ -105,6 +108,26 @@ TEST(NodeErrors, HaveASentenceEach) {
   EXPECT_EQ(count, static_cast<int>(NodeError::axes_stop_apart) + 1);
   EXPECT_EQ(static_cast<int>(texts.size()), count) << "none is said twice";
   EXPECT_FALSE(texts.contains(""));
+}
+
+// Notes what is asked of it.
+struct AskedPort : ListedPort {
+  int purges = 0;
+  hal::BusState state = hal::BusState::bus_off;
+  void purge_transmit_queue() noexcept { ++purges; }
+  hal::BusState bus_state() const noexcept { return state; }
+};
+
+TEST(ServedPort, PassesOnWhatItIsAskedOfTheBus) {
+  AskedPort port;
+  ServedPort<AskedPort> served{port, node};
+  served.purge_transmit_queue();
+  EXPECT_EQ(port.purges, 1);
+  for (const hal::BusState state :
+       {hal::BusState::bus_off, hal::BusState::error_active, hal::BusState::error_passive}) {
+    port.state = state;
+    EXPECT_EQ(served.bus_state(), state);
+  }
 }
 
 TEST(FlashedDefaults, CertifyNothingAndGiveACommanderHalfASecond) {

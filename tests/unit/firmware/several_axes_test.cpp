@@ -213,6 +213,38 @@ TEST_F(SeveralAxesTest, LetsTheAxesTakeTurnsWithAcyclicFrames) {
   EXPECT_EQ(seen, (std::vector<int>{0, 10, 10, 10}));
 }
 
+// A drive that is asked two questions a period.
+struct QuestionedDrive : testing::FakeDrive {
+  using FakeDrive::FakeDrive;
+  int questions = 2;
+  bool next_poll_frame(hal::CanFrame& frame) noexcept {
+    frame.id = canopen::tpdo_cob_id(1, id);
+    if (questions-- > 0) return true;
+    questions = 2;
+    return false;
+  }
+};
+
+TEST(QuestionedDrivesInALoop, AreAskedAfterEveryCommandAndSyncAndBeforeTheAcyclicFrame) {
+  FakePort port;
+  DriveProbe probe;
+  probe.wants_acyclic = true;
+  ControlLoop<FakePort, QuestionedDrive, testing::ProportionalLaw, float> loop{
+      port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+  for (std::uint8_t node_id = 1; node_id <= 2; ++node_id) loop.add_axis({&probe, node_id}, {}, {});
+  for (hal::Time now{1ms}; now < hal::Time{4ms}; now += 1ms) {
+    port.sent.clear();
+    loop.step(now);
+    std::vector<std::uint16_t> ids;
+    for (const hal::CanFrame& frame : port.sent) ids.push_back(frame.id);
+    ASSERT_EQ(ids.size(), 8U);
+    EXPECT_EQ((std::vector<std::uint16_t>{ids.begin() + 3, ids.end() - 1}),
+              (std::vector<std::uint16_t>{canopen::tpdo_cob_id(1, 1), canopen::tpdo_cob_id(1, 1),
+                                          canopen::tpdo_cob_id(1, 2), canopen::tpdo_cob_id(1, 2)}));
+    EXPECT_EQ(port.deadlines.back(), now + 1ms);
+  }
+}
+
 TEST_F(SeveralAxesTest, AnIdFromALargerLoopChangesNothingHere) {
   start(FaultScope::axis);
   Loop small{port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};

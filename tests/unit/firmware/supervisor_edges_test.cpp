@@ -96,6 +96,35 @@ TEST(SupervisorEdges, TheFirstSampleHasNoSpeed) {
   EXPECT_EQ(axis.see(jumped), AxisFault::speed_limit);
 }
 
+// Of a SYNC that came late one sample seems faster, and the next one slower.
+TEST(SupervisorEdges, TheSpeedLimitTakesTwoSamplesInARowOrHalfAsMuchAgain) {
+  AxisLimits<float> limits = no_limits();
+  limits.speed_m_s = 2;
+  for (const float sign : {1.0F, -1.0F}) {
+    Watched axis{limits};
+    const auto moved = [&](float travel_m) {
+      Feedback f = axis.sample();
+      f.travel_m = sign * travel_m;
+      return axis.see(f);
+    };
+    moved(0);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(moved(0.00295F), AxisFault::none) << "late";
+      EXPECT_EQ(moved(0.00105F), AxisFault::none) << "and not so late";
+    }
+    EXPECT_EQ(moved(0.00199F), AxisFault::none);
+    EXPECT_EQ(moved(0.00201F), AxisFault::none);
+    EXPECT_EQ(moved(0.00201F), AxisFault::speed_limit);
+    axis.supervisor.reset();
+    moved(0);
+    EXPECT_EQ(moved(0.00301F), AxisFault::speed_limit) << "half as much again";
+    axis.supervisor.reset();
+    EXPECT_EQ(moved(0.00299F), AxisFault::none) << "the first sample after a reset has none before it";
+    EXPECT_EQ(moved(0.00299F), AxisFault::none) << "and what came before the reset does not count";
+    EXPECT_EQ(moved(0.00299F), AxisFault::speed_limit);
+  }
+}
+
 TEST(SupervisorEdges, ASampleMayBeAsOldAsTheTimeout) {
   Watched axis{no_limits()};
   Feedback old = axis.sample();
@@ -249,6 +278,15 @@ TEST(SupervisorEdges, NamesAnAxisThatIsMovedWhileItIsHeld) {
     EXPECT_EQ(moved(started, true, 10), AxisFault::none);
     started.supervisor.begin_commands();
     for (int n = 0; n < 10; ++n) EXPECT_EQ(moved(started, false, 10), AxisFault::none) << "it may have been moving";
+  }
+}
+
+TEST(SupervisorEdges, AnAxisOfWhichNobodySaysThatItIsHeldMayMove) {
+  Watched axis{no_limits(), {.held = {.force_N = 2, .allowed_m = 0.01F}}};
+  for (int n = 0; n < 10; ++n) {
+    Feedback f = axis.sample();
+    f.travel_m = 0.005F;
+    EXPECT_EQ(axis.see(f, {}), AxisFault::none);
   }
 }
 

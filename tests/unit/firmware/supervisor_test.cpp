@@ -71,6 +71,11 @@ INSTANTIATE_TEST_SUITE_P(
         Violation{"heartbeat", AxisFault::heartbeat_lost, [](Feedback&, AxisHealth& h) { h.heartbeat_lost = true; }},
         Violation{"emcy", AxisFault::emergency, [](Feedback&, AxisHealth& h) { h.emergency_code = 0x2310; }},
         Violation{"fault", AxisFault::drive_fault, [](Feedback& f, AxisHealth&) { f.state = hal::DriveState::fault; }},
+        Violation{"faulty", AxisFault::drive_fault,
+                  [](Feedback& f, AxisHealth&) {
+                    f.faulty = true;
+                    f.state = hal::DriveState::stopping;  // the reaction to it is not over yet
+                  }},
         Violation{"left", AxisFault::drive_left_enabled,
                   [](Feedback& f, AxisHealth&) { f.state = hal::DriveState::disabled; }},
         Violation{"rebooted", AxisFault::drive_left_enabled,
@@ -115,6 +120,20 @@ INSTANTIATE_TEST_SUITE_P(
         Violation{"pulled", AxisFault::force_limit, [](Feedback& f, AxisHealth&) { f.force_N = -50.1F; }},
         Violation{"bus", AxisFault::bus_off, [](Feedback&, AxisHealth& h) { h.bus_off = true; }}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });
+
+TEST(Supervisor, TakesInTheCodeOfItsFaultThatIsReadLaterAndNoOther) {
+  Supervisor<float> supervisor{limits()};
+  supervisor.latch(AxisFault::none, 0x1111, {});
+  supervisor.latch(AxisFault::drive_fault, 0, hal::Time{1ms});
+  supervisor.latch(AxisFault::emergency, 0x8110, hal::Time{2ms});
+  EXPECT_EQ(supervisor.fault_code(), 0);
+  supervisor.latch(AxisFault::drive_fault, 0x2310, hal::Time{3ms});
+  EXPECT_EQ(supervisor.fault_code(), 0x2310);
+  supervisor.latch(AxisFault::drive_fault, 0x7305, hal::Time{4ms});
+  EXPECT_EQ(supervisor.fault_code(), 0x2310) << "the first one stays";
+  EXPECT_EQ(supervisor.fault(), AxisFault::drive_fault);
+  EXPECT_EQ(supervisor.fault_time(), hal::Time{1ms});
+}
 
 TEST(Supervisor, HasEveryFaultInTheListForItsUsers) {
   std::ifstream file{BREAKAWAY_SOURCE_DIR "/firmware/FAULTS.md"};

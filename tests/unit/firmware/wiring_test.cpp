@@ -74,6 +74,7 @@ TEST(Wiring, HasTwoControllersAndARangeOfBaudRates) {
     second.can_controller = first.can_controller;
     EXPECT_EQ(is_possible(first), controller == 1);
     EXPECT_EQ(is_possible(second), controller == 2);
+    EXPECT_EQ(is_possible({.rpu_can_controller = static_cast<std::uint8_t>(controller)}), controller <= 1);
   }
   for (const std::uint32_t baud : {9'600U, 115'200U, 5'250'000U}) EXPECT_TRUE(is_possible({.serial_baud = baud}));
   for (const std::uint32_t baud : {0U, 9'599U, 5'250'001U}) EXPECT_FALSE(is_possible({.serial_baud = baud}));

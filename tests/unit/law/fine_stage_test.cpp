@@ -133,6 +133,8 @@ TEST(FineStage, WidensTheToleranceToTheFloorAndLeavesTheRestToTheTable) {
   EXPECT_LT(stage.tolerance_m(), fine.fine_floor_m);
   stage.pulse(-20e-6F);
   EXPECT_EQ(stage.tolerance_m(), fine.fine_floor_m);
+  stage.learn(-15e-6F, 3);
+  EXPECT_EQ(stage.tolerance_m(), fine.fine_floor_m) << "what the last kick of all shows changes nothing";
   expect_same(stage.pulse(-20e-6F), fine.table.pulse(20e-6F));
   stage.restart();
   EXPECT_EQ(stage.tolerance_m(), asked_m);
@@ -161,10 +163,12 @@ class Shown {
     }
     return false;
   }
+  void show(float position_m) { controller_.update({position_m}); }
   void hold_at(float position_m, int periods) {
     for (int i = 0; i < periods; ++i) controller_.update({position_m});
   }
   ControlFault fault() const { return controller_.fault(); }
+  float seen_friction_N() const { return controller_.seen_friction_N(); }
 
  private:
   AxisController<float> controller_{slow_axis(), no_k3, fine};
@@ -176,6 +180,20 @@ TEST(FineStage, MayLeadAnAxisFurtherAwayAgainAndAgainWithoutAFault) {
     const float position_m = 2e-6F * static_cast<float>(i % 2 == 0 ? i : -i);
     EXPECT_TRUE(axis.kicked_at(position_m)) << i << ": " << to_string(axis.fault());
   }
+}
+
+// Where a fine kick leads says nothing about what was told, but that the brake drives the axis back does.
+TEST(FineStage, NamesAnAxisThatItsBrakeDrivesBack) {
+  Shown axis;
+  float position_m = -22e-6F;
+  int kicks = 0;
+  for (; kicks < 10 && axis.kicked_at(position_m); ++kicks) {
+    axis.show(position_m + 8e-6F);
+    axis.show(position_m += 4e-6F);
+  }
+  EXPECT_EQ(axis.fault(), ControlFault::contradicted);
+  EXPECT_EQ(kicks, KickJudge<float>::most_contradictions);
+  EXPECT_EQ(axis.seen_friction_N(), fine.brake_N);
 }
 
 TEST(FineStage, BeginsAnewWhereAHeldAxisIsPushed) {

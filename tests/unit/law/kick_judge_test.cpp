@@ -77,6 +77,104 @@ TEST(KickJudge, NamesAnAxisThatDoesNotMove) {
   EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
 }
 
+// Where each kick leads to, when it is judged without a brake.
+template <class Judge>
+ControlFault fault_of(Judge judge, int kicks, float (*place_m)(int), int& judged) {
+  KickJudge<float> all;
+  ControlFault fault = ControlFault::none;
+  all.forget();
+  for (judged = 0; judged < kicks && fault == ControlFault::none; ++judged) {
+    all.kicked(judged == 0 ? -1e-4F : place_m(judged - 1));
+    fault = judge(all, place_m(judged));
+  }
+  return fault;
+}
+
+// The last kick of all does nothing, and those before only led to and fro.
+TEST(KickJudge, CallsAnAxisHuntingThatMovedSinceItWasNearest) {
+  int judged = 0;
+  const auto to_and_fro = [](int kick) { return kick > 100 || kick % 2 == 0 ? -1.2e-4F : -1.1e-4F; };
+  const auto judge = [](KickJudge<float>& all, float x) { return all.judge(testing::sampled_axis<float>(), x); };
+  EXPECT_EQ(fault_of(judge, 1000, to_and_fro, judged), ControlFault::hunting);
+  EXPECT_EQ(judged, KickJudge<float>::most_kicks + 2) << "the two that led nearer than any before count for none";
+}
+
+TEST(KickJudge, NamesALoadOnASpringThatEachKickLeadsFurtherAway) {
+  int judged = 0;
+  const auto away = [](int kick) { return -1e-4F * static_cast<float>(kick + 2); };
+  const auto judge = [](KickJudge<float>& all, float x) { return all.judge_work(testing::sampled_axis<float>(), x); };
+  EXPECT_EQ(fault_of(judge, 1000, away, judged), ControlFault::diverging);
+  EXPECT_EQ(judged, 8);
+}
+
+// Kicks under the coast "pd", each from where the axis rests.
+struct Judged {
+  AxisParameters<float> p = testing::sampled_axis<float>();
+  KickJudge<float> judge;
+  ControlFault kick(float from_m, float to_m) {
+    judge.kicked(from_m);
+    return judge.judge(p, to_m);
+  }
+  // So many in a row, none of which moves the axis.
+  ControlFault futile(int kicks) {
+    ControlFault fault = ControlFault::none;
+    for (int i = 0; i < kicks && fault == ControlFault::none; ++i) fault = kick(1e-3F, 1e-3F);
+    return fault;
+  }
+  // So many, each of which leads a millimetre further away.
+  ControlFault growing(int kicks) {
+    ControlFault fault = ControlFault::none;
+    for (int i = 1; i <= kicks && fault == ControlFault::none; ++i)
+      fault = kick(1e-3F * static_cast<float>(i), 1e-3F * static_cast<float>(i + 1));
+    return fault;
+  }
+};
+
+TEST(KickJudge, ForgetsWithAnotherTargetWhatTheKicksToTheLastOneShowed) {
+  Judged axis;
+  EXPECT_EQ(axis.futile(63), ControlFault::none);
+  axis.judge.forget();
+  EXPECT_EQ(axis.futile(63), ControlFault::none);
+  EXPECT_EQ(axis.futile(1), ControlFault::jammed);
+  axis.judge.forget();
+  EXPECT_EQ(axis.kick(1e-3F, 5e-4F), ControlFault::none) << "nor is a fault that was proved";
+  axis.judge.forget();
+  EXPECT_EQ(axis.growing(7), ControlFault::none);
+  axis.judge.forget();
+  EXPECT_EQ(axis.growing(7), ControlFault::none);
+  EXPECT_EQ(axis.growing(1), ControlFault::diverging);
+  axis = {};
+  EXPECT_EQ(axis.kick(1e-3F, 1e-6F), ControlFault::none);
+  axis.judge.forget();
+  for (int kick = 0; kick < 200; ++kick) {
+    const float error_m = 0.02F - 5e-5F * static_cast<float>(kick);
+    ASSERT_EQ(axis.kick(error_m, error_m - 5e-5F), ControlFault::none) << "each leads nearer to this target";
+  }
+}
+
+TEST(KickJudge, CountsThoseThatLeadAwayInARowOnly) {
+  Judged axis;
+  EXPECT_EQ(axis.growing(7), ControlFault::none);
+  EXPECT_EQ(axis.kick(8e-3F, 7e-3F), ControlFault::none);
+  EXPECT_EQ(axis.growing(7), ControlFault::none);
+  EXPECT_EQ(axis.growing(1), ControlFault::diverging);
+}
+
+TEST(KickJudge, JudgesEachKickOnce) {
+  Judged axis;
+  EXPECT_EQ(axis.kick(1e-3F, 1e-3F), ControlFault::none);
+  for (int period = 0; period < 500; ++period) ASSERT_EQ(axis.judge.judge(axis.p, 1e-3F), ControlFault::none);
+}
+
+TEST(KickJudge, AnAxisMayLeaveItsHoldAsOftenAsItMayBeKicked) {
+  KickJudge<float> judge;
+  for (int target = 0; target < 2; ++target) {
+    for (int left = 0; left < KickJudge<float>::most_kicks; ++left) ASSERT_FALSE(judge.left_hold()) << left;
+    EXPECT_TRUE(judge.left_hold());
+    judge.forget();
+  }
+}
+
 // It cannot even reach the force of the brake, from which a pulse behind a lag starts.
 TEST(KickJudge, NamesAnAxisWhoseDriveGivesNextToNothing) {
   Scripted axis{2e-3};

@@ -96,6 +96,18 @@ TEST(KickShaper, SpreadsALargeImpulseOverAsManyPeriodsAsTheForceLimitDemands) {
   EXPECT_GT(large.force_N, 0.5 * p.max_force_N) << "fewer periods would have done";
 }
 
+TEST(KickShaper, TakesNoPeriodMoreForAnImpulseThatFillsWholeOnes) {
+  auto p = sampled_axis<double>();
+  p.kick_shape = KickShape::naive;
+  p.period_s = 0x1p-10;
+  p.max_force_N = p.friction.lower_N + 32;
+  const KickShaper<double> shaper{p, 1.0};
+  const auto table = ballistic_table(p, p.stick_radius_upper_m());
+  const double of_a_period_Ns = 32 * 0x1p-10;
+  EXPECT_EQ(shaper.plan(table, 1e-3, 3 * of_a_period_Ns, 0.0, 0.0).periods, 3);
+  EXPECT_EQ(shaper.plan(table, 1e-3, 3.001 * of_a_period_Ns, 0.0, 0.0).periods, 4);
+}
+
 TEST(KickShaper, CutsAKickThatNeedsMoreThanItsLongestPulse) {
   auto p = sampled_axis<double>();
   p.max_force_N = 4.6;

@@ -1,10 +1,13 @@
 // An axis to test the law with: the paper's mass and friction bounds, gains that suit a 1 kHz loop.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <array>
+
 #include <cmath>
 
 #include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/control_types.hpp"
 #include "breakaway/law/k3_table.hpp"
 
 namespace breakaway::law::testing {
@@ -27,6 +30,16 @@ AxisParameters<Scalar> sampled_axis() {
 }
 
 // Without feedback the k3 curve is a parabola, R = m sqrt(2 f_lo / m), and every kick has a closed form.
+// The period in which a fault is named is one of it already.
+template <class Controller, class Scalar>
+void expect_nothing_with_a_fault(const Controller& controller, const ControlOutput<Scalar>& out) {
+  if (controller.fault() == ControlFault::none) return;
+  EXPECT_EQ(out.mode, Mode::fault);
+  EXPECT_EQ(out.force_N, 0);
+  EXPECT_EQ(out.impulse_Ns, 0);
+  EXPECT_FALSE(out.kicked);
+}
+
 template <class Scalar>
 K3Table<Scalar> ballistic_table(const AxisParameters<Scalar>& p, Scalar largest_m) {
   K3Table<Scalar> table;

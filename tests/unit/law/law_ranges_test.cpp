@@ -70,6 +70,80 @@ TEST(ForceSteps, ALimitOfMoreThanThereAreIsThatOfAll) {
   EXPECT_EQ(force_limit_steps(10.0F, 1e-3F), 10'000);
 }
 
+TEST(ForceSteps, AreRoundedDownWithinSixteenBitsEitherWay) {
+  struct Row {
+    float force_N;
+    std::int32_t steps;
+  };
+  for (const auto& [force_N, steps] :
+       {Row{2.5F, 2}, Row{-2.5F, -3}, Row{-3, -3}, Row{32'766.5F, 32'766}, Row{32'767, 32'767}, Row{32'767.5F, 32'767},
+        Row{4e4F, 32'767}, Row{-32'766.5F, -32'767}, Row{-32'767, -32'767}, Row{-32'767.5F, -32'767},
+        Row{-32'768, -32'767}, Row{-4e4F, -32'767}, Row{std::nanf(""), 0}})
+    EXPECT_EQ(whole_force_steps(force_N, 1.0F), steps) << force_N;
+}
+
+TEST(Limited, NoForceThatNobodyComputedActs) {
+  EXPECT_EQ(limited(std::nanf(""), 5.0F), 0.0F);
+  EXPECT_EQ(limited(6.0F, 5.0F), 5.0F);
+  EXPECT_EQ(limited(-6.0F, 5.0F), -5.0F);
+  EXPECT_EQ(limited(0.5F, 5.0F), 0.5F);
+}
+
+TEST(FrictionBounds, TellHowFarApartTheyAre) {
+  const FrictionBounds<double> friction{3, 4};
+  EXPECT_EQ(friction.ratio(), 0.75);
+  EXPECT_EQ(friction.gap(), 0.25);
+}
+
+TEST(AxisParameters, AFeedforwardOfLessThanANewtonIsOneEitherWay) {
+  AxisParameters<double> p = testing::sampled_axis<double>();
+  for (const double feedforward_N : {0.5, -0.5}) {
+    p.feedforward_N = feedforward_N;
+    EXPECT_EQ(p.total_force_N(), p.max_force_N + 0.5);
+    EXPECT_EQ(validate(p), ParameterError::none);
+  }
+}
+
+TEST(AxisParameters, ALightAxisMayBeDampedByLessThanOne) {
+  AxisParameters<double> p = testing::sampled_axis<double>();
+  p.mass_kg = p.stiffness_N_per_m = 0.01;
+  p.approach_damping_Ns_per_m = 0.01;
+  p.kick_damping_Ns_per_m = 0.5;
+  EXPECT_EQ(validate(p), ParameterError::none);
+}
+
+template <class Scalar>
+void expect_nothing_given(const ControlOutput<Scalar>& out) {
+  EXPECT_EQ(out.mode, Mode::fault);
+  EXPECT_EQ(out.force_N, 0);
+  EXPECT_EQ(out.impulse_Ns, 0);
+  EXPECT_FALSE(out.kicked);
+}
+
+TEST(AxisController, GivesNothingFromThePeriodOnInWhichItsReadingIsNoNumber) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double resolution_m : {1e-6, 0.0}) {
+    AxisParameters<double> p = testing::sampled_axis<double>();
+    p.encoder_resolution_m = resolution_m;
+    const auto table = testing::ballistic_table(p, 1.0);
+    for (const Measurement<double>& wrong : {Measurement<double>{std::nan(""), 0, true},
+                                             {infinity, 0, true},
+                                             {-infinity, 0, true},
+                                             {0.01, infinity, true},
+                                             {0.01, -infinity, true},
+                                             {0.01, std::nan(""), true}}) {
+      const bool is_read = resolution_m > 0;  // then the velocity is not
+      if (is_read && std::isfinite(wrong.position_error_m)) continue;
+      AxisController<double> controller{p, table};
+      controller.update({0.01, 0, true});
+      expect_nothing_given(controller.update(wrong));
+      EXPECT_EQ(controller.fault(), ControlFault::not_a_number);
+      expect_nothing_given(controller.update({0.01, 0, true}));
+      expect_nothing_given(controller.update({0.01, 0, false}));
+    }
+  }
+}
+
 TEST(RestDetector, StaysPatientHoweverLongAnAxisIsStuck) {
   RestDetector<double> rest{1, 2.5, 1e-6, 1e-3};
   for (int n = 0; n < longer_than_any_count; ++n)

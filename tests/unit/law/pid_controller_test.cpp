@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace breakaway::law {
 namespace {
@@ -64,6 +65,43 @@ TEST(PidController, HoldsItsForceWhileASampleIsLostAndSeesNoJumpAfterIt) {
   EXPECT_EQ(pid.update({0, 0, false}).force_N, 0) << "nothing is left of the force";
   EXPECT_EQ(pid.update({-0.01}).force_N, PidController<double>{gains()}.update({-0.01}).force_N);
   EXPECT_EQ(pid.velocity_m_s(), 0) << "the first reading tells no speed";
+}
+
+void expect_nothing_kicked(const ControlOutput<double>& out, Mode mode) {
+  EXPECT_EQ(out.mode, mode);
+  EXPECT_EQ(out.impulse_Ns, 0);
+  EXPECT_FALSE(out.kicked);
+}
+
+TEST(PidController, GivesTheForceOfItsLastSampleWithoutOneAndNoneFromAFaultOn) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const double wrong : {infinity, -infinity, std::nan("")}) {
+    PidController<double> pid{gains()};
+    EXPECT_EQ(pid.mode(), Mode::approach);
+    const auto out = pid.update({-0.05});
+    expect_nothing_kicked(out, Mode::approach);
+    EXPECT_DOUBLE_EQ(out.force_N, 5);
+    const auto held = pid.update({0, 0, false});
+    expect_nothing_kicked(held, Mode::approach);
+    EXPECT_EQ(held.force_N, out.force_N);
+    EXPECT_EQ(pid.fault(), ControlFault::none);
+    for (const Measurement<double>& z : {Measurement<double>{wrong}, {-0.05}, {0, 0, false}}) {
+      const auto nothing = pid.update(z);
+      expect_nothing_kicked(nothing, Mode::fault);
+      EXPECT_EQ(nothing.force_N, 0);
+    }
+    EXPECT_EQ(pid.mode(), Mode::fault);
+    EXPECT_EQ(pid.fault(), ControlFault::not_a_number);
+  }
+}
+
+TEST(PidController, DoesNotWindUpWhileItsSpeedIsLimited) {
+  auto p = gains();
+  p.max_approach_speed_m_s = 0.5;
+  for (const double side : {1.0, -1.0}) {
+    PidController<double> pid{p};
+    for (int i = 0; i < 1000; ++i) ASSERT_DOUBLE_EQ(pid.update({-side * 0.1}).force_N, side * 5) << i;
+  }
 }
 
 TEST(PidController, TakesAMovedTargetForNoMotion) {

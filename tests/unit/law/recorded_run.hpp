@@ -14,6 +14,7 @@
 
 #include "../../kicked_axis.hpp"
 #include "../../recorded_figures.hpp"
+#include "law_fixture.hpp"
 
 namespace breakaway::law::testing {
 
@@ -92,6 +93,7 @@ Figures recorded_run(const AxisParameters<Real>& p, const K3Table<Real>& k3, con
     f.lever_Ns2 += force_N * t * T;
     f.square_N2s += force_N * force_N * T;
     f.seen_m += std::fabs(static_cast<double>(controller.velocity_m_s())) * T;
+    expect_nothing_with_a_fault(controller, out);
     if (out.mode == Mode::approach) f.approach_s += T;
     const double way_m = (axis.position_m() - target_m) * (kicked_from_m > 0 ? -1 : 1);
     if (k >= c.at_period) f.beyond_counts = std::max(f.beyond_counts, way_m / q);

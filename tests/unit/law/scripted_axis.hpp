@@ -20,7 +20,11 @@ class Scripted {
  public:
   explicit Scripted(double lag_s)
       : kicks_{design::design_braked_kicks<float>(breakaway::testing::axes_of_the_scenes(lag_s)).kicks} {}
-  ControlOutput<float> show(float position_m) { return controller_.update({position_m}); }
+  ControlOutput<float> show(float position_m) {
+    const ControlOutput<float> out = controller_.update({position_m});
+    expect_nothing_with_a_fault(controller_, out);
+    return out;
+  }
   ControlOutput<float> lose() { return controller_.update({0, 0, false}); }
   // Lets the axis be still at the position until a pulse starts; returns its force.
   float pulse_at(float position_m) {

@@ -90,6 +90,26 @@ TEST(ShapedMove, GoesNoFasterWhereItsTargetIsFurtherThanItCountsPeriods) {
   EXPECT_GT(x, -1000 + 0.5 * 0.1 * 1e-3 * ShapedMove<double>::most_planned_periods) << "it leads at least as far";
 }
 
+// A swing of eight periods is its own negative after four.
+TEST(ShapedMove, SeesNoSwingInAPlaceThatIsTheMeanOfTwoReadings) {
+  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  approach.damping_Ns_per_m = 0;
+  for (const int mean_periods : {4, 0}) {
+    approach.mean_periods = static_cast<std::uint8_t>(mean_periods);
+    ShapedMove<double> calm{approach, 1e-3, 10, 1}, swinging{approach, 1e-3, 10, 1};
+    double most_apart_N = 0;
+    for (int k = 0; k < 60; ++k) {
+      const double swing_m = 1e-3 * std::cos(2 * std::numbers::pi * k / 8);
+      calm.see(-0.1, 0, 0);
+      swinging.see(-0.1 + (k > 0 ? swing_m : 0), 0, 0);
+      const double apart_N = swinging.force_N() - calm.force_N();
+      if (k > 8) most_apart_N = std::max(most_apart_N, std::abs(apart_N));
+    }
+    const double expected_N = mean_periods > 0 ? 0 : 1e-3 * approach.stiffness_N_per_m;
+    EXPECT_NEAR(most_apart_N, expected_N, 1e-9 * approach.stiffness_N_per_m) << mean_periods;
+  }
+}
+
 TEST(ShapedMove, SaysWhichWayItGoesAndForHowManyPeriods) {
   const auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
   for (const double side : {1.0, -1.0}) {

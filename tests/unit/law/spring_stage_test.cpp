@@ -74,6 +74,29 @@ TEST(SpringStage, ReachesNowhereWithoutASpring) {
   EXPECT_FALSE((SpringStage<float>{none, 1e-6F}.reaches(1e-9F)));
 }
 
+// A ringing that never shows rest ends in a fault only where no spring would mend what is left.
+TEST(SpringStage, TakesOverWithinItsReachAnAxisThatRingsForLongerThanItMay) {
+  design::BrakedClass c = axes_of_the_scenes(0);
+  c.presliding_stiffness_N_per_m = 1e5;
+  auto p = testing::sampled_axis<float>();
+  p.coast = Coast::brake;
+  const auto kicks = design::design_braked_kicks<float>(c).kicks;
+  const K3Table<float> unused;
+  for (const bool within : {true, false}) {
+    AxisController<float> controller{p, unused, kicks};
+    const float from_m = -4 * kicks.spring.reach_m, at_m = within ? 0 : from_m / 2;
+    int periods = 0;
+    while (!controller.update({from_m}).kicked && ++periods < 10'000) continue;
+    ControlOutput<float> out;
+    const auto rings = [&] { return out.mode == Mode::fault || (out.mode == Mode::coast && out.force_N > 0); };
+    for (periods = 0; !(periods > 10 && rings()) && periods < 10'000; ++periods)
+      out = controller.update({at_m + (periods % 2 == 0 ? -8e-6F : 8e-6F)});
+    EXPECT_LT(periods, 10'000) << within;
+    EXPECT_EQ(controller.fault(), within ? ControlFault::none : ControlFault::drifting);
+    EXPECT_EQ(controller.kicks(), 1U);
+  }
+}
+
 // told: share of the stiffness that the law is told.
 RunEnd settle(const Bristles& bristles, double told, double friction_N, double start_m) {
   design::BrakedClass c = axes_of_the_scenes(0);

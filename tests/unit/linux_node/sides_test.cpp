@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "breakaway/odrive/fault_code.hpp"
 #include "breakaway/odrive/messages.hpp"
@@ -32,6 +34,25 @@ TEST(CanopenSide, HearsANodeByItsHeartbeatAndItsAnswers) {
   EXPECT_EQ(CanopenSide::heard_node(with_id(canopen::heartbeat_cob_id(9))), 9);
   EXPECT_EQ(CanopenSide::heard_node(with_id(canopen::sdo_response_cob_id(9))), 9);
   EXPECT_FALSE(CanopenSide::heard_node(with_id(canopen::tpdo_cob_id(1, 9))));
+}
+
+TEST(CanopenSide, SaysWhatErrorADriveToldAndNoInformation) {
+  CanopenSide::Drive drive{
+      {.node_id = 1, .force_per_torque_N_per_Nm = 50, .emcy_information = {.first = {0x4200}, .last = {0x42FF}}},
+      network,
+      {.encoder_resolution_m = 1e-6F, .max_force_N = 50}};
+  const auto hear = [&](const canopen::Emcy& emcy) { drive.on_frame({.frame = canopen::emcy_frame(emcy, 1)}); };
+  StepRecord step;
+  hear({.code = 0x4210, .error_register = 0x08});
+  CanopenSide::note(drive, step);
+  EXPECT_EQ(step.error_register, 0);
+  EXPECT_EQ(CanopenSide::why_standing(drive).find("tells why"), std::string::npos);
+  hear({.code = 0x3110, .error_register = 0x05});
+  hear({.code = 0x4210, .error_register = 0x0D});
+  CanopenSide::note(drive, step);
+  EXPECT_EQ(step.error_register, 0x05);
+  EXPECT_NE(CanopenSide::why_standing(drive).find("error code 3110h"), std::string::npos)
+      << CanopenSide::why_standing(drive);
 }
 
 TEST(OdriveSide, HearsAnotherMasterByACommandToOneOfItsDrives) {

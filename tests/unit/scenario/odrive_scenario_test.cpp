@@ -129,6 +129,7 @@ drive = { rated_torque_Nm = 1, max_torque_per_mille = 1000, force_per_torque_N_p
       {"node id of none", with_key("node_id = 63"), {"node_id", "62"}},
       {"a rated torque", with_key("rated_torque_Nm = 1"), {"rated_torque_Nm", "canopen"}},
       {"an SDO timeout", with_key("sdo_timeout_s = 0.1"), {"sdo_timeout_s", "canopen"}},
+      {"EMCY", with_key("emcy_information = [\"FF01h\"]"), {"[drive] emcy_information is not a key here", "canopen"}},
       {"quirks of CANopen", with_key("quirks = { self_starting = true }"), {"quirks", "canopen"}},
       {"a home that it finds", with_key("home = \"drive\""), {"home", "here"}},
       {"no limits of position", with(sound, "position_m = 7.9", "speed_m_s = 5"), {"protocol", "[limits] position_m"}},

@@ -271,6 +271,8 @@ TEST(ReadScenario, EveryQuirkOfTheEmulatedDriveCanBeSet) {
   EXPECT_EQ(quirks_of("sync_alarm_periods = 2").sync_alarm_periods, 2U);
   EXPECT_EQ(quirks_of("position_range_counts = 131072").position_range_counts, 131072U);
   EXPECT_EQ(quirks_of("refuses_start_with = 0x6100").refuses_start_with, 0x6100);
+  EXPECT_EQ(quirks_of("informs_with = 0xFF01").informs_with, 0xFF01);
+  EXPECT_EQ(quirks_of("informs_every_s = 0.005").informs_every, std::chrono::milliseconds{5});
   EXPECT_EQ(quirks_of("homing_gives_up_after_s = 3").homing_gives_up_after, std::chrono::seconds{3});
   EXPECT_EQ(quirks_of("fixed_mapping = \"fits\"").fixed_mapping, breakaway::drive_emulator::FixedMapping::fits);
   const Quirks refusing = quirks_of("refused_objects = [0x1006, 0x60B2]\nrefusal_code = 0x05040001");

@@ -23,11 +23,12 @@ sil::Accuracy choose(scenario::Scenario s, double accuracy_m) {
   return sil::choose_method(s);
 }
 
+// The rounding of this very way leaves 1.1e-10 m of it, and less than that is refused.
 TEST(AxisAccuracy, HoldsWhatIsAskedOnTheWholeWay) {
   for (const char* name : {"can_axis.toml", "vertical_axis.toml", "impulsive_example.toml"}) {
     scenario::Scenario s = scene(name);
     const sil::Result exact = sil::run_scenario(s, {.trace = !s.ideal()});
-    for (const double accuracy_m : {1e-3, 1e-6, 1e-10}) {
+    for (const double accuracy_m : {1e-3, 1e-6, 2e-10}) {
       s.run->accuracy_m = accuracy_m;
       const sil::Result result = sil::run_scenario(s, {.trace = !s.ideal()});
       ASSERT_TRUE(result.accuracy) << name;
@@ -40,7 +41,7 @@ TEST(AxisAccuracy, HoldsWhatIsAskedOnTheWholeWay) {
 }
 
 TEST(AxisAccuracy, CostsLessWhereLessIsAsked) {
-  const sil::Accuracy coarse = choose(scene("can_axis.toml"), 1e-3), fine = choose(scene("can_axis.toml"), 1e-10);
+  const sil::Accuracy coarse = choose(scene("can_axis.toml"), 1e-3), fine = choose(scene("can_axis.toml"), 2e-10);
   EXPECT_GT(coarse.method.tolerance, 1e3 * fine.method.tolerance);
   EXPECT_LT(coarse.cost_s, fine.cost_s);
 }

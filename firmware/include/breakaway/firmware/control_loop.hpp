@@ -2,9 +2,13 @@
 //
 // The frames of a step leave in the order command of every axis, SYNC where the protocol has one, questions where it
 // has them, then one acyclic frame. With SYNC every drive acts on its new command and takes its next sample at that
-// SYNC; the samples have a whole period to come back. So a force computed in step k from the sample of SYNC k-1 acts
-// from SYNC k to SYNC k+1: the latency is one period, and a pulse of n steps lasts n periods. Without SYNC a command
-// acts when it arrives, and the sample is the newest that came.
+// SYNC; the samples have the rest of the period to come back. So a force computed in step k from the sample of SYNC k-1
+// acts from SYNC k to SYNC k+1: the latency is one period, and a pulse of n steps lasts n periods. Without SYNC a
+// command acts when it arrives, and the sample is the newest that came.
+//
+// A SYNC that followed the commands at once would move with the stuff bits of theirs and with the time that the step
+// took, and a pulse would last that much longer or shorter than whole periods. So the step has two halves, and who runs
+// the loop lets the SYNC of every period wait until the same time after its start.
 #pragma once
 
 #include <array>
@@ -19,6 +23,7 @@
 
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/canopen/master.hpp"
+#include "breakaway/firmware/law_model.hpp"
 #include "breakaway/firmware/loop_concepts.hpp"
 #include "breakaway/firmware/loop_config.hpp"
 #include "breakaway/firmware/supervisor.hpp"
@@ -100,7 +105,7 @@ class ControlLoop {
     if (!(limits.force_N < AxisLimits<Scalar>::unlimited))
       limits.force_N = controller.max_force_N() + controller.max_force_N() / 5;
     const hal::AxisScale<Scalar> scale{controller.encoder_resolution_m(), controller.max_force_N()};
-    axes_[count_].emplace(Drive{drive, config_.network, scale}, controller, limits);
+    axes_[count_].emplace(drive, config_.network, scale, controller, limits);
     return {AxisId{count_++}};
   }
 
@@ -185,14 +190,36 @@ class ControlLoop {
                 static_cast<std::int32_t>(law::limited(std::round(target_m / a->drive.encoder_resolution_m()), most)));
   }
 
-  // Does the work of one period. `now` is the time at which the step starts; nothing in it waits.
-  void step(hal::Time now) noexcept {
+  // Does the work of one period but what begins with SYNC. `now` is the time at which the period starts; nothing in it
+  // waits.
+  void command(hal::Time now) noexcept {
     statistics_.begin(now);
     receive();
     if (config_.moves_end == MovesEnd::together) end_together();
     for (std::size_t i = 0; i < count_; ++i) control(*axes_[i], now);
     if (config_.fault_scope == FaultScope::all_axes) stop_together(now);
-    send(now);
+    send_commands(now);
+  }
+
+  // When the period's SYNC is to leave. Nothing: no command() came since the last one.
+  std::optional<hal::Time> sync_due() const noexcept {
+    if (!commanded_at_) return {};
+    return *commanded_at_ + Master::sync_offset(static_cast<unsigned>(count_), config_.network);
+  }
+
+  // Sends SYNC and what follows it in a period; at sync_due(), or as soon after as may be.
+  void sync(hal::Time now) noexcept {
+    if (!commanded_at_) return;
+    const hal::Time deadline = *commanded_at_ + config_.network.period;
+    send_sync(now, deadline);
+    send_acyclic(*commanded_at_, deadline);
+    commanded_at_.reset();
+  }
+
+  // Both at once, for who cannot wait within a period or has nothing to wait for.
+  void step(hal::Time now) noexcept {
+    command(now);
+    sync(now);
   }
 
   std::size_t axes() const noexcept { return count_; }
@@ -211,8 +238,10 @@ class ControlLoop {
   using Master = typename Drive::Master;
 
   struct Axis {
-    Axis(const Drive& d, const Controller& c, const AxisLimits<Scalar>& limits) noexcept
-        : drive{d}, controller{c}, supervisor{limits, model_of(c)} {}
+    // The drive is made in its place: a stack has little room for another one.
+    Axis(const typename Drive::Config& d, const hal::NetworkConfig& network, const hal::AxisScale<Scalar>& scale,
+         const Controller& c, const AxisLimits<Scalar>& limits) noexcept
+        : drive{d, network, scale}, controller{c}, supervisor{limits, model_of<Scalar>(c)} {}
     Drive drive;
     Controller controller;
     Supervisor<Scalar> supervisor;
@@ -227,22 +256,6 @@ class ControlLoop {
     bool sets_off = false;  // its target moved, or it was enabled, and no step has matched its move with the others'
     AxisStatus<Scalar> status{};
   };
-
-  // A law that is designed for a mass and its friction says what motion a force must bring.
-  static AxisModel<Scalar> model_of(const Controller& c) noexcept {
-    AxisModel<Scalar> model{.max_force_N = c.max_force_N()};
-    if constexpr (requires { c.parameters().friction.upper_N; }) {
-      model.mass_kg = c.parameters().mass_kg;
-      model.friction_upper_N = c.parameters().friction.upper_N;
-      model.feedforward_N = c.parameters().feedforward_N;
-      model.encoder_resolution_m = c.parameters().encoder_resolution_m;
-    }
-    if constexpr (requires { c.most_friction_N(); }) model.friction_upper_N = c.most_friction_N();
-    if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();
-    if constexpr (requires { c.led_back_m(); })
-      model.held = {c.held_force_N(), c.led_back_m(), Controller::is_of_a_rigid_axis};
-    return model;
-  }
 
   static constexpr hal::Duration reset_time = std::chrono::seconds{1};
   // A power stage may have to charge its capacitors and to open a brake first.
@@ -310,7 +323,8 @@ class ControlLoop {
     }
   }
 
-  // Kept out of step(), as send() is: there g++ 12 has too few registers for all three, and a step costs more.
+  // Kept out of command(), as send_commands() is: there g++ 12 has too few registers for all three, and a step costs
+  // more.
   [[gnu::noinline]] void receive() noexcept {
     hal::ReceivedFrame received;
     for (int n = 0; n < max_frames_per_step && port_->receive(received); ++n) {
@@ -420,6 +434,9 @@ class ControlLoop {
     if (feedback.homing_failed) a.supervisor.latch(AxisFault::homing_failed, 0, now);
     if (feedback.state == hal::DriveState::homing && a.wanted)
       a.supervisor.check_homing(feedback, health, now, homes_against_a_stop(a.drive));
+    // The period in which it is first seen energised is not yet one that runs.
+    if (feedback.state == hal::DriveState::enabled && a.wanted && health.emergency_code != 0)
+      a.supervisor.latch(AxisFault::emergency, health.emergency_code, now);
     // A drive that finds its zero has a time limit of its own.
     if (!a.wanted || waiting_ || feedback.state == hal::DriveState::homing) return a.unfulfilled_since.reset();
     a.supervisor.check_idle(health, now);
@@ -429,12 +446,6 @@ class ControlLoop {
     // An error that the drive told of says more than that it does not come.
     const std::uint16_t code = a.drive.last_error_code();
     a.supervisor.latch(code != 0 ? AxisFault::emergency : AxisFault::enable_timed_out, code, now);
-  }
-
-  // Only a law that is designed for its friction is sure to reach its target.
-  static bool is_on_its_way(const Controller& c) noexcept {
-    if constexpr (requires { c.parameters().friction.upper_N; }) return c.mode() != law::Mode::hold;
-    return false;
   }
 
   void begin(Axis& a) noexcept {
@@ -447,23 +458,33 @@ class ControlLoop {
   }
 
   // Frames still queued when the next step starts are stale by then: the port drops them.
-  [[gnu::noinline]] void send(hal::Time now) noexcept {
+  [[gnu::noinline]] void send_commands(hal::Time now) noexcept {
     const hal::Time deadline = now + config_.network.period;
     hal::CanFrame frame;
     for (std::size_t i = 0; i < count_; ++i) {
       if (axes_[i]->drive.next_command_frame(frame)) transmit(frame, deadline);
-      axes_[i]->drive.on_sync(now);  // the SYNC below
     }
+    commanded_at_ = now;
+  }
+
+  void send_sync(hal::Time now, hal::Time deadline) noexcept {
+    for (std::size_t i = 0; i < count_; ++i) axes_[i]->drive.on_sync(now);
+    hal::CanFrame frame;
     if (master_.next_sync(frame)) transmit(frame, deadline);
     ask(deadline);
-    if (master_.next_heartbeat(frame, now)) {
+  }
+
+  // What leaves when is decided by the start of the period, which is the same on every target; SYNC may be late.
+  [[gnu::noinline]] void send_acyclic(hal::Time begin, hal::Time deadline) noexcept {
+    hal::CanFrame frame;
+    if (master_.next_heartbeat(frame, begin)) {
       transmit(frame, deadline);
       return;
     }
     // One acyclic frame a period keeps set-up from crowding out the cyclic traffic; the axes take turns.
     for (std::size_t i = 0; i < count_; ++i) {
       next_acyclic_ = next_acyclic_ + 1 < count_ ? next_acyclic_ + 1 : 0;
-      if (!axes_[next_acyclic_]->drive.next_acyclic_frame(frame, now)) continue;
+      if (!axes_[next_acyclic_]->drive.next_acyclic_frame(frame, begin)) continue;
       transmit(frame, deadline);
       break;
     }
@@ -489,7 +510,8 @@ class ControlLoop {
   std::array<std::optional<Axis>, MaxAxes> axes_{};
   std::size_t count_ = 0;
   std::size_t next_acyclic_ = 0;
-  bool waiting_ = false;  // nobody starts: an axis of those that stop together still has a fault
+  std::optional<hal::Time> commanded_at_;  // by the command() whose SYNC did not leave yet
+  bool waiting_ = false;                   // nobody starts: an axis of those that stop together still has a fault
   std::uint64_t refused_frames_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/firmware/control_loop.hpp"
@@ -49,12 +50,24 @@ class ControlNode {
   // Its loop, to look at.
   const auto& loop() const noexcept { return loop_; }
 
-  // Does the work of one period.
-  void step(hal::Time now) noexcept {
+  // The two halves of a period's work, as ControlLoop has them: command(now) as it begins, sync(now) at sync_due().
+  void command(hal::Time now) noexcept {
     if (!verdict_.ok()) return;
     for (std::size_t i = 0; i < Axes; ++i) obey(i, now);
-    loop_.step(now);
-    tell(now);
+    loop_.command(now);
+    began_ = now;
+  }
+  std::optional<hal::Time> sync_due() const noexcept { return loop_.sync_due(); }
+  void sync(hal::Time now) noexcept {
+    if (!verdict_.ok() || !loop_.sync_due()) return;
+    loop_.sync(now);
+    tell(began_ + network_.period);
+  }
+
+  // Both at once, for who cannot wait within a period.
+  void step(hal::Time now) noexcept {
+    command(now);
+    sync(now);
   }
 
  private:
@@ -72,10 +85,9 @@ class ControlNode {
   }
 
   // The axes take turns, so that no period has more than one status frame; an SDO answer waits for one without.
-  void tell(hal::Time now) noexcept {
+  void tell(hal::Time deadline) noexcept {
     static_assert(Axes <= status_interval);
     if (++periods_ == status_interval) periods_ = 0;
-    const hal::Time deadline = now + network_.period;
     hal::CanFrame answer;
     if (const auto axis = loop_.axis(periods_))
       static_cast<void>(port_.send(status_frame(loop_, *axis, network_.node_id), deadline));
@@ -93,6 +105,7 @@ class ControlNode {
   std::array<RemoteAxis, Axes> remote_{};
   NodeVerdict verdict_;
   std::uint32_t periods_ = 0;
+  hal::Time began_{};  // the period
 };
 
 }  // namespace breakaway::firmware

@@ -30,10 +30,12 @@ concept AxisLaw = requires(C& controller, const C& constant, const law::Measurem
 // The side of a protocol that concerns no single drive: canopen::Master says what the calls do.
 template <class M>
 concept BusMaster = std::constructible_from<M, const hal::NetworkConfig&> &&
-    requires(M& master, const M& constant, const hal::CanFrame& in, hal::CanFrame& out, hal::Time now, std::uint8_t node) {
+    requires(M& master, const M& constant, const hal::CanFrame& in, hal::CanFrame& out, hal::Time now, std::uint8_t node,
+             unsigned axes, const hal::NetworkConfig& network) {
   { M::node_of(in) } noexcept -> std::same_as<std::uint8_t>;
   { constant.is_own(in) } noexcept -> std::same_as<bool>;
   { M::is_command(in, node) } noexcept -> std::same_as<bool>;
+  { M::sync_offset(axes, network) } noexcept -> std::same_as<hal::Duration>;
   { master.next_sync(out) } noexcept -> std::same_as<bool>;
   { master.next_heartbeat(out, now) } noexcept -> std::same_as<bool>;
 };

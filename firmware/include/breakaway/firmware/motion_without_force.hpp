@@ -11,22 +11,14 @@
 // how far away kicks still are for.
 #pragma once
 
-#include <limits>
+#include "breakaway/law/held_axis.hpp"
 
 namespace breakaway::firmware {
-
-// What is known of an axis that is held; where nothing is, nothing is watched.
-template <class Scalar>
-struct HeldAxis {
-  Scalar force_N = 0;  // either way: under it the axis is sure to stay where it rests
-  Scalar allowed_m = std::numeric_limits<Scalar>::infinity();
-  bool is_rigid = true;
-};
 
 template <class Scalar>
 class MotionWithoutForce {
  public:
-  constexpr explicit MotionWithoutForce(const HeldAxis<Scalar>& axis) noexcept : axis_{axis} {}
+  constexpr explicit MotionWithoutForce(const law::HeldAxis<Scalar>& axis) noexcept : axis_{axis} {}
 
   // Nothing is known of where the axis rests.
   void restart() noexcept { held_ = up_ = down_ = false; }
@@ -52,7 +44,7 @@ class MotionWithoutForce {
   bool seen() const noexcept { return (up_ && moved_m_ > axis_.allowed_m) || (down_ && moved_m_ < -axis_.allowed_m); }
 
  private:
-  HeldAxis<Scalar> axis_;
+  law::HeldAxis<Scalar> axis_;
   Scalar moved_m_{};  // since the law began to hold
   bool held_ = false;
   bool up_ = false, down_ = false;  // no force was there that could take it this way

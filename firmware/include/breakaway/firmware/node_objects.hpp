@@ -92,7 +92,7 @@ enum class AxisEntry : std::uint8_t {
   statusword = 0x0D,        // u16, of the drive
   setup_status = 0x0E,      // u8, cia402::SetupStatus
   setup_object = 0x0F,      // u32, the object at which the set-up stands: index and sub-index, as 603F00h
-  newest_emergency = 0x10,  // u16, error code of the drive's newest EMCY
+  newest_emergency = 0x10,  // u16, code of the drive's newest EMCY, also of one that is information only
 };
 
 // Loop: a ControlLoop of cia402 drives. Node: the FlashedNode that it was made from. Both must outlive this.

@@ -154,7 +154,7 @@ struct AxisModel {
   Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
   Scalar feedforward_N = 0;  // share of the force that a constant force on the axis takes up
   Scalar encoder_resolution_m = 1;
-  HeldAxis<Scalar> held{};
+  law::HeldAxis<Scalar> held{};
 };
 
 // The supervisor looks at these, beside the feedback.
@@ -244,9 +244,12 @@ class Supervisor {
     if (feedback.fresh) watch_homing_motion(feedback, against_a_stop, now);
   }
 
-  // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none.
+  // Latches a fault; the first one stays. `code` is 603Fh or the EMCY error code, 0 if there is none. One that is read
+  // after its fault was seen is taken in.
   void latch(AxisFault fault, std::uint16_t code, hal::Time now) noexcept {
-    if (fault == AxisFault::none || fault_ != AxisFault::none) return;
+    if (fault == AxisFault::none) return;
+    if (fault == fault_ && fault_code_ == 0) fault_code_ = code;
+    if (fault_ != AxisFault::none) return;
     fault_ = fault;
     fault_code_ = code;
     fault_time_ = now;
@@ -271,7 +274,7 @@ class Supervisor {
   AxisFault first_violation(const Feedback& f, const AxisHealth& health, hal::Time now) const noexcept {
     if (const AxisFault fault = of_the_bus(health); fault != AxisFault::none) return fault;
     if (health.emergency_code != 0) return AxisFault::emergency;
-    if (f.state == hal::DriveState::fault) return AxisFault::drive_fault;
+    if (f.faulty || f.state == hal::DriveState::fault) return AxisFault::drive_fault;
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
     if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
@@ -295,7 +298,7 @@ class Supervisor {
     if (!finite) return AxisFault::not_a_number;
     if (health.control_fault != law::ControlFault::none) return named(health.control_fault);
     if (f.position_m < lowest_m_ || f.position_m > highest_m_) return AxisFault::position_limit;
-    if (too_fast(f)) return AxisFault::speed_limit;
+    if (too_fast(f) && (was_too_fast_ || too_fast(f, far_too_fast))) return AxisFault::speed_limit;
     if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
     if (commanded_.exceeded()) return AxisFault::force_not_commanded;
     if (commanded_.fallen_short()) return AxisFault::less_force_than_commanded;
@@ -345,9 +348,14 @@ class Supervisor {
     has_previous_ = true;
   }
 
-  bool too_fast(const Feedback& f) const noexcept {
+  // A frame that was on the wire when SYNC was due, of whatever node, makes one sample late by up to its length: the
+  // axis seems faster in it by that share of a period, and as much slower in the next one.
+  static constexpr Scalar far_too_fast = Scalar(1.5);
+
+  // By more than `times` the limit.
+  bool too_fast(const Feedback& f, Scalar times = 1) const noexcept {
     if (!has_previous_) return false;
-    return std::abs(f.travel_m) > limits_.speed_m_s * since_previous_s(f);
+    return std::abs(f.travel_m) > times * limits_.speed_m_s * since_previous_s(f);
   }
 
   Scalar since_previous_s(const Feedback& f) const noexcept {
@@ -362,6 +370,7 @@ class Supervisor {
   }
 
   void remember(const Feedback& f) noexcept {
+    was_too_fast_ = too_fast(f);
     lowest_m_ = std::min(limits_.position_min_m, std::max(lowest_m_, f.position_m));
     highest_m_ = std::max(limits_.position_max_m, std::min(highest_m_, f.position_m));
     previous_time_ = f.sample_time;
@@ -382,7 +391,8 @@ class Supervisor {
   std::uint16_t fault_code_ = 0;
   AxisFault fault_ = AxisFault::none;
   bool has_previous_ = false;
-  int homing_too_fast_ = 0;  // samples in a row
+  bool was_too_fast_ = false;  // in the sample before
+  int homing_too_fast_ = 0;    // samples in a row
 };
 
 }  // namespace breakaway::firmware

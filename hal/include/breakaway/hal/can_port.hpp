@@ -8,8 +8,9 @@
 // Life cycle. main() constructs the port, which is the last time that it may allocate; starts it; and gives it to the
 // loop, which it must outlive. Then, once a period and in one thread:
 //
-//   port.poll(now);  // the port's own: takes frames in, drops stale ones, leads the controller back from bus-off
-//   loop.step(now);  // calls receive() until it says false, then send() for every frame of the period
+//   port.poll(now);     // the port's own: takes frames in, drops stale ones, leads the controller back from bus-off
+//   loop.command(now);  // calls receive() until it says false, then send() for every command
+//   loop.sync(later);   // at loop.sync_due(): send() for SYNC and what follows it in the period
 //
 // All four calls have in common that they never block, allocate, throw or wait for a lock, and that their work is
 // bounded. They are made in the thread of the loop only, and the port does not call back. A port with interrupts shares

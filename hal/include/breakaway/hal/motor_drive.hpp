@@ -123,6 +123,7 @@ struct DriveFeedback {
   bool ever_valid = false;       // a position came since power-up
   bool stop_not_obeyed = false;  // was to stop, and was not seen without force within the time that a stop takes
   bool homing_failed = false;    // looked for its zero and did not find it; until reset_fault()
+  bool faulty = false;           // stopped by itself for a fault, or is about to
   std::uint16_t fault_code = 0;  // while state is fault: the error code of 603Fh or EMCY
   Scalar force_step_N{};         // between two forces that the drive can report; 0: finer than matters
 };

@@ -1,7 +1,7 @@
 // ApproachPlan: the force that brings an axis near its target, where the coast "brake" and its kicks take over.
 //
-// Let E be the distance to a point a little before the target and w the speed towards it. The axis is to come down the
-// greater of two curves,
+// Let E be the distance to a point a little before the target, or to the target where jerk is limited, and w the speed
+// towards it. The axis is to come down the greater of two curves,
 //   far    w^2 = 2 a_h (E - E1) + w1^2     with a_h the deceleration of which the drive is capable for certain
 //   near   w^2 = 2 a_g E                   with a_g that of brake and least friction, and w1^2 = 2 a_g E1
 // and each period takes the acceleration that leads onto the curve within the response time R:
@@ -45,6 +45,7 @@ class ApproachPlan {
         speed_limit_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
+        half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
         move_{move_plan()},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
 
@@ -99,7 +100,7 @@ class ApproachPlan {
     speed_ += owed_N * a_->lag_s * per_mass_;
     distance_ += owed_N * a_->lag_s * a_->lag_s * per_mass_;
     passed_ = a_->move.are_asked_for() && distance_ < -2 * a_->switch_distance_m;
-    return distance_ <= a_->switch_distance_m && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
+    return distance_ <= take_over_m() && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
   }
 
   // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
@@ -112,12 +113,23 @@ class ApproachPlan {
   // In which the axis moves as the plan ends; a lag or a latency may have it on its way back by then.
   Scalar heading() const noexcept { return speed_ < 0 ? -direction_ : direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_; }
+  // From the target, faster than what an axis that stands may seem to.
+  bool moves_away() const noexcept { return speed_ < -a_->standing_m_s; }
   // Periods in which the brake alone is sure to stop the axis at its present speed.
   Scalar braking_periods() const noexcept {
     return (std::abs(speed_) + 2 * a_->switch_speed_m_s) / (a_->gentle_m_s2 * period_s_);
   }
 
  private:
+  // The distance at which the brake takes over. Strong friction slows a move of limited jerk down before that, and the
+  // brake would stop it short of the target by most of it: such an axis goes on to where the brake leads it there,
+  // unless it has less than a third of the speed that was planned there, because it might stick.
+  Scalar take_over_m() const noexcept {
+    const Scalar most_m = a_->switch_distance_m, braked_m = speed_ * speed_ * half_per_gentle_;
+    const bool goes_on = move_.brakes_less_than(a_->gentle_m_s2) && braked_m > most_m / 9;
+    return goes_on ? std::min(braked_m, most_m) : most_m;
+  }
+
   static constexpr Scalar least_speed = 8;  // of a move, as a multiple of that at which the brake takes over
 
   MovePlan<Scalar> move_plan() const noexcept {
@@ -239,6 +251,7 @@ class ApproachPlan {
   Scalar speed_limit_m_s_{};
   Scalar max_speed_m_s_{};  // of this approach
   Scalar hard_m_s2_{};      // deceleration far away
+  Scalar half_per_gentle_{};
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar velocity_{};  // of the axis at the newest reading

@@ -19,10 +19,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "breakaway/law/approach_progress.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/axis_parts.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/control_types.hpp"
+#include "breakaway/law/held_axis.hpp"
 #include "breakaway/law/k3_table.hpp"
 #include "breakaway/law/kick_judge.hpp"
 #include "breakaway/law/kick_shaper.hpp"
@@ -142,23 +144,8 @@ class AxisController {
   // Share of a change of force that is left after a period behind the slowest current loop that the kicks are made for.
   // The coast "pd" is for loops that have followed by then.
   Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }
-  // Under this force beside the feedforward, either way, an axis that rests stays where it is, but for what friction
-  // bends. Half of the least friction where no design says how much of it is sure.
-  Scalar held_force_N() const noexcept {
-    if constexpr (!Parts::by_work) {
-      if (braked_ != nullptr) return std::max(braked_->holding_force_N, braked_->spring.most_N);
-    }
-    return p_.friction.lower_N / 2;
-  }
-  // An axis that left its hold by no more than this is kicked back, by readings that are off either way; from further
-  // away it would be approached.
-  Scalar led_back_m() const noexcept {
-    const Scalar off_m = p_.position_tolerance_m + 2 * p_.unseen_m();
-    if (braked_ == nullptr) return p_.stick_radius_upper_m() + off_m;
-    return braked_->begin_m() + off_m + bent_m();
-  }
-  // Else a force either way may throw it either way.
-  static constexpr bool is_of_a_rigid_axis = !AxisParts<Kicks>::by_work;
+  // What is sure of the axis while it is held.
+  HeldAxis<Scalar> held() const noexcept { return held_axis(p_, braked_); }
 
  private:
   using Parts = AxisParts<Kicks>;
@@ -249,14 +236,6 @@ class AxisController {
     return give_on_spring();
   }
 
-  // By a spring, of the axis or of its friction, while it is held.
-  Scalar bent_m() const noexcept {
-    if constexpr (Parts::by_work)
-      return 2 * (braked_->spring_m + braked_->creep_m);
-    else
-      return 2 * braked_->spring.reach_m;
-  }
-
   bool finishes_on_spring(Scalar x) const noexcept {
     if constexpr (Parts::by_work)
       return false;
@@ -285,10 +264,13 @@ class AxisController {
   }
 
   bool gets_stuck(Scalar x) noexcept {
-    if constexpr (Parts::by_work)
+    if constexpr (Parts::by_work) {
       return false;
-    else
-      return hardly_gets_on(x);
+    } else {
+      if (!plan_.moves_away()) return progress_.hardly_gets_on(x, *braked_, p_.max_approach_speed_m_s, p_.period_s);
+      progress_.restart();
+      return false;
+    }
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
@@ -308,19 +290,6 @@ class AxisController {
       return give(0);
     }
     return give(cycle_.whole_steps(plan_.force_N() + braked_->force_step_N / 2));
-  }
-
-  // Friction that brakes an axis as hard, in a period, as the plan lets it gain speed leaves it creeping. A heavy one
-  // is as slow at first, as is a move whose jerk is limited, but gets on further each time.
-  bool hardly_gets_on(Scalar x) noexcept requires(!Parts::by_work) {
-    if (since_mark_ == 0) mark_m_ = x;
-    if (++since_mark_ < braked_->patient_periods) return false;
-    since_mark_ = 0;
-    const Scalar speed_m_s = std::min(braked_->approach.switch_speed_m_s, p_.max_approach_speed_m_s) / 64;
-    const Scalar way_m = std::abs(x - mark_m_);
-    const bool gains = way_m > last_way_m_;
-    last_way_m_ = way_m;
-    return !gains && way_m < speed_m_s * p_.period_s * static_cast<Scalar>(braked_->patient_periods);
   }
 
   ControlFault judge_kick(Scalar x) noexcept {
@@ -481,8 +450,7 @@ class AxisController {
     cycle_.restart();
     spring_.stop();
     plan_.restart();
-    since_mark_ = 0;
-    last_way_m_ = 0;
+    progress_.restart();
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     judge_.forget_last();
     if (braked_ != nullptr) return;
@@ -515,9 +483,7 @@ class AxisController {
   Scalar newest_m_{};  // readings under the brake, and the one before
   Scalar before_m_{};
   Scalar kicks_begin_m_ = largest;
-  Scalar mark_m_{};      // where the approach was so many periods ago,
-  Scalar last_way_m_{};  // and how far it had come in as many before
-  std::int32_t since_mark_ = 0;
+  ApproachProgress<Scalar> progress_{};
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::int32_t held_ = 0;     // periods
   Mode mode_ = Mode::approach;

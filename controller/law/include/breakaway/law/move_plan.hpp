@@ -92,6 +92,10 @@ class MovePlan {
   constexpr void limit_speed(Scalar speed_m_s) noexcept { limits_.speed_m_s = speed_m_s; }
   constexpr void turn() noexcept { planned_ = -planned_; }
   constexpr bool limits_jerk() const noexcept { return per_jerk_ > 0; }
+  // Only of a move whose jerk is limited.
+  constexpr bool brakes_less_than(Scalar deceleration) const noexcept {
+    return limits_jerk() && planned_ > -deceleration;
+  }
 
   // The acceleration of a period that begins at this distance from the target, with this speed towards it.
   Scalar next(Scalar distance_m, Scalar speed_m_s, bool away) noexcept {

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/canopen/emcy.hpp"
 #include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/config/data_sheet.hpp"
@@ -125,6 +126,7 @@ struct Drive {
   hal::Duration heartbeat_period{std::chrono::milliseconds{100}};   // of the drive's heartbeat
   hal::Duration heartbeat_timeout{std::chrono::milliseconds{250}};  // after which either side misses the other
   hal::Duration sdo_timeout{std::chrono::milliseconds{50}};         // for one answer
+  canopen::EmcyCodes emcy_information{};                            // of messages that are no errors
   std::shared_ptr<const DataSheet> data_sheet{};                    // what its maker says; nothing: no file was given
 
   std::optional<Odrive> odrive;  // absent: the protocol is "canopen", and the rated and the largest torque are above

@@ -4,6 +4,8 @@
 // 6077h). Every frame is counted at its worst-case length, with all stuff bits that its payload could need.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <string_view>
 
@@ -99,6 +101,17 @@ constexpr BusBudget bus_budget(unsigned axes, hal::Duration period, std::uint32_
   const BusFit ranges = internal::check_ranges(axes, period, bit_rate);
   if (ranges != BusFit::fits) return ranges;
   return axes <= bus_budget(axes, period, bit_rate, acyclic).max_axes ? BusFit::fits : BusFit::overloaded;
+}
+
+// From the start of a period to the SYNC at which its commands act: what the RPDOs take at their longest, so that their
+// stuff bits do not move it, and time for the step that computes them, a twentieth of the period and at most 100 us. A
+// bus with less room than that has half of what is left. 0 where the axes do not fit the bus.
+constexpr hal::Duration sync_offset(unsigned axes, hal::Duration period, std::uint32_t bit_rate) noexcept {
+  if (check_bus_budget(axes, period, bit_rate) != BusFit::fits) return hal::Duration::zero();
+  constexpr hal::Duration longest_step = std::chrono::microseconds{100};
+  const hal::Duration free = period - hal::wire_time(static_cast<unsigned>(bits_per_period(axes)), bit_rate);
+  const hal::Duration step = std::min({period / 20, longest_step, free / 2});
+  return hal::wire_time(axes * hal::worst_case_wire_bits(4), bit_rate) + step;
 }
 
 }  // namespace breakaway::canopen

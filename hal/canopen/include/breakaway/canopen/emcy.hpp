@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -77,30 +78,68 @@ constexpr std::string_view error_class(std::uint16_t code) noexcept {
 inline constexpr std::array<std::string_view, 8> error_register_bits{
     "generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"};
 
-// Remembers what one node reported last.
+// Codes below this are the class 00xxh, by which a node says that errors are gone (CiA 301, 7.2.7.1).
+inline constexpr std::uint16_t first_error_code = 0x100;
+
+// A few error codes, each one alone (FF01h) or with all of its class (42xxh).
+struct EmcyCodes {
+  static constexpr std::size_t most = 8;
+  // 4200h and 42FFh of a class, twice the same of a code alone; 0 and 0: there is no more.
+  std::array<std::uint16_t, most> first{}, last{};
+
+  // 0000h is no error code, and held by none.
+  constexpr bool hold(std::uint16_t code) const noexcept {
+    if (code == 0) return false;
+    for (std::size_t i = 0; i < most; ++i)
+      if (first[i] <= code && code <= last[i]) return true;
+    return false;
+  }
+
+  friend constexpr bool operator==(const EmcyCodes&, const EmcyCodes&) = default;
+};
+
+// Returns false where one is neither a code nor a class, or of 00xxh, by which a node says that errors are gone.
+constexpr bool are_possible(const EmcyCodes& codes) noexcept {
+  for (std::size_t i = 0; i < EmcyCodes::most; ++i) {
+    const unsigned first = codes.first[i], last = codes.last[i];
+    const bool whole_class = (first & 0xFFU) == 0 && last == (first | 0xFFU);
+    if (last != 0 && first < first_error_code) return false;
+    if (first != last && !whole_class) return false;
+  }
+  return true;
+}
+
+// Remembers what one node reported last. A message that is information only is the newest one for people to read: it
+// is no error, and neither hides nor ends one.
 class EmcyConsumer {
  public:
   explicit constexpr EmcyConsumer(std::uint8_t node_id) noexcept : cob_id_{emcy_cob_id(node_id)} {}
 
-  // Returns true when the frame was this node's emergency.
-  constexpr bool on_frame(const hal::CanFrame& frame) noexcept {
+  // Returns true when the frame was this node's emergency. `information`: the codes that are no errors.
+  constexpr bool on_frame(const hal::CanFrame& frame, const EmcyCodes& information = {}) noexcept {
     if (frame.id != cob_id_ || frame.remote || frame.size != 8) return false;
     last_.code = load_little_endian<std::uint16_t>(frame.data);
     last_.error_register = frame.data[2];
     std::copy(frame.data.begin() + 3, frame.data.end(), last_.manufacturer.begin());
-    if (unseen_error_ == 0) unseen_error_ = last_.code;
+    if (information.hold(last_.code)) return true;
+    error_ = last_;
+    if (error_.code < first_error_code) error_.code = 0;
+    if (unseen_error_ == 0) unseen_error_ = error_.code;
     return true;
   }
-  constexpr void forget() noexcept { last_ = {}; }
+  constexpr void forget() noexcept { last_ = error_ = {}; }
 
+  // The newest message, whatever it says, and the newest that is no information: code 0000h where that error is gone,
+  // which any code of 00xxh says.
   constexpr const Emcy& last() const noexcept { return last_; }
-  constexpr bool active() const noexcept { return last_.code != 0; }
+  constexpr const Emcy& error() const noexcept { return error_; }
+  constexpr bool active() const noexcept { return error_.code != 0; }
   // Returns the first error code that came since the last call, also where the node has taken it back; 0: none came.
   constexpr std::uint16_t take_error() noexcept { return std::exchange(unseen_error_, std::uint16_t{0}); }
 
  private:
   std::uint16_t cob_id_;
-  Emcy last_;
+  Emcy last_, error_;
   std::uint16_t unseen_error_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/nmt.hpp"
@@ -30,6 +31,10 @@ class Master {
     constexpr unsigned initiate_download = 1, block_download = 6;
     const unsigned specifier = frame.data[0] >> 5U;
     return frame.id == sdo_request_cob_id(node_id) && (specifier == initiate_download || specifier == block_download);
+  }
+  // From the start of a period to its SYNC: canopen::sync_offset() says how long.
+  static constexpr hal::Duration sync_offset(unsigned axes, const hal::NetworkConfig& network) noexcept {
+    return canopen::sync_offset(axes, network.period, network.bit_rate);
   }
   // These return true and fill `frame` when one is to be sent now: behind the commands, and in the room that a period
   // has for what is not cyclic.

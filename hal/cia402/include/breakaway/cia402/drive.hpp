@@ -91,7 +91,7 @@ class Drive {
   // Takes any frame that the bus brought; those of other nodes are passed over.
   void on_frame(const hal::ReceivedFrame& received) noexcept {
     if (canopen::is_sync(received.frame)) on_sync(received.time);
-    node_.on_frame(received);
+    node_.on_frame(received, config_.emcy_information);
     if (node_.operational()) on_feedback_pdo(received);
   }
   // SYNC was sent at `time`. A node does not receive its own frames, so whoever sends SYNC says when.
@@ -156,6 +156,7 @@ class Drive {
             .ever_valid = ever_valid_,
             .stop_not_obeyed = node_.forcing_stop(),
             .homing_failed = homing_.failed(),
+            .faulty = machine_.state() == State::fault || machine_.state() == State::fault_reaction_active,
             .fault_code = fault_code(),
             .force_step_N = torque_scale_.quantum_N()};
   }
@@ -207,9 +208,12 @@ class Drive {
   hal::Duration extra_setup_time() const noexcept { return node_.extra_time(); }
   std::optional<canopen::NmtState> nmt_state() const noexcept { return node_.nmt_state(); }
   bool heartbeat_lost() const noexcept { return node_.heartbeat_lost(); }
+  // The newest EMCY message, also one that is information only, and the newest that is an error, or says that it is
+  // gone.
   const canopen::Emcy& last_emcy() const noexcept { return node_.emcy().last(); }
-  std::uint16_t last_error_code() const noexcept { return last_emcy().code; }
-  // The first error code of an EMCY message since the last call; 0: none came.
+  const canopen::Emcy& last_error() const noexcept { return node_.emcy().error(); }
+  std::uint16_t last_error_code() const noexcept { return last_error().code; }
+  // The first error code of an EMCY message since the last call; 0: none came that is an error.
   std::uint16_t take_emergency() noexcept { return node_.take_emergency(); }
   // Every SYNC is answered twice.
   bool node_id_conflict() const noexcept { return doubled_ >= conflict_periods; }
@@ -404,7 +408,7 @@ class Drive {
 
   std::uint16_t fault_code() const noexcept {
     if (state() != hal::DriveState::fault) return 0;
-    return node_.emcy().active() ? node_.emcy().last().code : node_.error_code();
+    return node_.emcy().active() ? last_error_code() : node_.error_code();
   }
 
   Scalar to_metres(std::int32_t counts) const noexcept {

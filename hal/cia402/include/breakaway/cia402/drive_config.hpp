@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/canopen/emcy.hpp"
 #include "breakaway/cia402/homing_config.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 #include "breakaway/hal/motor_drive.hpp"
@@ -39,6 +40,9 @@ struct DriveConfig {
   bool invert_direction = false;  // the drive's positive direction is the axis' negative one
   bool absolute_encoder = false;  // its counts mean the same after a reboot
   HomingConfig homing{};          // of an encoder that is not absolute
+  // EMCY messages with one of these codes are information, and stop nothing. The drive's own state Fault does all the
+  // same.
+  canopen::EmcyCodes emcy_information{};
 };
 
 // The period of SYNC as 60C2h wants it: units x 10^exponent seconds.
@@ -77,6 +81,7 @@ enum class DriveConfigError : std::uint8_t {
   master_heartbeat_period,
   sdo_timeout,
   homing_timeout,
+  emcy_information,
   period,
   encoder_resolution,
   force_per_torque,
@@ -103,6 +108,8 @@ constexpr std::string_view to_string(DriveConfigError error) noexcept {
       return "sdo_timeout must be above 0";
     case DriveConfigError::homing_timeout:
       return "homing.timeout must be above 0";
+    case DriveConfigError::emcy_information:
+      return "emcy_information must hold codes of 0100h to FFFFh, each alone or the 256 of its class";
     case DriveConfigError::period:
       return "period must be 1 to 255 times 1 us, 10 us, 100 us, 1 ms, 10 ms, 100 ms or 1 s: a drive can be told no "
              "other";
@@ -142,6 +149,7 @@ constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive, const ha
     return DriveConfigError::master_heartbeat_period;
   if (drive.sdo_timeout <= hal::Duration::zero()) return DriveConfigError::sdo_timeout;
   if (drive.homing.timeout <= hal::Duration::zero()) return DriveConfigError::homing_timeout;
+  if (!are_possible(drive.emcy_information)) return DriveConfigError::emcy_information;
   if (!interpolation_period(network.period)) return DriveConfigError::period;
   return DriveConfigError::none;
 }

@@ -102,7 +102,8 @@ class DriveNode {
   }
 
   // Takes any frame that the bus brought; those of other nodes are passed over.
-  void on_frame(const hal::ReceivedFrame& received) noexcept;
+  // `information`: the codes of EMCY messages that are no errors, DriveConfig::emcy_information.
+  void on_frame(const hal::ReceivedFrame& received, const canopen::EmcyCodes& information) noexcept;
   // Moves on by one period, after the frames.
   void update(hal::Time now) noexcept;
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent, which must then be sent: at most

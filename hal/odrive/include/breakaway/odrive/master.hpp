@@ -26,6 +26,9 @@ class Master {
            (command >= Command::set_controller_mode && command <= Command::set_trajectory_inertia) ||
            (command >= Command::reboot && command <= Command::set_velocity_gains && command != bus_voltage);
   }
+  static constexpr hal::Duration sync_offset(unsigned /*axes*/, const hal::NetworkConfig& /*network*/) noexcept {
+    return hal::Duration::zero();
+  }
   static constexpr bool next_sync(hal::CanFrame& /*frame*/) noexcept { return false; }
   static constexpr bool next_heartbeat(hal::CanFrame& /*frame*/, hal::Time /*now*/) noexcept { return false; }
 

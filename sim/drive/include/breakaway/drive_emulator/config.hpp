@@ -1,6 +1,7 @@
 // EmulatorConfig: the drive and motor that a drive emulator stands for.
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -73,6 +74,9 @@ struct Quirks {
   std::uint32_t refusal_code = 0x0800'0000;
   // NMT Start is answered by an EMCY with this code, and the node stays where it is; 0: it starts.
   std::uint16_t refuses_start_with = 0;
+  // An EMCY with this code is sent in Operation enabled, at once and at this interval, and is no error; 0: none is.
+  std::uint16_t informs_with = 0;
+  hal::Duration informs_every = std::chrono::milliseconds{100};  // > 0
   // There is no boot-up message.
   bool no_boot_up_message = false;
   // The encoder is incremental: 6064h is 0 where the axis stands at power-on and at NMT Reset node.

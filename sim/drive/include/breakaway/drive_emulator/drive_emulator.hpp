@@ -83,6 +83,7 @@ class DriveEmulator final : public EmulatedDrive {
     master_heartbeat,
     sync_alarm,
     sdo_timeout,
+    information,
     rpdo_deadline,                           // the first of pdo_count timers
     tpdo_event = rpdo_deadline + pdo_count,  // likewise
     timer_count = tpdo_event + pdo_count,
@@ -98,6 +99,7 @@ class DriveEmulator final : public EmulatedDrive {
   void on_time(std::size_t timer);
   void dispatch(const hal::CanFrame& frame);
   void settle();
+  void schedule_information();
   void flush();
 
   void on_nmt(const hal::CanFrame& frame);

@@ -30,10 +30,13 @@ class EmergencyProducer {
   void raise(std::uint16_t code);
   // Sends 0000h with what remains in the error register, if the code was raised.
   void clear(std::uint16_t code);
+  // Sends the code of what is no error: neither 1001h nor 1003h knows of it.
+  void inform(std::uint16_t code);
   void reset() { active_.clear(); }
   bool any() const { return !active_.empty(); }
 
  private:
+  void tell(std::uint16_t code);
   void send(std::uint16_t code);
   void remember(std::uint16_t code);
 

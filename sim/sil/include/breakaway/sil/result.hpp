@@ -68,6 +68,7 @@ struct LoopFigures {
   std::uint64_t ticks = 0;
   std::uint64_t missed_ticks = 0;  // periods without fresh feedback once the axis was enabled
   double bus_load = 0;             // mean share of time that the bus was busy
+  double sync_off_s = 0;           // by how much any two SYNC were not whole periods apart, at most
 };
 
 struct TimedFrame {

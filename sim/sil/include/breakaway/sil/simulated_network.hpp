@@ -5,9 +5,11 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "breakaway/canopen/sync.hpp"
 #include "breakaway/drive_emulator/drive_emulator.hpp"
 #include "breakaway/drive_emulator/emulated_drive.hpp"
 #include "breakaway/odrive_emulator/odrive_emulator.hpp"
@@ -37,20 +39,39 @@ class SimulatedNetwork {
 
   // Every frame that leaves the wire from now on is appended to `frames`.
   void log_to(std::vector<TimedFrame>& frames) {
-    bus_.set_tap(
-        [](void* log, const hal::CanFrame& frame, hal::Time, hal::Time end) noexcept {
-          static_cast<std::vector<TimedFrame>*>(log)->push_back({hal::seconds(end), frame});
-        },
-        &frames);
+    log_ = &frames;
+    listen();
   }
+  // From now on the ends of SYNC are compared with whole periods.
+  void watch_sync(hal::Duration period) {
+    period_ = period;
+    first_sync_.reset();
+    earliest_ = latest_ = {};
+    listen();
+  }
+  // By how much any two SYNC since then were not whole periods apart, at most.
+  hal::Duration sync_off() const { return latest_ - earliest_; }
 
   // Event by event, so that whatever is answered is answered at its time. Throws what a mechanism does.
   void advance_to(hal::Time time) {
-    while (bus_.now() < time) {
-      bus_.advance_to(std::max(bus_.now(), next_event(time)));
-      for (const auto& node : nodes_) node->advance_to(bus_.now());
-    }
+    send_until(time);
     for (const auto& node : nodes_) node->drive->advance_mechanism_to(time);
+  }
+
+  // The world up to `now`, at which a period of the loop begins.
+  template <class Loop>
+  void begin_period(Loop& loop, hal::Time now) {
+    finish_period(loop);
+    advance_to(now);
+    loop.command(now);
+  }
+  // The world up to the SYNC of the period that command() began, which leaves then.
+  template <class Loop>
+  void finish_period(Loop& loop) {
+    const auto due = loop.sync_due();
+    if (!due) return;
+    send_until(*due);
+    loop.sync(*due);
   }
 
   Port& controller_port() { return controller_port_; }
@@ -100,6 +121,29 @@ class SimulatedNetwork {
     return added;
   }
 
+  // The bus and what drives do of their own; a mechanism moves when its drive asks it where it is.
+  void send_until(hal::Time time) {
+    while (bus_.now() < time) {
+      bus_.advance_to(std::max(bus_.now(), next_event(time)));
+      for (const auto& node : nodes_) node->advance_to(bus_.now());
+    }
+  }
+
+  void listen() {
+    bus_.set_tap([](void* self, const hal::CanFrame& frame, hal::Time,
+                    hal::Time end) noexcept { static_cast<SimulatedNetwork*>(self)->note(frame, end); },
+                 this);
+  }
+  void note(const hal::CanFrame& frame, hal::Time end) {
+    if (log_ != nullptr) log_->push_back({hal::seconds(end), frame});
+    if (period_ <= hal::Duration::zero() || !canopen::is_sync(frame)) return;  // nobody watches
+    if (!first_sync_) first_sync_ = end;
+    const hal::Duration passed = end - *first_sync_;
+    const hal::Duration off = passed - (passed + period_ / 2) / period_ * period_;
+    earliest_ = std::min(earliest_, off);
+    latest_ = std::max(latest_, off);
+  }
+
   hal::Time next_event(hal::Time latest) const {
     hal::Time next = std::min(latest, bus_.next_event());
     for (const auto& node : nodes_) next = std::min(next, node->drive->next_event().value_or(latest));
@@ -109,6 +153,9 @@ class SimulatedNetwork {
   virtual_bus::VirtualBus bus_;
   Port& controller_port_;
   std::vector<std::unique_ptr<Node>> nodes_;
+  std::vector<TimedFrame>* log_ = nullptr;
+  hal::Duration period_{}, earliest_{}, latest_{};
+  std::optional<hal::Time> first_sync_;
 };
 
 }  // namespace breakaway::sil

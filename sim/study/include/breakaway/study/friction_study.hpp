@@ -49,6 +49,7 @@ struct StudyRun {
   std::size_t kicks = 0;
   std::vector<sil::Reached> reached;
   std::vector<sil::FaultRecord> faults;
+  double sync_off_s = 0;  // by how much SYNC was off whole periods, at most
 };
 
 struct StudyRow {
@@ -78,6 +79,7 @@ sil::Excursions worst_excursions(const StudyRow& row);
 // What the row left of the limits of the node's only axis.
 std::vector<sil::Margin> margins(const config::Node& node, const StudyRow& row);
 double largest_force_N(const StudyRow& row);
+double sync_off_s(const StudyRow& row);
 std::size_t settled_runs(const StudyRow& row);
 std::size_t limit_cycles(const StudyRow& row);
 std::size_t faulted_runs(const StudyRow& row);
