@@ -47,11 +47,11 @@ constexpr double unseen_gain = 4;         // times what an unknown mass and forc
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
 
-// What the drive cannot give is not planned.
+// Of a class with limits of a move; what the drive cannot give is not planned.
 double planned_deceleration_m_s2(const BrakedClass& axes, const KickClass& kicks) {
   const PlannedForce force{axes, kicks};
   const double given = (kicks.limit_N() + force.least_N) / force.told_kg;
-  return std::min(force.deceleration(axes.move ? axes.move->acceleration_m_s2 : 0), given);
+  return std::min(force.deceleration(axes.move->acceleration_m_s2), given);
 }
 
 template <class Real>
@@ -325,7 +325,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   BrakedDesign<Real> design;
   const double A = kicks.least_friction_N();
   design.floor_m = design.pulse_needed_N = infinity;
-  design.brake_holds = A > 0 && axes.force_gain.most * kicks.brake_N() < A;
+  design.brake_holds = A > 0;  // the brake is nine tenths of it at most, with the largest gain
   if (!design.brake_holds) return design;
   const LeastPulse least = least_pulse(kicks);
   design.pulse_needed_N = least.force_N;
@@ -334,6 +334,11 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
 
   detail::KickTableBuilder<Real> builder{axes, kicks};
   builder.build(std::max(least.distance_m, axes.reading_error_m()));
+  if (!builder.cuts_are_given()) {
+    design.pulse_needed_N = infinity;
+    design.breaks_away = false;
+    return design;
+  }
   design.kicks = numbers<Real>(axes, kicks, design.rest_is_seen);
   design.kicks.table = builder.table();
   design.kicks.patient_periods = patient_periods(axes, kicks, design.kicks);

@@ -45,6 +45,18 @@ class KickTableBuilder {
   const Table& table() const { return table_; }
   double aim_lost() const { return aim_lost_; }
 
+  // The drive has the force that each pulse of the table is cut with. Behind a very slow current loop the longest cut
+  // may ask for more, and a weaker one lets the pulse go on further than the table counts with.
+  bool cuts_are_given() const {
+    constexpr double rounding = 1e-6;
+    for (std::size_t i = 0; i < table_.count; ++i) {
+      const double force_N = kicks_.rounded_down_N(std::min(greatest_force_N(table_, i), kicks_.limit_N()));
+      if (kicks_.cut_N(force_N, table_.periods[i], table_.cut_periods[i]) > kicks_.limit_N() * (1 + rounding))
+        return false;
+    }
+    return true;
+  }
+
   // The least distance from which on to the end each kick takes its share, and that end.
   Interval range_m() const { return table_.list ? range_of_list() : range_of_curve(); }
 

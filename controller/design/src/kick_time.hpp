@@ -44,9 +44,8 @@ class KickTime {
     const double most_N = brake_N_ + (holding_N_ - brake_N_) / 512;
     int periods = 0;
     for (; periods < patient_ + settling_ && (force.lower_N < preload_N_ || force.upper_N > most_N); ++periods) {
-      const double wanted_N = (brake_N_ - force.upper_N * fast_) / (1 - fast_);
-      const double whole_N = std::floor(wanted_N / axes_.force_step_N) * axes_.force_step_N;
-      force.follow(force.upper_N > brake_N_ ? brake_N_ : whole_N, fast_, slow_);
+      // From a force that may be above the brake's the controller commands the brake's.
+      force.follow(brake_N_, fast_, slow_);
     }
     return periods + 1;
   }

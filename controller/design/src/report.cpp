@@ -206,6 +206,7 @@ double longest_approach_s(const AxisDesign& axis, const BrakedDesign<float>& des
   return std::isfinite(time_s) ? time_s : 0;
 }
 
+// Of a design that is possible().
 BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   const KickPromise kicks{c, design, axis.position_tolerance_m};
@@ -224,10 +225,10 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .rest_s = design.kicks.still_periods * c.period_s,
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,
-                  .approach_beyond_m = design.possible() ? approach_beyond_m(c, design) : 0,
+                  .approach_beyond_m = approach_beyond_m(c, design),
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .longest_way_m = axis.longest_way_m,
-                  .approach_s = design.possible() ? longest_approach_s(axis, design) : 0,
+                  .approach_s = longest_approach_s(axis, design),
                   .promise = {}};
   p.promise = "at rest the true error is at most " + brief(p.error_m) + " m, no kick goes more than " +
               brief(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +

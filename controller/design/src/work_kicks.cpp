@@ -361,12 +361,12 @@ law::ShapedApproach<Real> approach_of(const Jointed& axis, int swing_periods) {
   a.swing_periods = static_cast<std::uint8_t>(std::min(swing_periods, longest_pulse_periods));
   // Short spans damp a swing that is sampled often; over a whole period of it, it cancels.
   const int n = std::min(swing_periods, static_cast<int>(law::ShapedMove<Real>::most_periods));
-  double response = 0;
+  double response = -1;  // of the best so far: the first is taken in any case
   for (const int speed_periods : {std::clamp(n / 8, 1, 8), n / 4, n / 2, n})
     for (const int mean_periods : {0, n / 2}) {
       law::ShapedApproach<Real> tried = a;
       const double found = set_feedback(axis, std::max(speed_periods, 1), mean_periods, tried);
-      if (a.speed_periods > 0 && !(found > response)) continue;
+      if (!(found > response)) continue;
       response = found;
       a = tried;
     }

@@ -60,5 +60,31 @@ TEST(ApproachTime, IsInfiniteWhereTheSpeedMovesNoAxisOfTheClass) {
   EXPECT_LT(time_s(c, 1.01 * least_m_s, 1), infinity);
 }
 
+// A target within the distance at which brake and kicks take over leaves no way for an approach.
+TEST(ApproachTime, TakesNoTimeForAWayThatBrakeAndKicksGo) {
+  const BrakedClass c = class_with(2, 4.5);
+  const double hand_over = hand_over_m(design_braked_kicks<float>(c));
+  const double nearest_s = time_s(c, 1, hand_over);
+  EXPECT_GT(nearest_s, 0);
+  EXPECT_DOUBLE_EQ(time_s(c, 1, hand_over / 2), nearest_s);
+  EXPECT_DOUBLE_EQ(time_s(c, 1, 0), nearest_s);
+  EXPECT_GT(time_s(c, 1, 2 * hand_over), nearest_s);
+}
+
+// The only force above the greatest friction is one step; half a step less, to which a plan may be rounded, is below
+// it.
+TEST(ApproachTime, IsInfiniteWhereRoundingToStepsMayLeaveNoForceToSpeedUpWith) {
+  BrakedClass c;
+  c.friction = {3, 5.9};
+  c.max_force_N = 6, c.force_step_N = 2;
+  c.period_s = 1e-4;
+  c.encoder_resolution_m = 1e-7;
+  c.move = MoveRequest{.distance_m = 1, .speed_m_s = 1e3, .acceleration_m_s2 = 50};
+  const auto design = design_braked_kicks<float>(c);
+  ASSERT_TRUE(design.kicks.approach.move.are_asked_for());
+  ASSERT_LT(least_approach_speed_m_s(c, design), 1e3);
+  EXPECT_EQ(approach_s(c, design, 1e3, 1), infinity);
+}
+
 }  // namespace
 }  // namespace breakaway::design

@@ -38,6 +38,12 @@ TEST(Assumption3, ThresholdsHaveTheirLimitsAtCriticalDamping) {
   EXPECT_NEAR(exact_ratio_threshold(kick), 0.26103, 1e-5);
 }
 
+TEST(Assumption3, IsRemarkOnesWhereBothPolesAreTheSame) {
+  constexpr UnitKick<double> critical{.rho = 1, .epsilon = 0};
+  EXPECT_DOUBLE_EQ(ratio_threshold_18(critical), -std::expm1(-1));
+  EXPECT_NEAR(exact_ratio_threshold(critical), 0.26103, 1e-5);
+}
+
 TEST(Assumption3, MoreDampingToleratesMoreUncertainty) {
   double last_18 = 1, last_exact = 1;
   for (double zeta = 1.0001; zeta < 1e3; zeta *= 1.3) {

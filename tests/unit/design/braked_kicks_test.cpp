@@ -257,6 +257,56 @@ TEST(KickPromise, BoundsTheTimeOfTheKicks) {
   EXPECT_TRUE(std::isinf(KickPromise(c, design, design.floor_m / 2).most_s(1e-3))) << "nothing is promised there";
 }
 
+TEST(KickPromise, OfAFineStageHasNothingToDoWithinItsTolerance) {
+  BrakedClass c = example();
+  c.encoder_resolution_m = 1e-7;
+  c.fine_tolerance_m = 6e-7;
+  const auto design = design_braked_kicks<float>(c);
+  ASSERT_TRUE(design.has_fine_stage());
+  const KickPromise promise{c, design, c.fine_tolerance_m};
+  EXPECT_EQ(promise.reached_m(), design.least_tolerance_m);
+  EXPECT_EQ(promise.most_kicks(5e-7), 0);
+  EXPECT_EQ(promise.most_s(5e-7), 0);
+  EXPECT_GT(promise.most_kicks(6e-7), 0) << "a reading of it may be outside";
+}
+
+// Far beyond its table a kick takes the same off every time.
+TEST(KickPromise, CountsToAHundredThousandKicksAndNoFurther) {
+  BrakedClass c = example();
+  const auto design = design_braked_kicks<float>(c);
+  const KickPromise promise{c, design, design.least_tolerance_m};
+  EXPECT_GT(promise.most_kicks(100 * design.reach_m), 50);
+  EXPECT_LT(promise.most_s(100 * design.reach_m), INFINITY);
+  EXPECT_EQ(promise.most_kicks(1e6 * design.reach_m), 0);
+  EXPECT_EQ(promise.most_s(1e6 * design.reach_m), INFINITY);
+}
+
+// So far away that what a kick takes off is lost in the rounding of the distance.
+TEST(KickPromise, SeesNoEndFromBeyondAllMeasure) {
+  BrakedClass c = example();
+  c.encoder_resolution_m = 1e-7;
+  for (const double fine_tolerance_m : {0.0, 6e-7}) {
+    c.fine_tolerance_m = fine_tolerance_m;
+    const auto design = design_braked_kicks<float>(c);
+    ASSERT_EQ(design.has_fine_stage(), fine_tolerance_m > 0);
+    const KickPromise promise{c, design, design.least_tolerance_m};
+    EXPECT_GT(promise.most_kicks(1), 0);
+    EXPECT_EQ(promise.most_kicks(1e30), 0);
+    EXPECT_EQ(promise.most_s(1e30), INFINITY);
+  }
+}
+
+TEST(BrakedKicks, HaveNoFineStageWhereTheyAreNotPossible) {
+  BrakedClass c = example();
+  c.encoder_resolution_m = 1e-6;
+  c.fine_tolerance_m = 6e-7;
+  EXPECT_TRUE(design_braked_kicks<float>(c).has_fine_stage());
+  c.mass_kg = {0.01, 1};
+  const auto design = design_braked_kicks<float>(c);
+  EXPECT_FALSE(design.possible());
+  EXPECT_FALSE(design.has_fine_stage());
+}
+
 TEST(BrakedKicks, NeedMoreKicksTheFurtherAndTheCloser) {
   const BrakedClass c = example();
   const auto design = design_braked_kicks<float>(c);

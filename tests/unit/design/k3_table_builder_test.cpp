@@ -118,4 +118,13 @@ TEST(K3TableBuilder, RefusesBadInputByName) {
   EXPECT_NO_THROW(build_k3_table<double>({1, 1, 3, 1e60}, 1e60));
 }
 
+// Each of these has one number of the table, and no other, that no float can hold with all its digits.
+TEST(K3TableBuilder, RefusesARangeWhoseGridOrFirstSlopeIsBeyondAFloat) {
+  const std::string so_near = refusal([] { build_k3_table<float>(example, 1e-74); });
+  EXPECT_NE(so_near.find("the k3 table up to 1e-74 m"), std::string::npos) << "the slope at rest: " << so_near;
+  EXPECT_NO_THROW(build_k3_table<double>(example, 1e-74));
+  const std::string so_far = refusal([] { build_k3_table<float, 2>(example, 9e76); });
+  EXPECT_NE(so_far.find("the k3 table up to 9e+76 m"), std::string::npos) << "one interval a root: " << so_far;
+}
+
 }  // namespace

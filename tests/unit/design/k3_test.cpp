@@ -218,4 +218,15 @@ TEST(K3, TellsTheSidesOfCriticalDampingApart) {
   EXPECT_NEAR(barely.impulse_Ns(-3) / clearly.impulse_Ns(-3), 1, 1e-14);
 }
 
+// The limit of equal poles: W = s e^s and Q = s e^s - e^s + 1 for the time to go s.
+TEST(UnitKick, HasTheLawOfCriticalDampingWhereBothPolesAreTheSame) {
+  constexpr breakaway::design::UnitKick<double> critical{.rho = 1, .epsilon = 0};
+  for (const double s : {0.5, 1.5, 2.0, 4.0}) {
+    const double speed = s * std::exp(s), distance = speed - std::expm1(s), root = std::sqrt(2 * distance);
+    const auto point = critical.at_root(root);
+    EXPECT_NEAR(point.psi, speed / root, 1e-13 * speed / root) << s;
+    EXPECT_NEAR(point.sigma, s, 1e-13) << s;
+  }
+}
+
 }  // namespace

@@ -118,6 +118,15 @@ TEST(PulseTravel, IsNothingUnderAFrictionThatThePulseDoesNotReach) {
   EXPECT_GT(travel_m({.start_N = 0, .pulse_N = 1.6, .pulse_s = 1, .brake_N = 0.5}, {1, 1, 1}), 0);
 }
 
+// A force that was there before the pulse sets the axis in motion, and the pulse itself is too weak to keep it up.
+TEST(PulseTravel, OfAnAxisThatStopsWithinItsPulseIsNotChangedByTheCut) {
+  KickForces kick{.start_N = 3, .pulse_N = 0.2, .pulse_s = 20, .brake_N = 0.5};
+  const double travel = travel_m(kick, {1, 1, 1});
+  EXPECT_GT(travel, 0);
+  kick.cut_N = 40, kick.cut_s = 3;
+  EXPECT_EQ(travel_m(kick, {1, 1, 1}), travel);
+}
+
 TEST(PulseTravel, TendsToThatWithoutLag) {
   const KickForces kick{.start_N = 0.5, .pulse_N = 4, .pulse_s = 2, .brake_N = 0.5};
   const double limit = travel_m(kick, {1, 1, 0});

@@ -305,4 +305,88 @@ TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
   }
 }
 
+// Friction that falls with speed pushes an axis that moves.
+TEST(DesignReport, SaysFromWhereAnApproachWithoutDampingComesToRest) {
+  struct Case {
+    double slope_Ns_per_m;
+    const char* said;
+  };
+  for (const Case& c :
+       {Case{-0.4, ": the approach comes to rest from everywhere"},
+        Case{-0.6, "so the approach comes to rest from within "},
+        Case{-3, "so the approach comes to rest from within 0.5 J only; raise the approach damping k21"},
+        Case{-1e200, "J only; raise the approach damping k21"}}) {
+    AxisDesign axis = example();
+    axis.smooth_friction_slope_Ns_per_m = c.slope_Ns_per_m;
+    const DesignReport report = design_axis(axis);
+    const Check& check = *find(report, "approach_comes_to_rest");
+    EXPECT_EQ(check.holds, c.slope_Ns_per_m > -0.5) << c.slope_Ns_per_m;
+    EXPECT_EQ(report.certified, check.holds) << c.slope_Ns_per_m;
+    EXPECT_NE(check.reason.find(c.said), std::string::npos) << check.reason;
+  }
+}
+
+TEST(DesignReport, AsksOfTheSpeedOfAnApproachByImpulsesNothingButThatItMoves) {
+  AxisDesign axis = example();
+  axis.period_s = 0;
+  axis.max_approach_speed_m_s = 100;
+  const Check ideal = *find(design_axis(axis), "approach_gets_on");
+  EXPECT_DOUBLE_EQ(ideal.margin, 100 - 1.2 * 4.5 / 0.5);
+  axis.period_s = 1e-3;
+  EXPECT_LT(find(design_axis(axis), "approach_gets_on")->margin, ideal.margin) << "what shows a count takes force too";
+}
+
+AxisDesign moved_example() {
+  AxisDesign axis = braked_example();
+  axis.braked->move = MoveRequest{.distance_m = 0.5, .speed_m_s = 0.5, .acceleration_m_s2 = 20};
+  return axis;
+}
+
+TEST(DesignReport, CertifiesAMoveWithoutALimitOfItsJerk) {
+  AxisDesign axis = moved_example();
+  const DesignReport report = design_axis(axis);
+  ASSERT_TRUE(report.certified) << report.reasons.front();
+  EXPECT_TRUE(find(report, "speed_margin_is_small")->holds);
+  EXPECT_EQ(find(report, "jerk_can_be_followed"), nullptr);
+  // Speeding up and braking take a fortieth of a second each, and half the way of that time at full speed.
+  EXPECT_NEAR(report.braked->least_move_s, 0.5 / 0.5 + 0.5 / 20, 1e-12);
+  AxisDesign still = axis;
+  still.braked->move.reset();
+  const double in_a_period_m = 20 * 1e-3 * 1e-3;
+  EXPECT_GT(report.braked->approach_beyond_m, in_a_period_m);
+  EXPECT_LT(report.braked->approach_beyond_m, design_axis(still).braked->approach_beyond_m + in_a_period_m)
+      << "a move brakes more gently";
+  axis.braked->move->jerk_m_s3 = 2000;
+  EXPECT_NE(find(design_axis(axis), "jerk_can_be_followed"), nullptr);
+}
+
+// What a drive or a load makes impossible is named alone: the rest would be of a design that there is not.
+TEST(DesignReport, SaysNoMoreOfMoveAndSpringThanThereIsOfADesign) {
+  AxisDesign weak = moved_example();
+  weak.braked->max_force_N = 4.5;
+  const DesignReport of_weak = design_axis(weak);
+  EXPECT_NE(find(of_weak, "move_can_be_made"), nullptr);
+  EXPECT_EQ(find(of_weak, "speed_is_seen_well_enough"), nullptr);
+  EXPECT_TRUE(of_weak.reasons.front().starts_with("pulse_breaks_away")) << of_weak.reasons.front();
+
+  AxisDesign driven = moved_example();
+  driven.braked->spring_load = SpringLoad{0.4, 0.6, 1e7, {1.3, 2.4}, {1.2, 2.1}};
+  EXPECT_NE(find(design_axis(driven), "spring_keeps_the_target"), nullptr);
+  driven.braked->load_N = 2.5;
+  const DesignReport of_driven = design_axis(driven);
+  EXPECT_EQ(find(of_driven, "move_can_be_made"), nullptr);
+  EXPECT_EQ(find(of_driven, "spring_keeps_the_target"), nullptr);
+  EXPECT_TRUE(of_driven.reasons.front().starts_with("brake_lets_the_axis_rest")) << of_driven.reasons.front();
+}
+
+TEST(DesignReport, NamesACurrentLoopThatIsTooSlowForAnyCut) {
+  AxisDesign axis = braked_example();
+  axis.braked->lag_s = {1, 1};
+  const DesignReport report = design_axis(axis);
+  ASSERT_FALSE(report.certified);
+  EXPECT_TRUE(report.reasons.front().starts_with("pulse_breaks_away: the least sure pulse against max_force_N: inf"))
+      << report.reasons.front();
+  EXPECT_NE(report.reasons.front().find("a faster current loop"), std::string::npos) << report.reasons.front();
+}
+
 }  // namespace

@@ -63,6 +63,25 @@ TEST(SpringLoad, ProvesRestLongerByTheSwingOfTheMassOutOfSight) {
   EXPECT_GE(soft - rigid, std::floor(2e3 * std::numbers::pi * std::sqrt(0.6 / 1e4)));
 }
 
+TEST(SpringLoad, AddsNothingWhereThereIsNone) {
+  EXPECT_EQ(sprung_m(axes_of_the_scenes(0), 2.25, 50, 1), 0);
+  EXPECT_GT(sprung_m(sprung_axes(1e6), 2.25, 50, 1), 0);
+  EXPECT_EQ(sprung_rest_s(axes_of_the_scenes(0), 2.25), 0);
+}
+
+// The side that the encoder does not see swings on, for half a swing and for what the friction of the other may drive.
+TEST(SpringLoad, WaitsForTheMotorWhereTheLoadIsRead) {
+  const BrakedClass c = sprung_axes(1e4, true);
+  const double by_chance_s = 8 * c.period_s;
+  const double half_swing_s = std::numbers::pi * std::sqrt(0.4 / 1e4);
+  // The friction of the load and the brake of 2.25 N are 4.35 N at most, 3.3 times what the motor's takes at least.
+  EXPECT_NEAR(sprung_rest_s(c, 2.25), 3 * half_swing_s + by_chance_s, 1e-12);
+  EXPECT_NEAR(sprung_rest_s(sprung_axes(1e4), 2.25), 3 * std::numbers::pi * std::sqrt(0.6 / 1e4) + by_chance_s, 1e-12);
+  BrakedClass swings_for_ever = c;
+  swings_for_ever.load_N = 1.3;  // all of the motor's least friction
+  EXPECT_TRUE(std::isinf(sprung_rest_s(swings_for_ever, 2.25)));
+}
+
 // One pulse and the brake, under the least friction of either side: no spring and no split of the masses goes further
 // than the rigid axis and what the spring adds.
 TEST(SpringLoad, AddsAtMostWhatIsStatedToAKick) {

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "../../campaign/random_unknown_joint.hpp"
 #include "../../unknown_axis.hpp"
@@ -79,6 +81,39 @@ TEST(Evaluation, SaysWhatARecordDoesNotShow) {
   EXPECT_NE(refusal(record).find("friction at rest"), std::string::npos) << refusal(record);
 }
 
+TEST(Evaluation, RefusesARecordWithoutPeriodCountOrStepOfForce) {
+  for (double Record::*const missing : {&Record::period_s, &Record::resolution_m, &Record::force_step_N}) {
+    Record record{1e-3, 1e-6, 0.025, {}};
+    record.readings.resize(1000);
+    record.*missing = 0;
+    EXPECT_NE(refusal(record).find("needs a period, a count and a step of force above 0"), std::string::npos);
+  }
+}
+
+// On its way friction changes by more than ten of these counts tell, and by little against the motion.
+TEST(Evaluation, TakesAnAxisForOneMassThatAFineEncoderSeesOffItsParabolas) {
+  UnknownAxis axis;
+  axis.resolution_m = 1e-9;
+  axis.wave = 0.2;
+  const Identification found = evaluate(run_experiment(axis).record);
+  EXPECT_NEAR(found.mass.mass_kg, axis.mass_kg, 0.02 * axis.mass_kg);
+}
+
+TEST(Evaluation, CountsABreakAwayThatEndsTheRecord) {
+  Record record = run_experiment(UnknownAxis{}).record;
+  const Identification whole = evaluate(record);
+  ASSERT_NE(whole.friction.back().speed_m_s, 0);
+  // A ramp from rest; under its last force the axis sets off.
+  const double rest_m = record.readings.back().position_m;
+  for (int i = 1; i <= 300; ++i) record.readings.push_back({rest_m, 0.0125 * i, true});
+  for (int i = 1; i <= 12; ++i) record.readings.push_back({rest_m + 3e-6 * i, 0.0125 * 300, true});
+  const Identification again = evaluate(record);
+  ASSERT_EQ(again.friction.size(), whole.friction.size() + 1);
+  EXPECT_EQ(again.friction.back().speed_m_s, 0);
+  EXPECT_DOUBLE_EQ(again.friction.back().position_m, rest_m);
+  EXPECT_NEAR(again.friction.back().friction_N.most, 3.75, 0.05);
+}
+
 TEST(Evaluation, RefusesAnAxisThatSwings) {
   Record record = run_experiment(UnknownAxis{}).record;
   double phase = 0;
@@ -112,6 +147,48 @@ TEST(EvaluationOfALoad, FindsBothMassesTheSpringAndTheFrictionOfEitherSide) {
   EXPECT_LE(spring.load_N.least, axis.load.true_friction_N().least);
   EXPECT_GE(spring.load_N.most, axis.load.true_friction_N().most);
   EXPECT_NE(summary(found).find("stiffness      3.0"), std::string::npos) << summary(found);
+}
+
+TEST(EvaluationOfALoad, CountsOnNoDampingWhereItSeesNone) {
+  campaign::UnknownJoint axis = belt();
+  axis.damping = 0;
+  const Identification found = evaluate(campaign::run_experiment<double>(axis).record, {}, Mechanism::load_on_spring);
+  EXPECT_EQ(found.spring->damping_Ns_per_m, 0);
+  EXPECT_NEAR(found.spring->load_kg, 0.6, 0.006);
+}
+
+// As the margins have it, half of nothing is left of a side, or a mass is not known well enough.
+TEST(EvaluationOfALoad, RefusesMarginsThatLeaveNothingToCertify) {
+  const Record record = campaign::run_experiment<double>(belt()).record;
+  const auto with = [&](const Margins& margins) {
+    try {
+      static_cast<void>(evaluate(record, margins, Mechanism::load_on_spring));
+    } catch (const InputError& error) {
+      return std::string{error.what()};
+    }
+    return std::string{};
+  };
+  EXPECT_EQ(with({.mass = 0.09, .side = 0.9}), "");
+  EXPECT_NE(with({.side = 1}).find("friction of motor or load comes out at 0 or less"), std::string::npos);
+  EXPECT_NE(with({.mass = 0.11}).find("sure to within 0.11 only, and a certificate needs a tenth"), std::string::npos);
+}
+
+// Joints that were found among random ones, of which one side rubs less than is usual.
+TEST(EvaluationOfALoad, SaysWhatKeepsItFromTellingASideThatRubsLittle) {
+  struct Row {
+    std::uint64_t seed;
+    campaign::UnknownAxis campaign::UnknownJoint::*side;
+    std::string_view said;
+  };
+  for (const Row& row : {Row{8, &campaign::UnknownJoint::motor, "or motor or load stopped on the way"},
+                         Row{28, &campaign::UnknownJoint::load, "the switches of the force differ by so much"},
+                         Row{124, &campaign::UnknownJoint::load, "friction of motor or load comes out at 0 or less"}}) {
+    campaign::Random random{row.seed};
+    campaign::UnknownJoint axis = campaign::random_unknown_joint(random, 10, 400);
+    (axis.*row.side).friction_N *= random.decades(0.02, 1);
+    const std::string said = refusal(campaign::run_experiment<double>(axis).record, Mechanism::load_on_spring);
+    EXPECT_NE(said.find(row.said), std::string::npos) << row.seed << ": " << said;
+  }
 }
 
 TEST(EvaluationOfALoad, NamesThePlayOfAJoint) {

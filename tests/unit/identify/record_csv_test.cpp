@@ -49,6 +49,13 @@ TEST(RecordCsv, TakesTheLastOfSeveralRuns) {
   EXPECT_EQ(record.readings.back().position_m, 6);
 }
 
+TEST(RecordCsv, PassesOverEmptyLines) {
+  const Record record = record_of_csv("time_s,position_m,command_N\n0,1,0\n\n0.001,2,0\r\n\r\n\n", units);
+  ASSERT_EQ(record.readings.size(), 2U);
+  EXPECT_EQ(record.readings.back().position_m, 2);
+  EXPECT_TRUE(record.readings.back().fresh);
+}
+
 TEST(RecordCsv, NamesTheLineThatIsWrong) {
   EXPECT_NE(refusal("time_s,position_m,force_N\n").find("no column command_N"), std::string::npos);
   EXPECT_NE(refusal("time_s,position_m,command_N\n0,0,0\n0.001,0\n").find("line 3: column 3"), std::string::npos);

@@ -87,7 +87,7 @@ std::vector<SwitchInMotion> switches_in_motion(const Record& record, const std::
     if (a.last != b.first || a.last - a.first < settled + least_on_a_side) continue;
     const Motion before = motion_in(record, a.first + settled, a.last), after = motion_in(record, b.first, b.last);
     if (before.direction == 0 || before.direction != after.direction) continue;
-    if (before.last + 2 < a.last || after.first > b.first + 2) continue;
+    if (before.last + 2 < a.last) continue;
     const std::size_t n_before = std::min(a.last - before.first, longest);
     const std::size_t n_after = std::min(fast_part(after.last - b.first), longest);
     if (std::min(n_before, n_after) < least_on_a_side) continue;

@@ -15,10 +15,10 @@ std::optional<Switch> switch_between(const Record& record, const Stretch& a, con
   if (a.last != b.first || a.first + settling.all + least_readings > a.last) return {};
   const Motion before = motion_in(record, a.first + settling.all, a.last);
   const Motion after = motion_in(record, b.first + settling.all, b.last);
-  if (before.last + 2 < a.last || after.first > b.first + settling.all + 2) return {};
-  if (before.direction == 0 || before.direction != after.direction) return {};
+  // One that does not move has no motion up to a.last.
+  if (before.last + 2 < a.last || before.direction != after.direction) return {};
   const std::size_t n_before = a.last - before.first, n_after = after.last - after.first;
-  if (n_before < least_readings || n_after < least_readings) return {};
+  if (n_after < least_readings) return {};
   const auto with = [&](std::size_t n) {
     return Switch{.at = b.first,
                   .readings = std::min({n, n_before, n_after}),

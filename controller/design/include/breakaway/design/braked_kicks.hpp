@@ -66,9 +66,10 @@ template <class Real>
 struct BrakedDesign {
   law::BrakedKicks<Real> kicks{};
   bool brake_holds = false;   // b is below A' with the largest gain, and A' is above 0
-  bool breaks_away = false;   // some pulse within max_force_N is sure to exceed B'
+  bool breaks_away = false;   // some pulse within max_force_N is sure to exceed B', and can be cut
   bool rest_is_seen = false;  // the time that proves rest can be counted
-  double pulse_needed_N = 0;  // the least command that is sure to exceed B' within some number of periods
+  double pulse_needed_N = 0;  // the least command that is sure to exceed B' within some number of periods; infinite
+                              // where the current loop is so slow that the drive cannot cut a pulse
   double floor_m = 0;         // from here on each kick takes at least least_share away; infinite where none does
   double reach_m = 0;         // up to here: beyond it kicks are those of the table's end
   double aim_lost = 0;        // largest share of the distance by which a kick aims short, rounding to steps apart
@@ -112,9 +113,9 @@ template <class Real>
 double least_move_speed_m_s(const BrakedDesign<Real>& design);
 template <class Real>
 bool keeps_speed(const BrakedClass& axes, const BrakedDesign<Real>& design);  // with a margin that leaves enough of it
-Interval jerk_m_s3(const BrakedClass& axes);
-constexpr double most_lag_with_jerk = 0.5;      // of the period
-constexpr double most_unknown_with_jerk = 0.1;  // of mass and force gain together
+Interval jerk_m_s3(const BrakedClass& axes);                                  // of a class with a move
+constexpr double most_lag_with_jerk = 0.5;                                    // of the period
+constexpr double most_unknown_with_jerk = 0.1;                                // of mass and force gain together
 
 // So far may an approach go beyond its target before brake and kicks take over: tested, not proved.
 template <class Real>

@@ -170,15 +170,13 @@ class Experiment {
   Scalar force_to_rest_N() noexcept {
     if (still()) at_rest_ = true;
     if (at_rest_ || action_s() > longest_halt_s) return 0;
-    if (p_.load_on_spring) return one_way_to_rest_N();
-    const Scalar speed_m_s = watch_.speed_now_m_s();
-    if (mass_kg_ > 0) return -law::limited(mass_kg_ * speed_m_s / (2 * reach_s()), braking_N());
-    const bool fast = std::abs(speed_m_s) * reach_s() > counts_m(8);
-    return fast ? std::copysign(braking_N(), -speed_m_s) : Scalar{0};
+    if (p_.load_on_spring || !(mass_kg_ > 0)) return one_way_to_rest_N();
+    return -law::limited(mass_kg_ * watch_.speed_now_m_s() / (2 * reach_s()), braking_N());
   }
 
-  // A force that followed the motor's swings late would drive them. So there is one against the motion as it was until
-  // the motor turns, and again only where it gets further than where it turned.
+  // A force that followed the motor's swings late would drive them, and so would one that follows late where an axis of
+  // unknown mass turns. So there is one against the motion as it was until the axis turns, and again only where it gets
+  // further than where it turned.
   Scalar one_way_to_rest_N() noexcept {
     const Scalar speed_m_s = watch_.speed_m_s(), here_m = watch_.position_m();
     if (halted_way_ == 0 && speed_m_s != 0) halted_way_ = std::copysign(Scalar{1}, speed_m_s);
