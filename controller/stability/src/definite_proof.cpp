@@ -30,10 +30,10 @@ Enclosure symmetric_enclosure(const Matrix& a, const Matrix& error) {
   return {middle, (error + error.transpose()) / 2 + rounding};
 }
 
-// Scales by powers of two, rows with columns and then all of it, to diagonal entries about one, which must be positive.
-// The first of them is from 1 to 2, so that a factor of all entries changes no digit of what follows.
+// Scales by powers of two, rows with columns and then all of it, to diagonal entries about one; there must be some, all
+// positive. The first of them is from 1 to 2, so that a factor of all entries changes no digit of what follows.
 Enclosure equilibrated(Enclosure a) {
-  const int first = a.middle.rows() == 0 ? 0 : std::ilogb(a.middle(0, 0));
+  const int first = std::ilogb(a.middle(0, 0));
   for (Index i = 0; i < a.middle.rows(); ++i) {
     const int exponent = -static_cast<int>(std::floor((std::ilogb(a.middle(i, i)) - first) / 2.0));
     for (Matrix* const part : {&a.middle, &a.error}) {
@@ -72,21 +72,20 @@ bool proved_definite(const Enclosure& a) {
   const Index n = a.middle.rows();
   const long double rounding = static_cast<long double>(n + 4) * extended_epsilon * a.middle.trace();
   const long double off = a.error.rowwise().sum().maxCoeff();
-  if (!std::isfinite(rounding) || !std::isfinite(off)) return false;
+  if (!std::isfinite(off)) return false;
   const Matrix shifted = a.middle - (2 * rounding + 1.01L * off) * Matrix::Identity(n, n);
   return factorised(shifted).done == n;
 }
 
-// The direction in which the part of A that Cholesky's method has got to is least: (-A_11^-1 a_12, 1, 0).
+// The direction in which the part of A that Cholesky's method has got to is least: (-A_11^-1 a_12, 1, 0). It has taken
+// one column at least, for the diagonal of A is positive.
 Vector falling_direction(const Matrix& a, const Factor& factor) {
   const Index k = factor.done;
+  Vector head = -factor.lower.row(k).head(k).transpose();
+  factor.lower.topLeftCorner(k, k).transpose().triangularView<Eigen::Upper>().solveInPlace(head);
   Vector x = Vector::Zero(a.rows());
   x[k] = 1;
-  if (k > 0) {
-    Vector head = -factor.lower.row(k).head(k).transpose();
-    factor.lower.topLeftCorner(k, k).transpose().triangularView<Eigen::Upper>().solveInPlace(head);
-    x.head(k) = head;
-  }
+  x.head(k) = head;
   return x;
 }
 

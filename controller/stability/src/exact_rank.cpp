@@ -58,10 +58,10 @@ Residue residue(double value, int lowest, Residue prime) {
   return value > 0 || size == 0 ? size : prime - size;
 }
 
-// Gauss' elimination.
+// Gauss' elimination on a square matrix.
 Index rank_modulo(Residues a, Residue prime) {
   Index rank = 0;
-  for (Index column = 0; column < a.cols() && rank < a.rows(); ++column) {
+  for (Index column = 0; column < a.cols(); ++column) {
     Index pivot = rank;
     while (pivot < a.rows() && a(pivot, column) == 0) ++pivot;
     if (pivot == a.rows()) continue;

@@ -97,16 +97,20 @@ class Certifier {
   // V <= start_J holds q in an ellipsoid; what leaves it after the release is small, and looked at there.
   bool stays_in_range() {
     result_.sampled.start_J = start_J();
+    return within_range("range of the masses", (2 * start_J() * softness_.diagonal()).cwiseSqrt(), "approach",
+                        "start nearer to the target");
+  }
+
+  // Nothing takes an axis out of the range in which the masses are stated.
+  bool within_range(const char* name, const VectorXd& reach_m, const char* what, const char* remedy) {
     if (a_.range_m.size() == 0) return true;
-    const VectorXd reach_m = (2 * start_J() * softness_.diagonal()).cwiseSqrt();
     Index worst = 0;
     const double least_m = (a_.range_m - reach_m).minCoeff(&worst);
-    return require(
-        "range of the masses", least_m >= 0, least_m,
-        axis_name(worst) + text(": the approach may take it %.4g m from its target, and the masses are stated "
-                                "within %.4g m",
-                                reach_m[worst], a_.range_m[worst]),
-        "state the masses in a wider range, or start nearer to the target");
+    return require(name, least_m >= 0, least_m,
+                   axis_name(worst) + text(": the %s may take it %.4g m from its target, and the masses are stated "
+                                           "within %.4g m",
+                                           what, reach_m[worst], a_.range_m[worst]),
+                   std::string{"state the masses in a wider range, or "} + remedy);
   }
 
   // V at the start: a quadratic form is greatest at a corner of the box.
@@ -200,7 +204,7 @@ class Certifier {
     const LinearMachine<> left{masses_.lower, closed_C_ - diagonal(s.lost_Ns_per_m), closed_K_,
                                MatrixXd::Identity(n_, n_), a_.friction_lower_N - s.lost_N};
     const Attractivity attractivity = certify_attractivity(left);
-    s.level_J = attractivity.definite ? attractivity.level_J : 0;
+    s.level_J = attractivity.level_J;
     const bool below = s.start_J < s.level_J;
     return require("region of attraction", below, std::isinf(s.level_J) ? 1 : 1 - s.start_J / s.level_J,
                    text("V is %.4g J at the start at most, and falls below %.4g J", s.start_J, s.level_J),
@@ -228,12 +232,12 @@ class Certifier {
     const double least_N = free_N.minCoeff(&worst);
     const double mass = masses.rowwise().sum().maxCoeff();
     result_.release_s = least_N > 0 ? wait_s + std::sqrt(2 * left_J * mass) / least_N : 0;
-    const bool near = a_.range_m.size() == 0 || (box_m_.array() <= a_.range_m.array()).all();
-    return require("release", near && least_N > 0, least_N,
+    return require("release", least_N > 0, least_N,
                    axis_name(worst) + text(": springs, loads and dampers leave %.4g N of %.4g N of friction in its box "
                                            "of %.4g m",
                                            least_N, a_.friction_lower_N[worst], box_m_[worst]),
-                   "make the springs between the axes softer, or the approach stiffer");
+                   "make the springs between the axes softer, or the approach stiffer") &&
+           within_range("range of the masses after the release", box_m_, "release", "make the approach stiffer");
   }
 
   VectorXd released_friction_N(const VectorXd& speed) const {
@@ -247,6 +251,8 @@ class Certifier {
     return free_N;
   }
 
+  // Every axis has a drive here. One without is asked for no force, so it has no gains; all that pulls it back are its
+  // own springs, which pull harder than its friction holds where it may rest: the release has refused it.
   void kick() {
     bool all = true;
     for (Index i = 0; i < n_; ++i) all = promise(i) && all;
@@ -255,8 +261,7 @@ class Certifier {
     for (Index i = 0; i < n_; ++i) force_N[i] = result_.axes[static_cast<std::size_t>(i)].kick_N;
     for (Index i = 0; i < n_; ++i) {
       for (Index l = 0; l < n_; ++l) {
-        if (i != l && a_.actuated(i) && a_.actuated(l))
-          result_.simultaneous.push_back(simultaneous_condition(a_, box_m_, force_N, i, l));
+        if (i != l) result_.simultaneous.push_back(simultaneous_condition(a_, box_m_, force_N, i, l));
       }
     }
   }
@@ -266,14 +271,13 @@ class Certifier {
     axis.box_m = box_m_[i];
     axis.gate_m = gate_m_[i];
     axis.kicked = kicked_axis(a_, box_m_, i);
-    if (!a_.actuated(i)) return true;
     return stops(i, axis) && moves_alone(i, axis) && reaches(i, axis);
   }
 
   bool stops(Index i, const AxisPromise& axis) {
     const double margin_N = axis.kicked.lower_N - axis.kicked.brake_N;
     return require(
-        "stop of " + axis_name(i), axis.kicked.lower_N > 0 && margin_N > 0, margin_N,
+        "stop of " + axis_name(i), margin_N > 0, margin_N,
         text("at least %.4g N of friction against a brake of %.4g N", axis.kicked.lower_N, axis.kicked.brake_N),
         "lower the brake, or the loads and springs on the axis");
   }

@@ -66,8 +66,8 @@ double beside_N(const CoupledAxes& a, const VectorXd& box_m, const KickedAxis& k
          moving_load_N(a, j, i, k.peak_m_s) + (std::abs(c.hold_off) + c.deviation) * own_coriolis_N(a, k.peak_m_s);
 }
 
-// The share of its command that a current loop has reached after one period.
-double reached(const CoupledAxes& a) { return a.lag_s > 0 ? -std::expm1(-a.period_s / a.lag_s) : 1; }
+// The share of its command that a current loop which lags has reached after one period.
+double reached(const CoupledAxes& a) { return -std::expm1(-a.period_s / a.lag_s); }
 
 // In THEORY.md: f - h, the part of M_ii q_i'' that the hold-off force h does not take.
 double left_over_N(const CoupledAxes& a, const KickedAxis& k, double force_N, KickPhase phase) {

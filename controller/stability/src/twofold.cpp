@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 namespace breakaway::stability::twofold {
@@ -22,7 +23,8 @@ struct Equilibrated {
   Matrix unscaled(const Matrix& inverse) const { return columns.asDiagonal() * inverse * rows.asDiagonal(); }
 
   static double scale(const Matrix& line) {
-    const double largest = line.size() == 0 ? 0 : static_cast<double>(line.cwiseAbs().maxCoeff());
+    double largest = 0;
+    for (const Scalar& entry : line.reshaped()) largest = std::max(largest, std::abs(entry.high()));
     return largest > 0 && std::isfinite(largest) ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
   }
 };
