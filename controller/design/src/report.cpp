@@ -295,8 +295,8 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
           (c.jitter_s > 0 ? "within " + brief(c.jitter_s) + " s of whole periods, one against another"
                           : std::string{"in whole periods"}) +
           ", and no command is lost; a sample that is lost costs a period",
-      "SYNC leaves at the same time of every period; what a frame of somebody else on the wire delays it by is within "
-      "that",
+      std::string{"SYNC leaves at the same time of every period; "} +
+          "what a frame of somebody else on the wire delays it by is within that",
       "the axis rests when it is enabled; the speed of one that moves may be seen too late, and its run end by name",
       tested};
   if (c.presliding_stiffness_N_per_m > 0)
