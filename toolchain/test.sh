@@ -84,6 +84,7 @@ check_format() {
 # What a sanitizer is for, bytes from outside and indices, the short tests reach. These compute for long, which it makes ten
 # times longer.
 long_computations='^(Accuracy|Conditions|EquilibriumSet|MethodChoice|PdSynthesis|SynthesisUnits)[.]|^Command[.].*(Tradeoff|Accuracy)'
+long_computations+='|^Command[.](LeadsFromAnExperiment|TunesAnAxis|ReadsStandardInputWhere|WritesTheSameJsonTwice)'
 
 # The library's and the command's own files, joined a leaf at a time as clang built them. Tests would double the time; the
 # compilers and the sanitizers read them.
