@@ -74,7 +74,7 @@ void DriveNode::update(hal::Time now) noexcept {
     case SetupPhase::forcing_stop:
       return update_forced_stop(now);
     case SetupPhase::refused:
-      return;
+      return watch_refused(now);
   }
 }
 
@@ -95,6 +95,9 @@ void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
 void DriveNode::refuse(SetupStatus status) noexcept {
   phase_ = SetupPhase::refused;
   status_ = status;
+  abort_code_ = sdo_.abort_code();
+  transfer_running_ = false;
+  last_mode_poll_.reset();
 }
 
 // A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up. What
@@ -343,6 +346,7 @@ void DriveNode::on_rated_torque(std::uint32_t rated_torque_mNm) noexcept {
 
 void DriveNode::begin_start(hal::Time now) noexcept {
   enter(SetupPhase::starting, now);
+  restarts_ = false;
   mode_ = Mode::cyclic_torque;
   status_ = SetupStatus::in_progress;
   setup_object_ = {};
@@ -376,11 +380,25 @@ void DriveNode::look(hal::Time now) noexcept {
   setup_object_ = {};  // the set-up does not stand there
 }
 
+// So may it a drive that is of no use to us. What it was refused for stays to be seen.
+void DriveNode::watch_refused(hal::Time now) noexcept {
+  if (transfer_running_) {
+    const SdoResult result = sdo_.poll(now);
+    if (result == SdoResult::busy) return;
+    transfer_running_ = false;
+    if (result == SdoResult::done) on_value_read(object::statusword);
+  }
+  if (last_mode_poll_ && now - *last_mode_poll_ < mode_poll_time) return;
+  last_mode_poll_ = now;
+  transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
+}
+
 bool DriveNode::stopped_operating(hal::Time now) noexcept {
   if (heartbeat_.state() == NmtState::operational) return false;
   sdo_.cancel();
   transfer_running_ = false;
   begin_start(now);
+  restarts_ = true;
   return true;
 }
 

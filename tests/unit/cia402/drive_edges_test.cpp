@@ -274,12 +274,13 @@ TEST(HomingEdges, ADriveThatIsLostAfterAnAttemptLeavesItFailed) {
   ASSERT_TRUE(homing.seek(0, false, false, begin));
   homing.on_stopped();
   homing.on_returned();
-  homing.abort();
+  homing.lose();
   EXPECT_TRUE(homing.failed());
   homing.begin();
   homing.on_selected(begin);
-  homing.abort();
+  homing.lose();
   EXPECT_FALSE(homing.active());
+  EXPECT_TRUE(homing.failed()) << "or it would be energised again and again without a name";
 }
 
 }  // namespace

@@ -458,8 +458,22 @@ TEST_F(WeakAxisTest, LimitBelowOneQuantumIsUnusable) {
   node.boot();
   deliver();
   run_for(1s);
-  EXPECT_EQ(feedback.state, DriveState::unusable) << "for good";
+  EXPECT_EQ(feedback.state, DriveState::unusable) << "it is the same drive";
   EXPECT_EQ(drive.setup_status(), SetupStatus::force_step_too_coarse);
+}
+
+TEST_F(WeakAxisTest, AReadingOfTheRatingThatWasWrongIsMendedByAReset) {
+  node.boot();
+  deliver();
+  run_until_state(DriveState::unusable);
+  node.objects[ScriptedDrive::key(0x6076, 0)] = 500;
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::unusable);
+  drive.reset_fault();
+  run_for(1ms);
+  EXPECT_NE(feedback.state, DriveState::unusable) << "or the fault would be latched again";
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(drive.setup_status(), SetupStatus::ready);
 }
 
 }  // namespace

@@ -269,6 +269,29 @@ TEST_F(ForcedStopTest, AStatuswordOfZerosIsNoProof) {
   EXPECT_TRUE(feedback.stop_not_obeyed);
 }
 
+TEST_F(ForcedStopTest, ADriveThatShowsNoStateAfterAStopIsNotShownAsDisabled) {
+  enable_and_go_deaf();
+  drive.request_stop();
+  run_for(2ms);
+  node.state = State::not_ready_to_switch_on;
+  run_for(5ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.state = State::switch_on_disabled;
+  run_for(2ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+}
+
+TEST_F(ForcedStopTest, ADriveThatSaysThatItIsNotOperationalIsToldToStopAllTheSame) {
+  enable();
+  step(10.0F);
+  node.out.push_back(canopen::heartbeat_frame(NmtState::pre_operational, node_id));
+  deliver();
+  drive.request_stop();
+  node.follows_sdo_controlword = false;
+  EXPECT_LE(time_until_without_force(), 2ms);
+  EXPECT_FALSE(feedback.stop_not_obeyed);
+}
+
 class PatientForcedStopTest : public ForcedStopTest {
  protected:
   PatientForcedStopTest()

@@ -364,16 +364,14 @@ class ControlLoop {
                             .reference_lost = a.drive.reference_lost(),
                             .on_its_way = is_on_its_way(a.controller),
                             .holds = a.controller.mode() == law::Mode::hold};
-    if (feedback.state == hal::DriveState::unusable) {
-      a.status.fault = AxisFault::drive_unusable;
-      return false;
-    }
     const AxisFault before = a.supervisor.fault();
     if (feedback.stop_not_obeyed) {
       a.supervisor.latch(AxisFault::stop_not_obeyed, 0, now);
       a.status.stop_not_obeyed = true;
     }
-    if (was_running)
+    if (feedback.state == hal::DriveState::unusable)
+      a.supervisor.latch(AxisFault::drive_unusable, 0, now);
+    else if (was_running)
       a.supervisor.check(feedback, health, now);
     else
       watch_idle(a, feedback, health, now);

@@ -99,15 +99,16 @@ class Drive {
 
   // Moves on by one period, after the frames.
   void update(hal::Time now) noexcept {
-    if (own_status_ != SetupStatus::ready) return;
+    if (own_status_ == SetupStatus::config_invalid) return;
     const bool was_ready = node_.ready(), was_forced = node_.forcing_stop();
     const std::uint32_t reboots = node_.reboots();
     node_.update(now);
     if (was_ready && !node_.ready()) forget_commands();
     if (node_.reboots() != reboots) on_reboot();
     if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
-    if (was_forced && !node_.forcing_stop()) has_force_ = false;
-    if (node_.forcing_stop() && !has_force_) node_.end_forced_stop(now);
+    if (was_forced && !node_.forcing_stop()) has_force_ = force_shown_ = false;
+    may_have_force_ = std::exchange(force_shown_, false) || has_force_;
+    if (node_.forcing_stop() && !may_have_force_) node_.end_forced_stop(now);
     watch_samples(now);
     if (node_.ready() && node_.heartbeat_lost() && !has_force_) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
@@ -120,14 +121,15 @@ class Drive {
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent now, at most one a call. The frame
   // must then be sent.
   bool next_acyclic_frame(hal::CanFrame& frame, hal::Time now) noexcept {
-    return own_status_ == SetupStatus::ready && node_.next_frame(frame, now);
+    return own_status_ != SetupStatus::config_invalid && node_.next_frame(frame, now);
   }
 
-  // Returns true and fills `frame` with the RPDO of this period; false while the node is not NMT operational. Uses the
-  // force up: without a new command() the next one carries zero torque.
+  // Returns true and fills `frame` with the RPDO of this period; false while the node is not NMT operational, unless it
+  // only says that it no longer is, which may be wrong. Uses the force up: without a new command() the next one carries
+  // zero torque.
   bool next_command_frame(hal::CanFrame& frame) noexcept {
     const Scalar force_N = std::exchange(force_N_, Scalar{0});
-    if (!usable() || !node_.operational()) return false;
+    if (!usable() || !(node_.operational() || node_.restarts())) return false;
     // A drive whose state no PDO shows is not led anywhere.
     const bool led = node_.ready() && pdo_seen_;
     const bool homing = homing_.active();
@@ -256,7 +258,8 @@ class Drive {
   }
 
   void on_reboot() noexcept {
-    ever_valid_ = counted_ = has_force_ = false;
+    ever_valid_ = counted_ = has_force_ = force_shown_ = false;
+    unwished_since_.reset();
     reference_lost_ = !config_.absolute_encoder;
   }
 
@@ -276,7 +279,7 @@ class Drive {
   void on_statusword(std::uint16_t statusword) noexcept {
     statusword_ = statusword;
     machine_.on_statusword(statusword);
-    if (shows_force(statusword)) has_force_ = true;
+    if (shows_force(statusword)) has_force_ = force_shown_ = true;
     if (shows_no_force(statusword)) has_force_ = false;
   }
 
@@ -285,7 +288,7 @@ class Drive {
 
   [[gnu::cold]] void lead_home(hal::Time now) noexcept {
     const bool led = node_.ready() && pdo_seen_;
-    if (!node_.in_mode(Mode::homing) && !node_.in_mode(Mode::cyclic_torque)) return homing_.abort();
+    if (!node_.in_mode(Mode::homing) && !node_.in_mode(Mode::cyclic_torque)) return homing_.lose();
     switch (homing_.stage()) {
       case Homing::Stage::idle:
         return;
@@ -295,7 +298,7 @@ class Drive {
         machine_.request_enable();
         return homing_.on_selected(now);
       case Homing::Stage::seeking:
-        if (!node_.in_mode(Mode::homing)) return homing_.abort();
+        if (!node_.in_mode(Mode::homing)) return homing_.lose();
         if (homing_.seek(statusword_, machine_.enable_wished(), machine_.follows(), now)) machine_.request_stop();
         return;
       case Homing::Stage::stopping:
@@ -329,7 +332,7 @@ class Drive {
     const DriveRating& rating = node_.rating();
     torque_scale_ = TorqueScale<Scalar>{rating.rated_torque_mNm, rating.max_torque_per_mille,
                                         config_.force_per_torque_N_per_Nm, scale_.max_force_N, config_.torque_base};
-    if (torque_scale_.limit_per_mille() == 0) own_status_ = SetupStatus::force_step_too_coarse;
+    own_status_ = torque_scale_.limit_per_mille() == 0 ? SetupStatus::force_step_too_coarse : SetupStatus::ready;
   }
 
   // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
@@ -348,6 +351,7 @@ class Drive {
     reset_asked_ = false;
     if (has_force_ || machine_.enable_wished()) return;
     reset_pending_ = true;
+    own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
     if (node_.ready() || node_.phase() == SetupPhase::refused) set_up_anew(now);
     node_.forget_heartbeat_loss();
   }
@@ -361,13 +365,14 @@ class Drive {
 
   // A drive that is energised against our wish for longer than a stop takes is forced to it. It is given the time of a
   // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last, and nobody
-  // wishes force of one that is not set up.
+  // wishes force of one that is not set up. A statusword without force between others, by whatever sends it, proves
+  // nothing: only a drive that shows no force for as long as it has for a stop has obeyed.
   void watch_stop(hal::Time now) noexcept {
     const bool wished = node_.ready() && machine_.enable_wished();
-    if (!has_force_ || wished || node_.forcing_stop()) {
-      unwished_since_.reset();
-      return;
-    }
+    if (wished || node_.forcing_stop()) return unwished_since_.reset();
+    if (may_have_force_) force_shown_at_ = now;
+    if (now - force_shown_at_ > obeys_within()) unwished_since_.reset();
+    if (!may_have_force_) return;
     if (!unwished_since_) unwished_since_ = now;
     const bool stops_by_itself =
         machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
@@ -383,11 +388,11 @@ class Drive {
   bool usable() const noexcept { return own_status_ == SetupStatus::ready && node_.phase() != SetupPhase::refused; }
 
   hal::DriveState state() const noexcept {
-    if (!usable()) return hal::DriveState::unusable;
     if (node_.forcing_stop()) return hal::DriveState::stopping;
+    if (!usable()) return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::unusable;
     if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
     if (!node_.ready() || !machine_.state())
-      return has_force_ ? hal::DriveState::stopping : hal::DriveState::configuring;
+      return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
       case State::operation_enabled:
@@ -403,7 +408,8 @@ class Drive {
       case State::switched_on:
         break;
     }
-    return wished ? hal::DriveState::enabling : hal::DriveState::disabled;
+    if (wished) return hal::DriveState::enabling;
+    return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::disabled;
   }
 
   std::uint16_t fault_code() const noexcept {
@@ -437,9 +443,11 @@ class Drive {
   std::uint32_t travel_counts_ = 0;  // since the last feedback(), modulo 2^32
   bool fresh_ = false;
   bool ever_valid_ = false;
-  bool counted_ = false;    // counts_ is of this power-up
-  bool pdo_seen_ = false;   // since the node is ready
-  bool has_force_ = false;  // as it was seen last
+  bool counted_ = false;         // counts_ is of this power-up
+  bool pdo_seen_ = false;        // since the node is ready
+  bool has_force_ = false;       // as it was seen last
+  bool force_shown_ = false;     // by any statusword since the last period
+  bool may_have_force_ = false;  // one of both, in this period
   bool was_faulty_ = false;
   bool reset_asked_ = false;
   bool reference_lost_ = false;
@@ -450,6 +458,7 @@ class Drive {
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
   std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
+  hal::Time force_shown_at_{};
   hal::Time sample_time_{};
 };
 

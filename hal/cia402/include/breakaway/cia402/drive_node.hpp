@@ -140,6 +140,8 @@ class DriveNode {
     return phase_ == SetupPhase::verifying_mode || ready() ||
            (forcing_stop() && forced_while_operational_ && forced_stop_.means() == ForcedStop::Means::controlword);
   }
+  // It said that it is no longer operational, was told to start again, and may still be where it was.
+  bool restarts() const noexcept { return phase_ == SetupPhase::starting && restarts_; }
   // Returns the statusword that was read by SDO since the last call, if one was.
   std::optional<std::uint16_t> take_statusword() noexcept { return std::exchange(statusword_, std::nullopt); }
 
@@ -148,7 +150,7 @@ class DriveNode {
   canopen::ObjectAddress setup_object() const noexcept { return setup_object_; }
   // Why the drive aborted, when status() is object_refused; SdoAbort::none otherwise.
   canopen::SdoAbort setup_abort_code() const noexcept {
-    return status_ == SetupStatus::object_refused ? sdo_.abort_code() : canopen::SdoAbort::none;
+    return status_ == SetupStatus::object_refused ? abort_code_ : canopen::SdoAbort::none;
   }
 
   const DriveRating& rating() const noexcept { return rating_; }
@@ -187,6 +189,7 @@ class DriveNode {
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
   void look(hal::Time now) noexcept;
+  void watch_refused(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
@@ -223,6 +226,7 @@ class DriveNode {
   DriveRating rating_;
   PositionFactor position_factor_;
   canopen::ObjectAddress setup_object_{};
+  canopen::SdoAbort abort_code_ = canopen::SdoAbort::none;  // at the refusal
   std::optional<canopen::NmtCommand> nmt_command_;
   std::optional<std::uint16_t> statusword_;
   std::uint16_t error_code_ = 0;
@@ -234,6 +238,7 @@ class DriveNode {
   bool answers_ = false;             // by SDO, after that command
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
+  bool restarts_ = false;                  // in `starting`
   bool write_taken_ = false;               // the last one of the plan
   bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
   bool error_code_wanted_ = false;

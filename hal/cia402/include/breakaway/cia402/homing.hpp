@@ -39,9 +39,12 @@ class Homing {
     stage_ = Stage::selecting;
     found_ = failed_ = false;
   }
-  // The drive is no longer the one that was led: it rebooted, is forced to a stop, or lost its set-up.
-  void abort() noexcept {
+  // The drive is no longer the one that was led: it rebooted, is forced to a stop, or lost its set-up. One that was
+  // seeking has failed, or it would be energised anew, again and again, without a name.
+  void lose() noexcept {
+    const bool sought = stage_ == Stage::seeking;
     if (stage_ != Stage::idle) *this = Homing{config_};
+    failed_ = failed_ || sought;
   }
   void forget_failure() noexcept { failed_ = false; }
 

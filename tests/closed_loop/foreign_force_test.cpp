@@ -1,0 +1,125 @@
+// Force that nobody here wishes: one statusword proves nothing, and a drive of no use to us is watched like any other.
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace breakaway::closed_loop {
+namespace {
+
+using firmware::AxisFault;
+
+RigConfig far_away() {
+  RigConfig config;
+  config.start_m = -1;
+  return config;
+}
+
+void energise(Rig& rig) {
+  rig.write_to_drive(0x6060, 0, 10, 1);
+  rig.write_to_drive(0x6071, 0, 400, 2);
+  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2);
+}
+
+// Late in the period, after the drive's own: by a second node on its id, or a gateway that repeats what it once had.
+void step_with_a_lie(Rig& rig, sil::SimulatedNetwork::Port& liar) {
+  constexpr hal::CanFrame switched_off{.id = 0x181, .size = 8, .data = {0x40, 0x02}};
+  rig.network().finish_period(rig.loop());
+  rig.network().advance_to(rig.now() + 700us);
+  ASSERT_EQ(liar.send(switched_off, rig.now() + 1ms), hal::SendResult::queued);
+  rig.step();
+}
+
+TEST(ForeignForce, ASampleWithoutForceNowAndThenNeitherKeepsItOnNorLetsAResetThrough) {
+  for (const int every : {1, 2, 5, 10, 19, 20, 21, 22, 40}) {
+    Rig rig{far_away()};
+    ASSERT_TRUE(rig.start());
+    rig.run(20ms);
+    rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+    rig.loop().request_stop(rig.id(0));
+    auto& liar = rig.network().add_port();
+    int with_force = 0;
+    for (int i = 1; i <= 200; ++i) {
+      if (i % every == 0)
+        ASSERT_NO_FATAL_FAILURE(step_with_a_lie(rig, liar));
+      else
+        rig.step();
+      if (std::abs(rig.force_N(0)) < 0.1) continue;
+      ++with_force;
+      EXPECT_FALSE(rig.loop().reset_fault(rig.id(0))) << i << " of every " << every;
+    }
+    EXPECT_LE(with_force, 45) << "a lie every " << every;
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+    EXPECT_TRUE(rig.status(0).stop_not_obeyed);
+    EXPECT_NE(rig.status(0).fault, AxisFault::none);
+  }
+}
+
+TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
+  RigConfig config;
+  config.quirks.refused_objects = {0x6076};
+  Rig rig{config};
+  const auto& drive = rig.loop().drive(rig.id(0));
+  rig.run(3s);
+  ASSERT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  ASSERT_EQ(drive.setup_object().index, 0x6076);
+  const canopen::SdoAbort why = drive.setup_abort_code();
+  for (int again = 0; again < 3; ++again) {
+    energise(rig);
+    rig.run(5ms);
+    ASSERT_GT(std::abs(rig.force_N(0)), 5);
+    EXPECT_LE(rig.largest_force_N(0, 10ms), 50);
+    rig.run(60ms);
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+    EXPECT_TRUE(rig.status(0).stop_not_obeyed);
+    rig.run(3s);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+    EXPECT_EQ(drive.setup_object().index, 0x6076) << "what it was refused for is still to be seen";
+    EXPECT_EQ(drive.setup_abort_code(), why);
+  }
+}
+
+TEST(ForeignForce, ADriveThatWasRefusedMovesNothingBeforeAResetThoughItWouldDoNow) {
+  Rig rig{{}};
+  rig.loop().request_enable(rig.id(0));
+  while (rig.status(0).fault == AxisFault::none && rig.now() < hal::Time{3s}) {
+    rig.write_to_drive(0x607E, 0, 0x80, 1);  // as soon as it listens
+    rig.step();
+  }
+  ASSERT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  rig.drive(0).power_off(rig.now());
+  rig.drive(0).power_on(rig.now());
+  rig.run(5s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  EXPECT_FALSE(rig.status(0).running);
+  ASSERT_TRUE(rig.loop().reset_fault(rig.id(0)));
+  rig.run(2s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_TRUE(rig.status(0).running);
+}
+
+TEST(ForeignForce, AHomingThatIsTakenOutOfOperationalHasFailedAndIsNotBegunAgain) {
+  RigConfig config;
+  config.absolute_encoder = false;
+  config.homing = {.home = cia402::Home::by_drive, .method = 37};
+  Rig rig{config};
+  rig.loop().request_enable(rig.id(0));
+  auto& tool = rig.network().add_port();
+  int energised = 0;
+  bool was = false;
+  for (int told = 0; rig.now() < hal::Time{20s};) {
+    rig.step();
+    const bool is = rig.drive(0).state() == cia402::State::operation_enabled;
+    energised += is && !was ? 1 : 0;
+    was = is;
+    if (!is || rig.status(0).feedback.state != hal::DriveState::homing || ++told % 10 != 0) continue;
+    ASSERT_EQ(tool.send(canopen::nmt_frame(canopen::NmtCommand::enter_pre_operational, 1), rig.now() + 10ms),
+              hal::SendResult::queued);
+    ASSERT_EQ(tool.send({.id = 0x701, .size = 1, .data = {0x7F}}, rig.now() + 10ms), hal::SendResult::queued);
+  }
+  EXPECT_EQ(energised, 1);
+  EXPECT_NE(rig.status(0).fault, AxisFault::none);
+  EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+}
+
+}  // namespace
+}  // namespace breakaway::closed_loop
