@@ -8,18 +8,6 @@ namespace {
 
 using firmware::AxisFault;
 
-RigConfig far_away() {
-  RigConfig config;
-  config.start_m = -1;
-  return config;
-}
-
-void energise(Rig& rig) {
-  rig.write_to_drive(0x6060, 0, 10, 1);
-  rig.write_to_drive(0x6071, 0, 400, 2);
-  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2);
-}
-
 // Late in the period, after the drive's own: by a second node on its id, or a gateway that repeats what it once had.
 void step_with_a_lie(Rig& rig, sil::SimulatedNetwork::Port& liar) {
   constexpr hal::CanFrame switched_off{.id = 0x181, .size = 8, .data = {0x40, 0x02}};
@@ -31,7 +19,7 @@ void step_with_a_lie(Rig& rig, sil::SimulatedNetwork::Port& liar) {
 
 TEST(ForeignForce, ASampleWithoutForceNowAndThenNeitherKeepsItOnNorLetsAResetThrough) {
   for (const int every : {1, 2, 5, 10, 19, 20, 21, 22, 40}) {
-    Rig rig{far_away()};
+    Rig rig{far_from_target()};
     ASSERT_TRUE(rig.start());
     rig.run(20ms);
     rig.write_to_drive(0x1400, 1, 0x80000201, 4);
@@ -47,6 +35,7 @@ TEST(ForeignForce, ASampleWithoutForceNowAndThenNeitherKeepsItOnNorLetsAResetThr
       ++with_force;
       EXPECT_FALSE(rig.loop().reset_fault(rig.id(0))) << i << " of every " << every;
     }
+    // The time of a stop, up to a lie's distance more where one comes as it ends, and the answers by SDO.
     EXPECT_LE(with_force, 45) << "a lie every " << every;
     EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
     EXPECT_TRUE(rig.status(0).stop_not_obeyed);
@@ -64,7 +53,7 @@ TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItO
   ASSERT_EQ(drive.setup_object().index, 0x6076);
   const canopen::SdoAbort why = drive.setup_abort_code();
   for (int again = 0; again < 3; ++again) {
-    energise(rig);
+    enable_from_elsewhere(rig);
     rig.run(5ms);
     ASSERT_GT(std::abs(rig.force_N(0)), 5);
     EXPECT_LE(rig.largest_force_N(0, 10ms), 50);

@@ -189,6 +189,13 @@ class Rig {
   hal::Time now_{};
 };
 
+// Another master enables the drive by SDO and has it make 10 N.
+inline void enable_from_elsewhere(Rig& rig) {
+  rig.write_to_drive(0x6060, 0, 10, 1);
+  rig.write_to_drive(0x6071, 0, 400, 2);
+  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2);
+}
+
 inline RigConfig far_from_target() {
   RigConfig config;
   config.start_m = -1.0;  // full force for a while

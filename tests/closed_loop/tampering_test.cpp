@@ -12,13 +12,6 @@ namespace {
 
 using firmware::AxisFault;
 
-// Another master enables the drive by SDO and has it make 10 N.
-void enable_from_elsewhere(Rig& rig) {
-  rig.write_to_drive(0x6060, 0, 10, 1);
-  rig.write_to_drive(0x6071, 0, 400, 2);
-  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2);
-}
-
 void expect_at_target(Rig& rig) {
   rig.run(5s);
   EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);

@@ -17,7 +17,6 @@ using canopen::NmtState;
 using canopen::SdoResult;
 
 constexpr SetupStep read_mode{.kind = SetupStep::Kind::read, .index = object::mode_display};
-constexpr SetupStep read_statusword{.kind = SetupStep::Kind::read, .index = object::statusword};
 constexpr SetupStep read_error_code{.kind = SetupStep::Kind::read, .index = object::error_code};
 constexpr SetupStep write_mode(Mode mode) noexcept {
   return {.kind = SetupStep::Kind::write,
@@ -97,7 +96,7 @@ void DriveNode::refuse(SetupStatus status) noexcept {
   status_ = status;
   abort_code_ = sdo_.abort_code();
   transfer_running_ = false;
-  last_mode_poll_.reset();
+  last_poll_.reset();
 }
 
 // A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up. What
@@ -354,13 +353,13 @@ void DriveNode::begin_start(hal::Time now) noexcept {
 }
 
 void DriveNode::start_node(hal::Time now) noexcept {
-  look(now);
+  if (!is_looking(now)) look();
   if (heartbeat_.state() == NmtState::operational) {
     sdo_.cancel();
     transfer_running_ = false;
     enter(SetupPhase::verifying_mode, now);
     last_mode_request_ = now;
-    last_mode_poll_.reset();
+    last_poll_.reset();
     return;
   }
   if (now - *since_ > std::max(boot_time, 2 * heartbeat_timeout_)) return set_up_anew(now);
@@ -369,28 +368,25 @@ void DriveNode::start_node(hal::Time now) noexcept {
   last_command_ = now;
 }
 
-// Somebody else may switch the node on, and no PDO tells of it before the node is started.
-void DriveNode::look(hal::Time now) noexcept {
-  if (transfer_running_) {
-    const SdoResult result = sdo_.poll(now);
-    if (result == SdoResult::busy) return;
-    if (result == SdoResult::done) on_value_read(object::statusword);
-  }
-  start_transfer(read_statusword);
-  setup_object_ = {};  // the set-up does not stand there
+// Reads the statusword, because somebody else may switch the drive on, and no PDO tells of it before the node is
+// started. The set-up does not stand at this object. Returns true until it is answered.
+bool DriveNode::is_looking(hal::Time now) noexcept {
+  if (!transfer_running_) return false;
+  const SdoResult result = sdo_.poll(now);
+  transfer_running_ = result == SdoResult::busy;
+  if (result == SdoResult::done) on_value_read(object::statusword);
+  return transfer_running_;
 }
 
-// So may it a drive that is of no use to us. What it was refused for stays to be seen.
-void DriveNode::watch_refused(hal::Time now) noexcept {
-  if (transfer_running_) {
-    const SdoResult result = sdo_.poll(now);
-    if (result == SdoResult::busy) return;
-    transfer_running_ = false;
-    if (result == SdoResult::done) on_value_read(object::statusword);
-  }
-  if (last_mode_poll_ && now - *last_mode_poll_ < mode_poll_time) return;
-  last_mode_poll_ = now;
+void DriveNode::look() noexcept {
   transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
+}
+
+// Also a drive that is of no use to us, which nobody keeps busy for ever.
+void DriveNode::watch_refused(hal::Time now) noexcept {
+  if (is_looking(now) || (last_poll_ && now - *last_poll_ < poll_time)) return;
+  last_poll_ = now;
+  look();
 }
 
 bool DriveNode::stopped_operating(hal::Time now) noexcept {
@@ -410,8 +406,8 @@ void DriveNode::verify_mode(hal::Time now) noexcept {
     transfer_running_ = false;
     return on_mode_transfer(result, now);
   }
-  if (last_mode_poll_ && now - *last_mode_poll_ < mode_poll_time) return;
-  last_mode_poll_ = now;
+  if (last_poll_ && now - *last_poll_ < poll_time) return;
+  last_poll_ = now;
   mode_write_ = now - last_mode_request_ >= mode_request_time;
   if (mode_write_) last_mode_request_ = now;
   start_transfer(mode_write_ ? write_mode(mode_) : read_mode);
@@ -437,7 +433,7 @@ void DriveNode::select_mode(Mode mode, hal::Time now) noexcept {
   status_ = SetupStatus::in_progress;
   mode_ = mode;
   last_mode_request_ = now - mode_request_time;
-  last_mode_poll_.reset();
+  last_poll_.reset();
 }
 
 void DriveNode::watch(hal::Time now) noexcept {

@@ -114,7 +114,7 @@ TEST_F(DriveRetryTest, ANodeThatLeavesOperationalIsStartedAnewBeforeItIsAskedFor
              frame.data[2] == 0x60;
     });
   };
-  for (Duration onset{}; onset < DriveNode::mode_poll_time + 5ms; onset += 1ms) {
+  for (Duration onset{}; onset < DriveNode::poll_time + 5ms; onset += 1ms) {
     boot_again();
     node.objects[ScriptedDrive::key(0x6061, 0)] = 0;
     run_until([&] { return asks_for_the_mode(); });

@@ -277,8 +277,26 @@ TEST_F(ForcedStopTest, ADriveThatShowsNoStateAfterAStopIsNotShownAsDisabled) {
   run_for(5ms);
   EXPECT_EQ(feedback.state, DriveState::stopping);
   node.state = State::switch_on_disabled;
-  run_for(2ms);
-  EXPECT_EQ(feedback.state, DriveState::disabled);
+  run_until_state(DriveState::disabled);
+}
+
+// In place of the drive's own, so that nothing in that period tells otherwise.
+TEST_F(ForcedStopTest, AFalseStatuswordNowAndThenNeitherEndsAStopNorShowsTheDriveAsDisabled) {
+  for (const int every : {2, 7, 15, 20}) {
+    SCOPED_TRACE(every);
+    enable_and_go_deaf();
+    drive.request_stop();
+    int periods = 0;
+    for (; !feedback.stop_not_obeyed && periods < 100; ++periods) {
+      node.state = periods % every == every - 1 ? State::switch_on_disabled : State::operation_enabled;
+      step();
+      EXPECT_EQ(feedback.state, DriveState::stopping) << periods;
+    }
+    EXPECT_LE(periods, 25);
+    node.state = State::operation_enabled;
+    expect_recovery();
+    node.commands.clear();
+  }
 }
 
 TEST_F(ForcedStopTest, ADriveThatSaysThatItIsNotOperationalIsToldToStopAllTheSame) {

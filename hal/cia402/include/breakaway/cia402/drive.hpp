@@ -110,7 +110,7 @@ class Drive {
     may_have_force_ = std::exchange(force_shown_, false) || has_force_;
     if (node_.forcing_stop() && !may_have_force_) node_.end_forced_stop(now);
     watch_samples(now);
-    if (node_.ready() && node_.heartbeat_lost() && !has_force_) set_up_anew(now);
+    if (node_.ready() && node_.heartbeat_lost() && !may_have_force_) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
     watch_stop(now);
@@ -269,7 +269,7 @@ class Drive {
     const unsigned samples = std::exchange(samples_, 0U);
     doubled_ = samples > 1 ? std::min(doubled_ + 1, conflict_periods) : 0;
     const bool answers = samples > 0 || !node_.operational() || node_.forcing_stop();
-    if (answers || has_force_ || !answered_at_) answered_at_ = now;
+    if (answers || may_have_force_ || !answered_at_) answered_at_ = now;
     if (now - *answered_at_ > obeys_within()) set_up_anew(now);
   }
 
@@ -349,7 +349,7 @@ class Drive {
   // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
   void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
-    if (has_force_ || machine_.enable_wished()) return;
+    if (may_have_force_ || machine_.enable_wished()) return;
     reset_pending_ = true;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
     if (node_.ready() || node_.phase() == SetupPhase::refused) set_up_anew(now);
@@ -409,7 +409,7 @@ class Drive {
         break;
     }
     if (wished) return hal::DriveState::enabling;
-    return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::disabled;
+    return may_have_force_ || unwished_since_ ? hal::DriveState::stopping : hal::DriveState::disabled;
   }
 
   std::uint16_t fault_code() const noexcept {

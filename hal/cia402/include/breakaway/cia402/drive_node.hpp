@@ -76,7 +76,7 @@ class DriveNode {
   static constexpr unsigned most_refusals = 30;
   // 6061h is asked for at this interval, and 6060h written again at the longer one, until the time is over. Drives were
   // seen to take seconds.
-  static constexpr hal::Duration mode_poll_time = std::chrono::milliseconds{20};
+  static constexpr hal::Duration poll_time = std::chrono::milliseconds{20};
   static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
   static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};
 
@@ -188,7 +188,8 @@ class DriveNode {
   void begin_start(hal::Time now) noexcept;
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
-  void look(hal::Time now) noexcept;
+  bool is_looking(hal::Time now) noexcept;
+  void look() noexcept;
   void watch_refused(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
@@ -215,7 +216,7 @@ class DriveNode {
 
   std::optional<hal::Time> since_;         // when the phase was entered
   std::optional<hal::Time> last_command_;  // when NMT was last told something in this phase
-  std::optional<hal::Time> last_mode_poll_;
+  std::optional<hal::Time> last_poll_;
   hal::Time last_mode_request_{};
   std::size_t step_ = 0;
   std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
