@@ -34,6 +34,7 @@ def finds_mass_friction_and_latency_of_an_axis(build):
         drive = b.drive("vcan0", scenario=scenario)
         node = b.logged_node("vcan0", "--identify", scenario=scenario)
         code = node.end()
+        bench.require_keeps_up(drive)
         output = node.output()
         require(code == 0, f"exit code {code}:\n{output}")
         mass, = found(output, r"mass +([\d.]+) kg")
@@ -46,7 +47,6 @@ def finds_mass_friction_and_latency_of_an_axis(build):
         again = b.start(b.command, "identify", scenario, "--log", f"{node.folder}/csv")
         require(again.end() == 0, again.output())
         require(abs(found(again.output(), r"mass +([\d.]+) kg")[0] - mass) < 1e-3, "the record says another mass")
-        bench.require_keeps_up(drive)
     return f"{mass} kg, {lower} to {upper} N"
 
 

@@ -451,6 +451,17 @@ def no_can_in_the_kernel(build):
     return "refused by name"
 
 
+def result_of(function, build):
+    """What the case says, once its emulated drives kept up with the bus: an experiment in which they did not is made again.
+    A drive that is always too slow fails it."""
+    for _ in range(2):
+        try:
+            return function(build)
+        except bench.DriveTooSlow as slow:
+            print(f"AGAIN {function.__name__.replace('_', ' ')}: {slow}", flush=True)
+    return function(build)
+
+
 def main():
     build, wanted = sys.argv[1], sys.argv[2:]
     os.nice(19)  # the kernel's own workers carry the bytes of a serial line: nothing here may hold them up
@@ -463,7 +474,7 @@ def main():
             continue
         name = function.__name__.replace("_", " ")
         try:
-            print(f"PASS  {name}: {function(build)}", flush=True)
+            print(f"PASS  {name}: {result_of(function, build)}", flush=True)
         except Failure as failure:
             failures += 1
             print(f"FAIL  {name}: {failure}", flush=True)

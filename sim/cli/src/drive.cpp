@@ -43,11 +43,16 @@ struct DriveCommand {
 // that comes late is worse than one whose tenth digit is wrong.
 constexpr double usual_tolerance = 1e-8;
 
-hal::Time monotonic_now() {
+hal::Time now_of(clockid_t clock) {
   timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
+  clock_gettime(clock, &t);
   return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
+
+hal::Time monotonic_now() { return now_of(CLOCK_MONOTONIC); }
+
+// Of this thread: stands still while another has the processor.
+hal::Time processor_now() { return now_of(CLOCK_THREAD_CPUTIME_ID); }
 
 using DriveConfig = std::variant<drive_emulator::EmulatorConfig, odrive_emulator::EmulatorConfig>;
 
@@ -65,10 +70,10 @@ class LiveDrives {
   // Until `stop` is set by a signal that interrupts ppoll under `mask`, or `duration` is over.
   void run(const volatile std::sig_atomic_t& stop, const sigset_t& mask, hal::Duration duration) {
     while (stop == 0 && passed() < hal::Time{duration}) {
-      const hal::Time woken = passed();
+      const hal::Time woken = passed(), processor_woken = processor_now();
       receive();
       for (Axis& axis : axes_) axis.advance_to(passed());
-      note_work(woken);
+      note_work(woken, processor_now() - processor_woken);
       wait(mask, duration);
     }
     for (Axis& axis : axes_) axis.drive->advance_mechanism_to(passed());
@@ -81,8 +86,9 @@ class LiveDrives {
                  axis.mechanism.axis->state().position_m, axis.mechanism.axis->state().sticking ? "at rest" : "moving",
                  axis.drive->largest_force_N(last_), axis.lost);
     }
-    fmt::print("busy for at most {:.3g} ms at a time, {:.3f} s after the start\n", 1e3 * hal::seconds(longest_work_),
-               hal::seconds(longest_work_began_.time_since_epoch()));
+    fmt::print("busy for at most {:.3g} ms at a time, {:.3f} s after the start, for {:.3g} ms of processor time\n",
+               1e3 * hal::seconds(longest_work_), hal::seconds(longest_work_began_.time_since_epoch()),
+               1e3 * hal::seconds(its_processor_time_));
   }
 
  private:
@@ -122,11 +128,12 @@ class LiveDrives {
     std::function<bool()> holds_axis;
   };
 
-  void note_work(hal::Time began) {
+  void note_work(hal::Time began, hal::Duration processor_time) {
     const hal::Duration work = passed() - began;
     if (work <= longest_work_) return;
     longest_work_ = work;
     longest_work_began_ = began;
+    its_processor_time_ = processor_time;
   }
 
   // Never decreases, as a drive wants it.
@@ -174,6 +181,7 @@ class LiveDrives {
   hal::Time last_{};
   hal::Duration longest_work_{};  // between two waits: in it no frame is answered
   hal::Time longest_work_began_{};
+  hal::Duration its_processor_time_{};  // less where others had the processor meanwhile
   std::deque<Axis> axes_;
 };
 
