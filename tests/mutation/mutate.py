@@ -69,9 +69,7 @@ TESTS = ["law_test", "k3_table_test", "kick_coordinator_test", "recorded_runs_te
          "drive_emulator_test", "config_test", "sil_test", "moves_end_test", "fault_test", "tampering_test",
          "plants_test", "settling_test", "odrive_loop_test", "external_motion_test", "law_in_c_test"]
 # Those of what is not flashed, which no other program reaches.
-TESTS_OF = {"stick": ["event_driven_test", "extremes_test", "rest_decision_test", "switched_off_test",
-                      "nearly_parallel_test", "stiff_test", "budget_test", "stick_decision_test", "lcp_test",
-                      "stop_problem_test", "mode_choice_test", "hybrid_modes_test"]}
+TESTS_OF = {"stick": ["hybrid_test"]}
 # With assertions of the standard library an index or an optional gone wrong is noticed, whatever lies there.
 COMPILE = ["-include", str(HERE / "switches.hpp"), "-w", "-Wno-narrowing", "-D_GLIBCXX_ASSERTIONS"]
 # A quick look: so many mutants that this program noticed when they were drawn, because it is built within seconds.

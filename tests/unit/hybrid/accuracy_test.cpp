@@ -9,6 +9,7 @@
 
 #include "breakaway/hybrid/event_driven.hpp"
 
+namespace accuracy_test {
 namespace {
 
 using breakaway::hybrid::EventDriven;
@@ -86,3 +87,4 @@ TEST(Accuracy, AsksForALength) {
 }
 
 }  // namespace
+}  // namespace accuracy_test

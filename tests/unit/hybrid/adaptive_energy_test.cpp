@@ -7,7 +7,7 @@
 
 #include "adaptive_machines.hpp"
 
-namespace breakaway::hybrid {
+namespace breakaway::hybrid::adaptive_energy_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -112,4 +112,4 @@ TEST(Adaptive, EnergyNeverRisesInRandomMachines) {
 }
 
 }  // namespace
-}  // namespace breakaway::hybrid
+}  // namespace breakaway::hybrid::adaptive_energy_test

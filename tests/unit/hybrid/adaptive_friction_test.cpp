@@ -9,7 +9,7 @@
 #include "adaptive_machines.hpp"
 #include "reference_motion.hpp"
 
-namespace breakaway::hybrid {
+namespace breakaway::hybrid::adaptive_friction_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -149,4 +149,4 @@ TEST(Adaptive, StaticFrictionHoldsBesideADirectionThatSlips) {
 }
 
 }  // namespace
-}  // namespace breakaway::hybrid
+}  // namespace breakaway::hybrid::adaptive_friction_test

@@ -13,7 +13,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/motion/slide.hpp"
 
-namespace breakaway::hybrid {
+namespace breakaway::hybrid::adaptive_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -158,4 +158,4 @@ TEST(Adaptive, RefusesByName) {
 }
 
 }  // namespace
-}  // namespace breakaway::hybrid
+}  // namespace breakaway::hybrid::adaptive_test

@@ -9,6 +9,7 @@
 
 #include "breakaway/input/input_error.hpp"
 
+namespace budget_test {
 namespace {
 
 using breakaway::InputError;
@@ -88,3 +89,4 @@ TEST(Budget, RefusesWithAKnownCostWhereThereIsNoProgressOrNoEnd) {
 }
 
 }  // namespace
+}  // namespace budget_test

@@ -9,6 +9,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "reference_motion.hpp"
 
+namespace event_driven_test {
 namespace {
 
 using breakaway::InputError;
@@ -241,3 +242,4 @@ TEST(EventDriven, AMotionBeyondTheLargestNumberIsRefusedAndNeverNoNumber) {
 }
 
 }  // namespace
+}  // namespace event_driven_test

@@ -10,6 +10,7 @@
 
 #include "breakaway/hybrid/event_driven.hpp"
 
+namespace extremes_test {
 namespace {
 
 using breakaway::hybrid::Event;
@@ -412,3 +413,4 @@ TEST(Extremes, WhatCannotBeFollowedIsRefusedByName) {
 }
 
 }  // namespace
+}  // namespace extremes_test

@@ -1,6 +1,7 @@
 // What gives way of directions at the very limit of static friction: those that the rate of the forces drives.
 #include "gauss_truth.hpp"
 
+namespace hybrid_limits_test {
 namespace {
 
 TEST(HybridModes, OfDirectionsAtTheirLimitsThoseSlideThatTheRateOfTheForcesDrives) {
@@ -203,3 +204,4 @@ TEST(HybridModes, TheFaceThatIsCrossedGivesWayWithThoseThatTheRateDrives) {
 }
 
 }  // namespace
+}  // namespace hybrid_limits_test

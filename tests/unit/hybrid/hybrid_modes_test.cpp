@@ -4,6 +4,7 @@
 #include "breakaway/hybrid/refused.hpp"
 #include "gauss_truth.hpp"
 
+namespace hybrid_modes_test {
 namespace {
 
 TEST(HybridModes, WhatStopsTogetherSticksOrSlidesAsGaussPrincipleSays) {
@@ -257,3 +258,4 @@ TEST(HybridModes, NothingSticksAndSlidesAtOnceHoweverHardItIsToTell) {
 }
 
 }  // namespace
+}  // namespace hybrid_modes_test

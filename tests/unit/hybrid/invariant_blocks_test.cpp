@@ -8,6 +8,7 @@
 
 #include "breakaway/hybrid/dense_block.hpp"
 
+namespace invariant_blocks_test {
 namespace {
 
 using breakaway::hybrid::DenseBlock;
@@ -116,3 +117,4 @@ TEST(DenseBlock, FollowsAJordanBlockOverAnyTime) {
 }
 
 }  // namespace
+}  // namespace invariant_blocks_test

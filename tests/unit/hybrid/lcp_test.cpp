@@ -10,6 +10,7 @@
 
 #include "breakaway/hybrid/lcp.hpp"
 
+namespace lcp_test {
 namespace {
 
 using breakaway::hybrid::LcpMatrix;
@@ -225,3 +226,4 @@ TEST(Lcp, TheChoiceOfThePivotKeepsRoundingSmall) {
 }
 
 }  // namespace
+}  // namespace lcp_test

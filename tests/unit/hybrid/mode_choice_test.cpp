@@ -10,6 +10,7 @@
 
 #include "breakaway/hybrid/refused.hpp"
 
+namespace mode_choice_test {
 namespace {
 
 using breakaway::hybrid::Extended;
@@ -138,3 +139,4 @@ TEST(ModeChoice, BearsForwardsAndBackwardsWhatEachIsGiven) {
 }
 
 }  // namespace
+}  // namespace mode_choice_test

@@ -8,6 +8,7 @@
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/hybrid/time_stepping.hpp"
 
+namespace nearly_parallel_test {
 namespace {
 
 using breakaway::hybrid::Adaptive;
@@ -81,3 +82,4 @@ TEST(NearlyParallel, DirectionsDoNotHoldMoreThanTheirFrictions) {
 }
 
 }  // namespace
+}  // namespace nearly_parallel_test

@@ -13,6 +13,7 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 
+namespace rest_decision_test {
 namespace {
 
 using breakaway::hybrid::Adaptive;
@@ -202,3 +203,4 @@ TEST(RestDecision, RestThatFrictionCannotHoldIsRefused) {
 }
 
 }  // namespace
+}  // namespace rest_decision_test

@@ -8,6 +8,7 @@
 
 #include "breakaway/hybrid/event_driven.hpp"
 
+namespace stick_decision_test {
 namespace {
 
 using breakaway::hybrid::EventDriven;
@@ -124,3 +125,4 @@ TEST(StickDecision, OfTwoMassesThatStopAtOneInstantTheOneGoesBackThatItsForceOve
 }
 
 }  // namespace
+}  // namespace stick_decision_test

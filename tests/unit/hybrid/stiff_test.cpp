@@ -7,6 +7,7 @@
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/hybrid/refused.hpp"
 
+namespace stiff_test {
 namespace {
 
 using breakaway::hybrid::EventDriven;
@@ -117,3 +118,4 @@ TEST(Stiff, ASpeedLeftOverByRoundingIsNotFeltByStrongDampers) {
 }
 
 }  // namespace
+}  // namespace stiff_test

@@ -11,6 +11,7 @@
 
 #include "breakaway/hybrid/stop_problem.hpp"
 
+namespace stop_problem_test {
 namespace {
 
 using breakaway::hybrid::DirectionSet;
@@ -371,3 +372,4 @@ TEST(StopProblem, AnAccelerationThatIsKnownToAMillionthOfItsTermsIsATieAndElseAD
 }
 
 }  // namespace
+}  // namespace stop_problem_test

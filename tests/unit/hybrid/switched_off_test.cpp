@@ -8,6 +8,7 @@
 #include "breakaway/hybrid/event_driven.hpp"
 #include "breakaway/hybrid/time_stepping.hpp"
 
+namespace switched_off_test {
 namespace {
 
 using breakaway::hybrid::Adaptive;
@@ -90,3 +91,4 @@ TEST(SwitchedOff, AMachineWithoutAnyFrictionSwingsForEver) {
 }
 
 }  // namespace
+}  // namespace switched_off_test

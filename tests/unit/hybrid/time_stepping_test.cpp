@@ -10,7 +10,7 @@
 #include "breakaway/design/k3.hpp"
 #include "breakaway/hybrid/impulsive_stepping.hpp"
 
-namespace breakaway::hybrid {
+namespace breakaway::hybrid::time_stepping_test {
 namespace {
 
 using Oscillator = LinearMachine<1, 1>;
@@ -213,4 +213,4 @@ TEST(ImpulsiveStepping, ReportsTheBallThatItNeverLeaves) {
 }
 
 }  // namespace
-}  // namespace breakaway::hybrid
+}  // namespace breakaway::hybrid::time_stepping_test

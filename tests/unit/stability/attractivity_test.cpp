@@ -9,6 +9,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace attractivity_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -99,3 +100,4 @@ TEST(Theorem1, OneFrictionWillDoWhenItPointsAlongTheUnstableDirection) {
 }
 
 }  // namespace
+}  // namespace attractivity_test

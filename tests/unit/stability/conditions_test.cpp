@@ -12,6 +12,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace conditions_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -225,3 +226,4 @@ TEST(Conditions, TakeTheSymmetricPartOfTheDamping) {
 }
 
 }  // namespace
+}  // namespace conditions_test

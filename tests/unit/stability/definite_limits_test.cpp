@@ -7,6 +7,7 @@
 #include "breakaway/stability/definite_proof.hpp"
 #include "breakaway/stability/lmi.hpp"
 
+namespace definite_limits_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -56,3 +57,4 @@ TEST(DefiniteProofLimits, AnErrorThatOverflowsInScalingLeavesItUnknown) {
 }
 
 }  // namespace
+}  // namespace definite_limits_test

@@ -10,6 +10,7 @@
 
 #include "random_systems.hpp"
 
+namespace definite_proof_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -111,3 +112,4 @@ TEST(DefiniteProof, LeavesWhatIsNotFiniteUnknown) {
 }
 
 }  // namespace
+}  // namespace definite_proof_test

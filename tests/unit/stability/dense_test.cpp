@@ -13,6 +13,7 @@
 #include "breakaway/stability/mass_units.hpp"
 #include "breakaway/stability/twofold.hpp"
 
+namespace dense_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -142,3 +143,4 @@ TEST(Feedback, KeepsASkewPartThatIsMoreThanRounding) {
 }
 
 }  // namespace
+}  // namespace dense_test

@@ -11,6 +11,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace energy_level_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -91,3 +92,4 @@ TEST(PartingRate, IsTheLargestRateOfTheNegativeDamping) {
 }
 
 }  // namespace
+}  // namespace energy_level_test

@@ -8,6 +8,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace energy_limits_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -46,3 +47,4 @@ TEST(DissipatedLevelLimits, IsThatOfDampersWhereTheReducedDampingOverflows) {
 }
 
 }  // namespace
+}  // namespace energy_limits_test

@@ -11,6 +11,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace equilibrium_limits_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -67,3 +68,4 @@ TEST(EquilibriumLimits, ACrossSectionSeesOnlyWhatPullsInItsPlane) {
 }
 
 }  // namespace
+}  // namespace equilibrium_limits_test

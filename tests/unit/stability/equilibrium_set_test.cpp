@@ -11,6 +11,7 @@
 #include "../refusal.hpp"
 #include "two_mass_example.hpp"
 
+namespace equilibrium_set_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -110,3 +111,4 @@ TEST(EquilibriumSet, RefusesWhatItCannotEnumerate) {
 }
 
 }  // namespace
+}  // namespace equilibrium_set_test

@@ -14,6 +14,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace equilibrium_shape_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -123,3 +124,4 @@ TEST(EquilibriumShape, RefusesBadStaticsByName) {
 }
 
 }  // namespace
+}  // namespace equilibrium_shape_test

@@ -6,6 +6,7 @@
 
 #include "two_mass_example.hpp"
 
+namespace escape_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -59,3 +60,4 @@ TEST(Escape, OfAFallIsExact) {
 }
 
 }  // namespace
+}  // namespace escape_test

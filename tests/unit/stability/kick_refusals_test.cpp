@@ -10,7 +10,7 @@
 #include "../refusal.hpp"
 #include "breakaway/stability/sequential_kicks.hpp"
 
-namespace breakaway::stability {
+namespace breakaway::stability::kick_refusals_test {
 namespace {
 
 using breakaway::testing::refusal;
@@ -99,4 +99,4 @@ TEST(SimultaneousKicks, HaveNoBoundWhereEachAxisMayPushTheOtherHarder) {
 }
 
 }  // namespace
-}  // namespace breakaway::stability
+}  // namespace breakaway::stability::kick_refusals_test

@@ -6,6 +6,7 @@
 
 #include "../refusal.hpp"
 
+namespace linear_machine_test {
 namespace {
 
 using breakaway::stability::LinearMachine;
@@ -64,3 +65,4 @@ TEST(LinearMachine, EnergyIsThatOfMassesAndSprings) {
 }
 
 }  // namespace
+}  // namespace linear_machine_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace breakaway::stability {
+namespace breakaway::stability::machine_certificate_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -134,4 +134,4 @@ TEST(MachineCertificate, ADistanceThatNeedsLittleForceOverManyPeriodsTakesOneLes
 }
 
 }  // namespace
-}  // namespace breakaway::stability
+}  // namespace breakaway::stability::machine_certificate_test

@@ -10,7 +10,7 @@
 #include "../refusal.hpp"
 #include "breakaway/stability/machine_certificate.hpp"
 
-namespace breakaway::stability {
+namespace breakaway::stability::machine_refusals_test {
 namespace {
 
 using breakaway::testing::refusal;
@@ -306,4 +306,4 @@ TEST(KickPulse, OfLessThanAnyPulseCanAimAtIsOneWeakPeriod) {
 }
 
 }  // namespace
-}  // namespace breakaway::stability
+}  // namespace breakaway::stability::machine_refusals_test

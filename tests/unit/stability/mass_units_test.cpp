@@ -12,6 +12,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace mass_units_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -114,3 +115,4 @@ TEST(MassUnits, RefuseASkewPartThatStiffUnitsWouldHide) {
 }
 
 }  // namespace
+}  // namespace mass_units_test

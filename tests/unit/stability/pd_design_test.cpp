@@ -13,6 +13,7 @@
 #include "breakaway/stability/synthesis.hpp"
 #include "two_mass_example.hpp"
 
+namespace pd_design_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -175,3 +176,4 @@ TEST(Lmi, NamesTheSolverThatIsNotThere) {
 }
 
 }  // namespace
+}  // namespace pd_design_test

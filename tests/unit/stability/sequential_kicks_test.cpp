@@ -4,7 +4,7 @@
 
 #include "breakaway/input/input_error.hpp"
 
-namespace breakaway::stability {
+namespace breakaway::stability::sequential_kicks_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -149,4 +149,4 @@ TEST(SequentialKicks, AMachineThatIsNoneIsRefusedWithAWord) {
 }
 
 }  // namespace
-}  // namespace breakaway::stability
+}  // namespace breakaway::stability::sequential_kicks_test

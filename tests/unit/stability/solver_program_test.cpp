@@ -18,6 +18,7 @@
 #include "breakaway/stability/lmi.hpp"
 #include "two_mass_example.hpp"
 
+namespace solver_program_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -218,3 +219,4 @@ TEST(LeastEigenvalueLimits, OfAMatrixBeyondAllNumbersIsNotProved) {
 }
 
 }  // namespace
+}  // namespace solver_program_test

@@ -13,6 +13,7 @@
 #include "breakaway/stability/equilibrium_set.hpp"
 #include "two_mass_example.hpp"
 
+namespace synthesis_refusals_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -189,3 +190,4 @@ TEST(GainSweep, SaysWhereEIsNotCertified) {
 }
 
 }  // namespace
+}  // namespace synthesis_refusals_test

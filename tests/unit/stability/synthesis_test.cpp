@@ -12,6 +12,7 @@
 #include "breakaway/stability/equilibrium_set.hpp"
 #include "two_mass_example.hpp"
 
+namespace synthesis_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -171,3 +172,4 @@ TEST(PdSynthesis, MeetsWantsOnRandomSystemsOrSaysWhyNot) {
 }
 
 }  // namespace
+}  // namespace synthesis_test

@@ -12,6 +12,7 @@
 #include "random_systems.hpp"
 #include "unit_twin.hpp"
 
+namespace synthesis_units_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -127,3 +128,4 @@ TEST(SynthesisUnits, LeaveALightUnstableMassNoLessGain) {
 }
 
 }  // namespace
+}  // namespace synthesis_units_test

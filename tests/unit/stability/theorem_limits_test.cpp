@@ -16,6 +16,7 @@
 #include "random_systems.hpp"
 #include "two_mass_example.hpp"
 
+namespace theorem_limits_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -226,3 +227,4 @@ TEST(MachineConditions, NameADirectionOfAMotionThatTurns) {
 }
 
 }  // namespace
+}  // namespace theorem_limits_test

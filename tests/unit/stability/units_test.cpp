@@ -11,6 +11,7 @@
 #include "random_systems.hpp"
 #include "unit_twin.hpp"
 
+namespace units_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -120,3 +121,4 @@ TEST(Units, TakeASkewPartOfTheSpringsForWhatItIs) {
 }
 
 }  // namespace
+}  // namespace units_test

@@ -6,6 +6,7 @@
 #include "../../../controller/stability/src/zonotope.hpp"
 #include "../../../controller/stability/src/zonotope_vertices.hpp"
 
+namespace zonotope_test {
 namespace {
 
 using namespace breakaway::stability;
@@ -47,3 +48,4 @@ TEST(FacetDirections, AreOnlyThoseOfIndependentGenerators) {
 }
 
 }  // namespace
+}  // namespace zonotope_test
