@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/canopen/emcy.hpp"
 #include "breakaway/canopen/heartbeat.hpp"
 #include "breakaway/canopen/nmt.hpp"
@@ -154,6 +156,15 @@ void add_bus(std::vector<NamedFault>& list) {
                   end_each_period, Stop::escalated});
   list.push_back({"another master's SYNC",
                   [](FaultWorld& w) { w.each_period = [&w] { w.send(canopen::sync_frame()); }; }, end_each_period});
+  list.push_back({"another master's commands",
+                  [](FaultWorld& w) {
+                    hal::CanFrame enabled{
+                        .id = canopen::rpdo_cob_id(1, FaultWorld::drive_id), .size = 8, .data = {0x0F}};
+                    const auto torque = static_cast<std::int16_t>(decades(w, 1, 2000) * (coin(w) ? 1 : -1));
+                    canopen::store_little_endian(enabled.data, torque, 2);
+                    w.each_period = [&w, enabled] { w.send(enabled); };
+                  },
+                  end_each_period, Stop::escalated});
   list.push_back({"another node's heartbeat with our id",
                   [](FaultWorld& w) { w.send(canopen::heartbeat_frame(canopen::NmtState::operational, 127)); },
                   nothing});

@@ -43,6 +43,31 @@ TEST(ForeignForce, ASampleWithoutForceNowAndThenNeitherKeepsItOnNorLetsAResetThr
   }
 }
 
+// Between our command and its SYNC, so that it is theirs on which the drive acts.
+TEST(ForeignForce, AnotherMastersCommandsAreNamedAndTheDriveIsKeptFromThem) {
+  Rig rig{far_from_target()};
+  ASSERT_TRUE(rig.start());
+  rig.run(20ms);
+  auto& other = rig.network().add_port();
+  constexpr hal::CanFrame full_force{.id = 0x201, .size = 8, .data = {0x0F, 0x00, 0xE8, 0x03}};
+  int with_force = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    rig.network().advance_to(rig.now() + 120us);
+    ASSERT_EQ(other.send(full_force, rig.now() + 1ms), hal::SendResult::queued);
+    rig.step();
+    EXPECT_TRUE(i < 2 || rig.status(0).fault == AxisFault::another_master) << i;
+    EXPECT_LE(std::abs(rig.force_N(0)), 50);
+    if (std::abs(rig.force_N(0)) > 0.1) ++with_force;
+  }
+  EXPECT_LE(with_force, 30) << "of 10,000 periods";
+  EXPECT_EQ(rig.status(0).fault, AxisFault::another_master);
+  rig.run(100ms);
+  ASSERT_TRUE(rig.loop().reset_fault(rig.id(0)));
+  rig.run(3s);
+  EXPECT_EQ(rig.status(0).fault, AxisFault::none) << to_string(rig.status(0).fault);
+  EXPECT_TRUE(rig.status(0).running);
+}
+
 TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
   RigConfig config;
   config.quirks.refused_objects = {0x6076};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "breakaway/canopen/cob_id.hpp"
+#include "breakaway/canopen/master.hpp"
 #include "breakaway/canopen/sdo_abort.hpp"
 #include "breakaway/canopen/sync.hpp"
 #include "error_text.hpp"
@@ -22,13 +23,16 @@ std::optional<std::uint8_t> CanopenSide::heard_node(const hal::CanFrame& frame) 
   return node;
 }
 
-// Two masters would double the SYNC rate and fight over every drive. One is heard by its SYNC, or by the heartbeat of
-// our own node id.
+// Two masters would double the SYNC rate and fight over every drive. One is heard by its SYNC, by the heartbeat of our
+// own node id, or by what it tells our drives.
 std::string CanopenSide::other_master(const hal::CanFrame& frame, const hal::NetworkConfig& network,
-                                      std::span<const std::uint8_t> /*nodes*/) {
+                                      std::span<const std::uint8_t> nodes) {
   if (canopen::is_sync(frame)) return "it sends SYNC";
   if (frame.id == canopen::heartbeat_cob_id(network.node_id))
     return fmt::format("it is node {}, as we are", network.node_id);
+  for (const std::uint8_t node : nodes) {
+    if (canopen::Master::is_command(frame, node)) return fmt::format("it commands node {}", node);
+  }
   return {};
 }
 

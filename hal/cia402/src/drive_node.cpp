@@ -80,7 +80,10 @@ void DriveNode::update(hal::Time now) noexcept {
 void DriveNode::on_boot_up(hal::Time now) noexcept {
   if (known_) ++reboots_;
   rating_ = {};
-  begin_configuration(now);
+  if (held_ || forcing_stop())
+    end_stop(now);
+  else
+    begin_configuration(now);
   // A node that starts by itself would refuse to have its PDOs mapped.
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
@@ -103,14 +106,17 @@ void DriveNode::refuse(SetupStatus status) noexcept {
 // a node said before it was told something is no sign that it is still there: it may have rebooted unheard, and a node
 // that boots without heartbeats says nothing more.
 void DriveNode::wait_for_node(hal::Time now) noexcept {
-  if (heartbeat_.state() == NmtState::pre_operational) return begin_configuration(now);
-  const bool heard = heartbeat_.state().has_value();
+  const std::optional<NmtState> state = heartbeat_.state();
+  // What booted says no more before it is told how often.
+  if (held_ && (state == NmtState::pre_operational || state == NmtState::boot_up)) return watch_held(now);
+  if (state == NmtState::pre_operational) return begin_configuration(now);
+  const bool heard = state.has_value();
   const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
   const bool at_once = heard && !last_command_;
   if (last_command_ && !answers_) ask_again(now);
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
   // Some nodes say no boot-up, but answer.
-  if (reset_told_ && !heard && answers_) return on_boot_up(now);
+  if (reset_told_ && !heard && answers_) return held_ ? watch_held(now) : on_boot_up(now);
   tell_while_waiting(heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication, now);
 }
 
@@ -382,6 +388,12 @@ void DriveNode::look() noexcept {
   transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
 }
 
+// No PDO reaches it in Pre-operational. The controlword that it was told on the way there is answered first.
+void DriveNode::watch_held(hal::Time now) noexcept {
+  if (last_command_ && !answers_) return ask_again(now);
+  watch_refused(now);
+}
+
 // Also a drive that is of no use to us, which nobody keeps busy for ever.
 void DriveNode::watch_refused(hal::Time now) noexcept {
   if (is_looking(now) || (last_poll_ && now - *last_poll_ < poll_time)) return;
@@ -453,6 +465,7 @@ void DriveNode::watch(hal::Time now) noexcept {
 void DriveNode::force_stop(hal::Time now) noexcept {
   if (!config_valid_ || forcing_stop()) return;
   forced_while_operational_ = operational();
+  forced_while_refused_ = phase_ == SetupPhase::refused;
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   sdo_.cancel();
@@ -467,13 +480,21 @@ void DriveNode::update_forced_stop(hal::Time now) noexcept {
 }
 
 void DriveNode::end_forced_stop(hal::Time now) noexcept {
-  if (forcing_stop()) set_up_anew(now);
+  if (forcing_stop()) end_stop(now);
+}
+
+// Somebody else led it, and would again as soon as its PDOs pass. One that is of no use is not started anyway, and its
+// set-up says again why.
+void DriveNode::end_stop(hal::Time now) noexcept {
+  set_up_anew(now);
+  held_ = !forced_while_refused_;
 }
 
 void DriveNode::set_up_anew(hal::Time now) noexcept {
   sdo_.cancel();
-  transfer_running_ = false;
+  transfer_running_ = held_ = false;
   nmt_command_.reset();
+  last_poll_.reset();
   enter(SetupPhase::waiting, now);
   status_ = SetupStatus::in_progress;
 }

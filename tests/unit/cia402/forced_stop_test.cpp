@@ -28,9 +28,12 @@ class ForcedStopTest : public DriveTest {
   bool was_told(NmtCommand command) const {
     return std::find(node.commands.begin(), node.commands.end(), command) != node.commands.end();
   }
-  // Set up anew, seen disabled, and it can be enabled again when it hears its RPDO again.
+  // After a reset it is set up anew, seen disabled, and can be enabled again when it hears its RPDO again.
   void expect_recovery() {
     node.follows_controlword = true;
+    run_until([&] { return without_force() && feedback.state != DriveState::stopping; });
+    drive.reset_fault();
+    step();
     run_until_state(DriveState::disabled);
     EXPECT_FALSE(feedback.stop_not_obeyed);
     EXPECT_EQ(drive.setup_status(), SetupStatus::ready);
@@ -87,6 +90,59 @@ TEST_F(ForcedStopTest, ResetsADriveThatIgnoresEverythingElse) {
   expect_recovery();
 }
 
+// Whoever leads it besides would lead it again as soon as its PDOs pass.
+TEST_F(ForcedStopTest, KeepsTheDriveFromItsPdosUntilAReset) {
+  for (const bool reboots : {false, true}) {
+    enable_and_go_deaf();
+    node.follows_sdo_controlword = !reboots;
+    drive.request_stop();
+    run_until([&] { return feedback.stop_not_obeyed; });
+    run_until([&] { return !feedback.stop_not_obeyed; });
+    node.follows_sdo_controlword = true;
+    run_for(200ms);
+    node.commands.clear();
+    for (int i = 0; i < 5000; ++i) {
+      drive.request_enable();
+      step(10.0F);
+      ASSERT_EQ(node.nmt, NmtState::pre_operational) << i;
+      ASSERT_EQ(feedback.state, DriveState::configuring) << i;
+    }
+    EXPECT_TRUE(node.commands.empty()) << reboots;
+    drive.request_stop();
+    expect_recovery();
+  }
+}
+
+TEST_F(ForcedStopTest, ADriveThatIsStartedBySomebodyElseIsTakenBack) {
+  enable_and_go_deaf();
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_until([&] { return !feedback.stop_not_obeyed; });
+  for (int again = 0; again < 3; ++again) {
+    run_for(500ms);
+    ASSERT_EQ(node.nmt, NmtState::pre_operational);
+    node.on_frame(canopen::nmt_frame(NmtCommand::start, node_id));
+    run_for(config.heartbeat_timeout + 150ms);
+    EXPECT_EQ(node.nmt, NmtState::pre_operational);
+  }
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, ADriveThatIsHeldIsForcedAgainWhenSomebodyElseEnablesIt) {
+  enable_and_go_deaf();
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_until([&] { return !feedback.stop_not_obeyed; });
+  for (int again = 0; again < 3; ++again) {
+    run_for(500ms);
+    node.state = State::operation_enabled;
+    EXPECT_LE(time_until_without_force(), 50ms);
+    EXPECT_TRUE(feedback.stop_not_obeyed);
+    run_until([&] { return !feedback.stop_not_obeyed; });
+  }
+  expect_recovery();
+}
+
 TEST_F(ForcedStopTest, GoesOnWhileADriveSaysNothing) {
   enable();
   step(10.0F);
@@ -129,6 +185,7 @@ TEST_F(ForcedStopTest, IsNotEnabledWhileItGoesOn) {
   }
   EXPECT_FALSE(feedback.stop_not_obeyed);
   node.follows_sdo_controlword = true;
+  drive.reset_fault();
   run_until_state(DriveState::disabled);
   run_for(100ms);
   EXPECT_EQ(feedback.state, DriveState::disabled) << "what was asked for meanwhile is forgotten";

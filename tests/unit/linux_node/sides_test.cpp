@@ -28,6 +28,9 @@ TEST(CanopenSide, HearsAnotherMasterByItsSyncOrItsHeartbeat) {
   EXPECT_EQ(CanopenSide::other_master(with_id(canopen::heartbeat_cob_id(100)), network, nodes),
             "it is node 100, as we are");
   EXPECT_EQ(CanopenSide::other_master(with_id(canopen::heartbeat_cob_id(1)), network, nodes), "");
+  EXPECT_EQ(CanopenSide::other_master(with_id(canopen::rpdo_cob_id(1, 1)), network, nodes), "it commands node 1");
+  EXPECT_EQ(CanopenSide::other_master(with_id(canopen::rpdo_cob_id(1, 2)), network, nodes), "");
+  EXPECT_EQ(CanopenSide::other_master(with_id(canopen::sdo_request_cob_id(1)), network, nodes), "") << "it asks";
 }
 
 TEST(CanopenSide, HearsANodeByItsHeartbeatAndItsAnswers) {

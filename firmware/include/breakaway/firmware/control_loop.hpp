@@ -164,12 +164,14 @@ class ControlLoop {
   bool reset_fault(AxisId id) noexcept {
     Axis* const a = find(id);
     if (a == nullptr || may_have_force(a->status.feedback)) return false;
-    if (a->status.fault != AxisFault::none) a->drive.reset_fault();
+    if (a->status.fault != AxisFault::none) {
+      a->drive.reset_fault();
+      a->unfulfilled_since.reset();
+    }
     a->supervisor.reset();
     a->controller.reset();
     a->standing_fault = AxisFault::none;
     a->status.stop_not_obeyed = false;
-    a->unfulfilled_since.reset();
     waiting_ = any_standing_fault();
     a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
     return true;

@@ -45,7 +45,7 @@ enum class AxisFault : std::uint8_t {
   no_motion_under_force,      // the encoder shows nothing under a force that must move the axis
   enable_timed_out,           // the drive was told to enable and did not within the time that it takes
   commander_lost,             // the node that commands this one fell silent
-  another_master,             // somebody else sends SYNC, our heartbeat, or writes to the drive
+  another_master,             // somebody else sends SYNC, our heartbeat, or commands the drive
   node_id_conflict,           // every SYNC is answered by two drives of one node id
   reference_lost,             // the drive booted anew, and what it counts from is not known
   target_not_reached,         // the axis came no nearer to its target for long, and does not hold there

@@ -26,8 +26,9 @@ class Master {
   constexpr bool is_own(const hal::CanFrame& frame) const noexcept {
     return is_sync(frame) || frame.id == own_heartbeat_;
   }
-  // Somebody else writes to the node by SDO. Whoever only reads does no harm.
+  // Somebody else commands the node by the PDO that is ours, or writes to it by SDO. Whoever only reads does no harm.
   static constexpr bool is_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
+    if (frame.id == rpdo_cob_id(1, node_id)) return !frame.remote;
     constexpr unsigned initiate_download = 1, block_download = 6;
     const unsigned specifier = frame.data[0] >> 5U;
     return frame.id == sdo_request_cob_id(node_id) && (specifier == initiate_download || specifier == block_download);

@@ -22,7 +22,8 @@
 // A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
 // used is `unusable`, sends no command, and setup_status() says why. One that is energised against our wish, whoever
 // wished it and however far its set-up is, is told by other means than PDOs until it is seen without force
-// (forced_stop.hpp), and is `stopping` all that time.
+// (forced_stop.hpp), and is `stopping` all that time; then it is `configuring`, and kept from PDOs, until
+// reset_fault().
 //
 // An axis whose file says how it gets its zero gets it when it is enabled first, and again after a reset that
 // acknowledges that it was lost; a drive that finds its home by itself is `homing` meanwhile (homing.hpp), and wants
@@ -352,7 +353,7 @@ class Drive {
     if (may_have_force_ || machine_.enable_wished()) return;
     reset_pending_ = true;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
-    if (node_.ready() || node_.phase() == SetupPhase::refused) set_up_anew(now);
+    if (node_.ready() || node_.held() || node_.phase() == SetupPhase::refused) set_up_anew(now);
     node_.forget_heartbeat_loss();
   }
 

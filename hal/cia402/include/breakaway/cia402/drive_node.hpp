@@ -1,6 +1,6 @@
 // DriveNode: the CANopen side of one drive, from power-up to cyclic operation and back.
 //
-//   waiting -> configuring -> starting -> verifying_mode -> ready -> forcing_stop -> waiting
+//   waiting -> configuring -> starting -> verifying_mode -> ready -> forcing_stop -> waiting (held)
 //                   |                          |
 //                   +--------> refused <-------+
 //
@@ -12,7 +12,8 @@
 // NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; one that leaves NMT operational by
 // itself is started again; one that stops answering is waited for, and told to say its boot-up. A node that cannot be
 // used is refused until it reboots or is set up anew, and status() says why. One that does not obey a stop is forced to
-// it (forced_stop.hpp), from whatever phase, and then set up anew, because somebody may have changed its set-up.
+// it (forced_stop.hpp), from whatever phase, and then held in Pre-operational, where no PDO reaches it, until it is set
+// up anew: whoever else led it would lead it again.
 //
 //   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
 //
@@ -111,7 +112,7 @@ class DriveNode {
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
   // The node was told to stop and is still energised: it is told by ever stronger means.
   void force_stop(hal::Time now) noexcept;
-  // The node was seen without force.
+  // The node was seen without force, and is held.
   void end_forced_stop(hal::Time now) noexcept;
   // The node is waited for and set up as if it were new.
   void set_up_anew(hal::Time now) noexcept;
@@ -135,6 +136,8 @@ class DriveNode {
   // The drive is ready and shows this mode, or is asked for it.
   bool in_mode(Mode mode) const noexcept { return mode_ == mode && (ready() || phase_ == SetupPhase::verifying_mode); }
   bool forcing_stop() const noexcept { return phase_ == SetupPhase::forcing_stop; }
+  // It did not obey a stop, and waits to be set up anew.
+  bool held() const noexcept { return held_; }
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept {
     return phase_ == SetupPhase::verifying_mode || ready() ||
@@ -191,6 +194,8 @@ class DriveNode {
   bool is_looking(hal::Time now) noexcept;
   void look() noexcept;
   void watch_refused(hal::Time now) noexcept;
+  void watch_held(hal::Time now) noexcept;
+  void end_stop(hal::Time now) noexcept;
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
@@ -242,7 +247,9 @@ class DriveNode {
   bool restarts_ = false;                  // in `starting`
   bool write_taken_ = false;               // the last one of the plan
   bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
+  bool forced_while_refused_ = false;
   bool error_code_wanted_ = false;
+  bool held_ = false;   // in `waiting`
   bool known_ = false;  // its set-up was begun at least once
 };
 
