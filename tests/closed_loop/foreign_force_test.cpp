@@ -68,6 +68,79 @@ TEST(ForeignForce, AnotherMastersCommandsAreNamedAndTheDriveIsKeptFromThem) {
   EXPECT_TRUE(rig.status(0).running);
 }
 
+// Held in Pre-operational, it is started again by whoever commands it.
+TEST(ForeignForce, AHeldDriveThatSomebodyStartsAgainIsTakenBackAndAResetWaits) {
+  for (const int every : {10, 50}) {
+    Rig rig{far_from_target()};
+    ASSERT_TRUE(rig.start());
+    rig.run(20ms);
+    auto& other = rig.network().add_port();
+    int with_force = 0, longest = 0, resets = 0;
+    for (int i = 0; i < 5000; ++i) {
+      // As a master does that follows the statusword.
+      const bool disabled = rig.drive(0).state() == cia402::State::switch_on_disabled;
+      const hal::CanFrame command{
+          .id = 0x201, .size = 8, .data = {static_cast<std::uint8_t>(disabled ? 0x06 : 0x0F), 0x00, 0xE8, 0x03}};
+      if (i % every == 0) {
+        ASSERT_EQ(other.send(canopen::nmt_frame(canopen::NmtCommand::start, 1), rig.now() + 1ms),
+                  hal::SendResult::queued);
+      }
+      ASSERT_EQ(other.send(command, rig.now() + 1ms), hal::SendResult::queued);
+      rig.step();
+      with_force = std::abs(rig.force_N(0)) > 0.1 ? with_force + 1 : 0;
+      longest = std::max(longest, with_force);
+      if (with_force > 0 && rig.loop().reset_fault(rig.id(0))) ++resets;
+    }
+    EXPECT_GT(longest, 0) << "it was never energised";
+    EXPECT_LE(longest, 30) << "started every " << every << " ms";
+    EXPECT_EQ(resets, 0) << "started every " << every << " ms";
+    rig.run(200ms);
+    ASSERT_TRUE(rig.loop().reset_fault(rig.id(0)));
+    rig.run(3s);
+    EXPECT_TRUE(rig.status(0).running) << to_string(rig.status(0).fault);
+  }
+}
+
+TEST(ForeignForce, ADriveThatWasRefusedGetsItBackForAFewPeriodsOnlyWhereAToolGoesOn) {
+  for (const int every : {2, 5, 20}) {
+    RigConfig config;
+    config.quirks.refused_objects = {0x6076};
+    Rig rig{config};
+    rig.run(3s);
+    ASSERT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+    int with_force = 0, longest = 0;
+    for (int i = 0; i < 5000; ++i) {
+      if (i % every == 0) enable_from_elsewhere(rig);
+      rig.step();
+      with_force = std::abs(rig.force_N(0)) > 0.1 ? with_force + 1 : 0;
+      longest = std::max(longest, with_force);
+    }
+    EXPECT_GT(longest, 0);
+    EXPECT_LE(longest, 60) << "every " << every << " ms";
+    EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  }
+}
+
+TEST(ForeignForce, AForcedStopEndsForADriveThatIsSlowToAnswerAndBootsWithoutAWord) {
+  for (const auto delay : {60ms, 90ms, 150ms, 400ms}) {
+    RigConfig config = far_from_target();
+    config.quirks.no_boot_up_message = true;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start());
+    rig.run(50ms);
+    rig.drive(0).delay_sdo_responses(delay);  // nobody knows of it before
+    rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+    rig.write_to_drive(0x1800, 1, 0xC0000181, 4);
+    rig.loop().request_stop(rig.id(0));
+    rig.run(50ms);
+    ASSERT_TRUE(rig.status(0).feedback.stop_not_obeyed);
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+    rig.run(5s);
+    EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
+  }
+}
+
 TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
   RigConfig config;
   config.quirks.refused_objects = {0x6076};

@@ -209,6 +209,11 @@ def refuses(b, command, *texts):
         require(text in lines[0], f"'{text}' is missing in: {lines[0]}")
 
 
+def last_before_silence(times_s):
+    """The last of these times before more than 0.1 s without one, or the last of all."""
+    return next((before for before, after in zip(times_s, times_s[1:]) if after - before > 0.1), times_s[-1])
+
+
 COMMANDS = (0x201,)  # RPDO1 of the drives that are looked at
 
 

@@ -149,9 +149,8 @@ def killed_drive(build):
         require_recovery(node)
         frames = bench.frames_of(recorder)
         answers = [f.time_s for f in frames if f.can_id == 0x181 and f.time_s < reset_s]
-        silence = next(i for i in range(len(answers)) if answers[i + 1] - answers[i] > 0.1)
         # The first tick that misses it comes a period after the last answer.
-        missed_s = answers[silence] + bench.PERIOD_S
+        missed_s = bench.last_before_silence(answers) + bench.PERIOD_S
         bench.require_force_before(missed_s, frames, "killed drive")
         bench.require_no_force_after(missed_s, [f for f in frames if f.time_s < reset_s], "killed drive")
     return "named, no force until the reset, then at the target"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/canopen/cob_id.hpp"
@@ -72,16 +73,18 @@ void DriveNode::update(hal::Time now) noexcept {
       return watch(now);
     case SetupPhase::forcing_stop:
       return update_forced_stop(now);
+    case SetupPhase::held:
+      return hold(now);
     case SetupPhase::refused:
-      return watch_refused(now);
+      return look_now_and_then(now);
   }
 }
 
 void DriveNode::on_boot_up(hal::Time now) noexcept {
   if (known_) ++reboots_;
   rating_ = {};
-  if (held_ || forcing_stop())
-    end_stop(now);
+  if (held() || forcing_stop())
+    enter_held(now);
   else
     begin_configuration(now);
   // A node that starts by itself would refuse to have its PDOs mapped.
@@ -107,16 +110,20 @@ void DriveNode::refuse(SetupStatus status) noexcept {
 // that boots without heartbeats says nothing more.
 void DriveNode::wait_for_node(hal::Time now) noexcept {
   const std::optional<NmtState> state = heartbeat_.state();
-  // What booted says no more before it is told how often.
-  if (held_ && (state == NmtState::pre_operational || state == NmtState::boot_up)) return watch_held(now);
-  if (state == NmtState::pre_operational) return begin_configuration(now);
+  // What booted while it was held says no more before it is told how often.
+  if (state == NmtState::pre_operational || state == NmtState::boot_up) return begin_configuration(now);
   const bool heard = state.has_value();
   const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
   const bool at_once = heard && !last_command_;
-  if (last_command_ && !answers_) ask_again(now);
+  if (last_command_) {
+    if (!answers_)
+      ask_again(now);
+    else
+      look_now_and_then(now);
+  }
   if (!at_once && now - last_command_.value_or(*since_) < patience) return;
   // Some nodes say no boot-up, but answer.
-  if (reset_told_ && !heard && answers_) return held_ ? watch_held(now) : on_boot_up(now);
+  if (reset_told_ && !heard && answers_) return on_boot_up(now);
   tell_while_waiting(heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication, now);
 }
 
@@ -124,7 +131,7 @@ void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
   nmt_command_ = command;
   last_command_ = now;
   reset_told_ = command == NmtCommand::reset_communication;
-  answers_ = false;
+  answers_ = transfer_running_ = false;
   heartbeat_.forget_state();
   switch_off();
 }
@@ -134,7 +141,7 @@ void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
 void DriveNode::switch_off() noexcept {
   constexpr std::array<std::uint8_t, 2> disable_voltage{};
   sdo_.cancel();
-  sdo_.set_timeout(sdo_timeout_);
+  sdo_.set_timeout(usual_patience());
   static_cast<void>(sdo_.start_write(object::controlword, 0, disable_voltage));
 }
 
@@ -388,14 +395,17 @@ void DriveNode::look() noexcept {
   transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
 }
 
-// No PDO reaches it in Pre-operational. The controlword that it was told on the way there is answered first.
-void DriveNode::watch_held(hal::Time now) noexcept {
-  if (last_command_ && !answers_) return ask_again(now);
-  watch_refused(now);
+// Whoever else leads it may start it again.
+void DriveNode::hold(hal::Time now) noexcept {
+  if (heartbeat_.state() == NmtState::operational) {
+    nmt_command_ = NmtCommand::enter_pre_operational;
+    heartbeat_.forget_state();
+  }
+  look_now_and_then(now);
 }
 
-// Also a drive that is of no use to us, which nobody keeps busy for ever.
-void DriveNode::watch_refused(hal::Time now) noexcept {
+// At a drive that is of no use to us, too, which nobody keeps busy for ever.
+void DriveNode::look_now_and_then(hal::Time now) noexcept {
   if (is_looking(now) || (last_poll_ && now - *last_poll_ < poll_time)) return;
   last_poll_ = now;
   look();
@@ -465,11 +475,14 @@ void DriveNode::watch(hal::Time now) noexcept {
 void DriveNode::force_stop(hal::Time now) noexcept {
   if (!config_valid_ || forcing_stop()) return;
   forced_while_operational_ = operational();
-  forced_while_refused_ = phase_ == SetupPhase::refused;
+  if (phase_ == SetupPhase::refused)
+    refused_for_ = status_;
+  else
+    refused_for_.reset();
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   sdo_.cancel();
-  sdo_.set_timeout(sdo_timeout_);
+  sdo_.set_timeout(usual_patience());
   transfer_running_ = false;
   forced_stop_.begin(now);
 }
@@ -480,19 +493,28 @@ void DriveNode::update_forced_stop(hal::Time now) noexcept {
 }
 
 void DriveNode::end_forced_stop(hal::Time now) noexcept {
-  if (forcing_stop()) end_stop(now);
+  if (!forcing_stop()) return;
+  enter_held(now);
+  if (!refused_for_) return;
+  phase_ = SetupPhase::refused;
+  status_ = *refused_for_;
 }
 
-// Somebody else led it, and would again as soon as its PDOs pass. One that is of no use is not started anyway, and its
-// set-up says again why.
-void DriveNode::end_stop(hal::Time now) noexcept {
-  set_up_anew(now);
-  held_ = !forced_while_refused_;
+// Somebody else led it, and would again as soon as its PDOs pass.
+void DriveNode::enter_held(hal::Time now) noexcept {
+  sdo_.cancel();
+  transfer_running_ = false;
+  heartbeat_.stop();
+  heartbeat_.forget_state();
+  last_poll_.reset();
+  enter(SetupPhase::held, now);
+  status_ = SetupStatus::stop_not_obeyed;
+  nmt_command_ = NmtCommand::enter_pre_operational;
 }
 
 void DriveNode::set_up_anew(hal::Time now) noexcept {
   sdo_.cancel();
-  transfer_running_ = held_ = false;
+  transfer_running_ = false;
   nmt_command_.reset();
   last_poll_.reset();
   enter(SetupPhase::waiting, now);

@@ -72,6 +72,9 @@ class Drive {
   // some milliseconds.
   static constexpr hal::Duration stop_time = std::chrono::milliseconds{20};
   static constexpr int stop_periods = 10;  // where the period is longer than 2 ms
+  // One that was forced to stop is seen without force for so long, five looks, before a reset: whoever else leads it
+  // may go on.
+  static constexpr hal::Duration quiet_time = 5 * DriveNode::poll_time;
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
@@ -367,18 +370,20 @@ class Drive {
   // A drive that is energised against our wish for longer than a stop takes is forced to it. It is given the time of a
   // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last, and nobody
   // wishes force of one that is not set up. A statusword without force between others, by whatever sends it, proves
-  // nothing: only a drive that shows no force for as long as it has for a stop has obeyed.
+  // nothing: only a drive that shows no force for as long as it has for a stop has obeyed. One that is held has been
+  // told already.
   void watch_stop(hal::Time now) noexcept {
     const bool wished = node_.ready() && machine_.enable_wished();
+    if (may_have_force_ || node_.forcing_stop()) force_shown_at_ = now;
+    quietens_ = node_.held() && now - force_shown_at_ <= quiet_time;
     if (wished || node_.forcing_stop()) return unwished_since_.reset();
-    if (may_have_force_) force_shown_at_ = now;
     if (now - force_shown_at_ > obeys_within()) unwished_since_.reset();
     if (!may_have_force_) return;
     if (!unwished_since_) unwished_since_ = now;
     const bool stops_by_itself =
         machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
-    if (now - *unwished_since_ <= obeys_within() + (stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{}))
-      return;
+    const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{};
+    if (!node_.held() && now - *unwished_since_ <= obeys_within() + quick_stop) return;
     unwished_since_.reset();
     forget_commands();
     node_.force_stop(now);
@@ -393,7 +398,7 @@ class Drive {
     if (!usable()) return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::unusable;
     if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
     if (!node_.ready() || !machine_.state())
-      return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::configuring;
+      return may_have_force_ || quietens_ ? hal::DriveState::stopping : hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
       case State::operation_enabled:
@@ -449,6 +454,7 @@ class Drive {
   bool has_force_ = false;       // as it was seen last
   bool force_shown_ = false;     // by any statusword since the last period
   bool may_have_force_ = false;  // one of both, in this period
+  bool quietens_ = false;        // held, and not yet seen without force for quiet_time
   bool was_faulty_ = false;
   bool reset_asked_ = false;
   bool reference_lost_ = false;

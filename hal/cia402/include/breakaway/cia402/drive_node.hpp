@@ -1,6 +1,6 @@
 // DriveNode: the CANopen side of one drive, from power-up to cyclic operation and back.
 //
-//   waiting -> configuring -> starting -> verifying_mode -> ready -> forcing_stop -> waiting (held)
+//   waiting -> configuring -> starting -> verifying_mode -> ready -> forcing_stop -> held
 //                   |                          |
 //                   +--------> refused <-------+
 //
@@ -49,6 +49,7 @@ enum class SetupPhase : std::uint8_t {
   verifying_mode,  // until 6061h shows cyclic synchronous torque, or the mode that was selected
   ready,           // until the node reboots or leaves NMT operational, or is forced to a stop
   forcing_stop,    // until the node is seen without force
+  held,            // in Pre-operational, until it is set up anew
   refused,         // until the node reboots or is set up anew; status() says why
 };
 
@@ -137,7 +138,7 @@ class DriveNode {
   bool in_mode(Mode mode) const noexcept { return mode_ == mode && (ready() || phase_ == SetupPhase::verifying_mode); }
   bool forcing_stop() const noexcept { return phase_ == SetupPhase::forcing_stop; }
   // It did not obey a stop, and waits to be set up anew.
-  bool held() const noexcept { return held_; }
+  bool held() const noexcept { return phase_ == SetupPhase::held; }
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept {
     return phase_ == SetupPhase::verifying_mode || ready() ||
@@ -193,9 +194,11 @@ class DriveNode {
   void start_node(hal::Time now) noexcept;
   bool is_looking(hal::Time now) noexcept;
   void look() noexcept;
-  void watch_refused(hal::Time now) noexcept;
-  void watch_held(hal::Time now) noexcept;
-  void end_stop(hal::Time now) noexcept;
+  void look_now_and_then(hal::Time now) noexcept;
+  void hold(hal::Time now) noexcept;
+  void enter_held(hal::Time now) noexcept;
+  // What answered slowly once may do so again.
+  hal::Duration usual_patience() const noexcept { return is_slow_ ? patience_ : sdo_timeout_; }
   void verify_mode(hal::Time now) noexcept;
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
@@ -244,12 +247,11 @@ class DriveNode {
   bool answers_ = false;             // by SDO, after that command
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
-  bool restarts_ = false;                  // in `starting`
-  bool write_taken_ = false;               // the last one of the plan
-  bool forced_while_operational_ = false;  // the forced stop began while PDOs passed
-  bool forced_while_refused_ = false;
+  bool restarts_ = false;                   // in `starting`
+  bool write_taken_ = false;                // the last one of the plan
+  bool forced_while_operational_ = false;   // the forced stop began while PDOs passed
+  std::optional<SetupStatus> refused_for_;  // by a drive that was refused before it was forced to stop
   bool error_code_wanted_ = false;
-  bool held_ = false;   // in `waiting`
   bool known_ = false;  // its set-up was begun at least once
 };
 

@@ -90,8 +90,8 @@ constexpr std::string_view to_string(SetupStatus status) noexcept {
              "that its readings jump; set its factor group so that a unit is a count or several, and "
              "encoder_resolution_m to the travel of a unit";
     case SetupStatus::stop_not_obeyed:
-      return "the drive does not obey a stop, and is told again by SDO and NMT; switch its power off where force must "
-             "not stay on, and look for what else commands it";
+      return "the drive does not obey a stop, and is told again by SDO and NMT, and then kept from PDOs until a reset; "
+             "switch its power off where force must not stay on, and look for what else commands it";
   }
   return "unknown set-up status";
 }
