@@ -293,6 +293,15 @@ TEST_F(ForcedStopTest, ADriveThatSomebodyElseEnablesWhileItIsSetUpIsSwitchedOffA
   FAIL() << "the set-up was never over";
 }
 
+// It says no boot-up, and is given two seconds for it.
+TEST_F(ForcedStopTest, ADriveThatIsWaitedForIsLookedAt) {
+  node.boots_silently = true;
+  run_until([&] { return was_told(NmtCommand::reset_communication); });
+  run_for(50ms);
+  node.state = State::operation_enabled;
+  EXPECT_LE(time_until_without_force(), 60ms);
+}
+
 TEST_F(ForcedStopTest, ForceThatIsSeenDuringTheSetUpShowsAsStopping) {
   node.boot();
   deliver();
