@@ -128,6 +128,20 @@ TEST_F(ForcedStopTest, ADriveThatIsStartedBySomebodyElseIsTakenBack) {
   expect_recovery();
 }
 
+// Whoever else leads it may go on: a reset waits for five looks without force.
+TEST_F(ForcedStopTest, ADriveThatIsHeldShowsAsStoppingUntilItWasQuiet) {
+  enable_and_go_deaf();
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_until([&] { return !feedback.stop_not_obeyed; });
+  for (int i = 0; i < 95; ++i) {
+    ASSERT_EQ(feedback.state, DriveState::stopping) << i;
+    step();
+  }
+  run_for(10ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
 TEST_F(ForcedStopTest, ADriveThatIsHeldIsForcedAgainWhenSomebodyElseEnablesIt) {
   enable_and_go_deaf();
   drive.request_stop();
