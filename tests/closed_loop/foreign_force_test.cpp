@@ -121,26 +121,6 @@ TEST(ForeignForce, ADriveThatWasRefusedGetsItBackForAFewPeriodsOnlyWhereAToolGoe
   }
 }
 
-TEST(ForeignForce, AForcedStopEndsForADriveThatIsSlowToAnswerAndBootsWithoutAWord) {
-  for (const auto delay : {60ms, 90ms, 150ms, 400ms}) {
-    RigConfig config = far_from_target();
-    config.quirks.no_boot_up_message = true;
-    Rig rig{config};
-    ASSERT_TRUE(rig.start());
-    rig.run(50ms);
-    rig.drive(0).delay_sdo_responses(delay);  // nobody knows of it before
-    rig.write_to_drive(0x1400, 1, 0x80000201, 4);
-    rig.write_to_drive(0x1800, 1, 0xC0000181, 4);
-    rig.loop().request_stop(rig.id(0));
-    rig.run(50ms);
-    ASSERT_TRUE(rig.status(0).feedback.stop_not_obeyed);
-    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
-    rig.run(5s);
-    EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
-    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
-  }
-}
-
 TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
   RigConfig config;
   config.quirks.refused_objects = {0x6076};

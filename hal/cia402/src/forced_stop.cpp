@@ -62,7 +62,6 @@ void ForcedStop::escalate(canopen::SdoClient& sdo, hal::Time now) noexcept {
     case Means::pre_operational:
       means_ = Means::reset;
       command_ = canopen::NmtCommand::reset_node;
-      sdo.set_timeout(longest_patience);
       return;
     case Means::reset:
       means_ = Means::controlword;

@@ -29,8 +29,6 @@ class ForcedStop {
   static constexpr hal::Duration controlword_time = std::chrono::milliseconds{100};
   static constexpr hal::Duration pre_operational_time = std::chrono::milliseconds{200};
   static constexpr hal::Duration reset_time = std::chrono::seconds{2};  // to boot in
-  // For an answer from the first reset on: two of a slow server come before the next means.
-  static constexpr hal::Duration longest_patience = std::chrono::milliseconds{900};
   static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
 
   // Begins with the first means. The transfers are made by the node's SDO client, which must be free.
