@@ -22,8 +22,8 @@
 // A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
 // used is `unusable`, sends no command, and setup_status() says why. One that is energised against our wish, whoever
 // wished it and however far its set-up is, is told by other means than PDOs until it is seen without force
-// (forced_stop.hpp), and is `stopping` all that time; then it is `configuring`, and kept from PDOs, until
-// reset_fault().
+// (forced_stop.hpp), and is `stopping` all that time and until it was seen without force for quiet_time; then it is
+// `configuring`. It is kept from PDOs until reset_fault().
 //
 // An axis whose file says how it gets its zero gets it when it is enabled first, and again after a reset that
 // acknowledges that it was lost; a drive that finds its home by itself is `homing` meanwhile (homing.hpp), and wants

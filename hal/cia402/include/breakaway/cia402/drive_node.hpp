@@ -204,6 +204,7 @@ class DriveNode {
   void watch(hal::Time now) noexcept;
   void update_forced_stop(hal::Time now) noexcept;
   void enter(SetupPhase phase, hal::Time now) noexcept;
+  void drop_transfer() noexcept;
   void refuse(SetupStatus status) noexcept;
 
   hal::Duration heartbeat_timeout_;
