@@ -121,6 +121,31 @@ TEST(ForeignForce, ADriveThatWasRefusedGetsItBackForAFewPeriodsOnlyWhereAToolGoe
   }
 }
 
+// Its set-up showed how long its answers take.
+TEST(ForeignForce, ADriveThatAnswersSlowlyIsNotResetForThat) {
+  for (const auto delay : {60ms, 90ms}) {
+    RigConfig config = far_from_target();
+    config.quirks.no_boot_up_message = true;
+    config.quirks.sdo_response_delay = delay;
+    Rig rig{config};
+    rig.loop().request_enable(rig.id(0));
+    while (!rig.status(0).running && rig.now() < hal::Time{30s}) rig.step();
+    ASSERT_TRUE(rig.status(0).running);
+    rig.run(50ms);
+    const std::uint32_t reboots = rig.loop().drive(rig.id(0)).reboots();
+    rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+    rig.write_to_drive(0x1800, 1, 0xC0000181, 4);
+    rig.loop().request_stop(rig.id(0));
+    rig.run(50ms);
+    ASSERT_TRUE(rig.status(0).feedback.stop_not_obeyed);
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+    rig.run(1s);
+    EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
+    EXPECT_EQ(rig.loop().drive(rig.id(0)).reboots(), reboots);
+  }
+}
+
 TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
   RigConfig config;
   config.quirks.refused_objects = {0x6076};

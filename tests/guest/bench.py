@@ -207,6 +207,7 @@ def refuses(b, command, *texts):
     require(len(lines) == 1, f"not one line:\n{output}")
     for text in texts:
         require(text in lines[0], f"'{text}' is missing in: {lines[0]}")
+    return lines[0]
 
 
 def last_before_silence(times_s):
