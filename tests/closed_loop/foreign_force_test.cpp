@@ -146,6 +146,27 @@ TEST(ForeignForce, ADriveThatAnswersSlowlyIsNotResetForThat) {
   }
 }
 
+// Slow only since it was set up, and without a word of its boot-up: only its answers say that it is without force.
+TEST(ForeignForce, ADriveThatBecameSlowIsForcedToAStopThatEnds) {
+  for (const auto delay : {60ms, 400ms, 1500ms}) {
+    RigConfig config = far_from_target();
+    config.quirks.no_boot_up_message = true;
+    Rig rig{config};
+    rig.loop().request_enable(rig.id(0));
+    while (!rig.status(0).running && rig.now() < hal::Time{30s}) rig.step();
+    rig.run(50ms);
+    rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+    rig.write_to_drive(0x1800, 1, 0xC0000181, 4);
+    rig.drive(0).delay_sdo_responses(delay);
+    rig.loop().request_stop(rig.id(0));
+    rig.run(2500ms);
+    EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
+    rig.run(20s);
+    EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
+  }
+}
+
 TEST(ForeignForce, ADriveThatWasRefusedIsForcedToStopWhenSomebodyElseSwitchesItOn) {
   RigConfig config;
   config.quirks.refused_objects = {0x6076};

@@ -27,7 +27,7 @@ class BxcanNode {
 
   BxcanNode() noexcept : port_{can_}, node_{port_, flashed::node} {}
 
-  StartResult start(ResetCause cause) noexcept {
+  [[gnu::cold]] StartResult start(ResetCause cause) noexcept {
     bare_metal::tell(node_.verdict());
     if (!node_.verdict().ok()) return StartResult::node_refused;
     if (cause == ResetCause::watchdog) node_.note_watchdog_reset();

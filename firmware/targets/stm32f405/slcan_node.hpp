@@ -33,9 +33,9 @@ class SlcanNode {
  public:
   using Port = slcan::Port<Usart>;
 
-  SlcanNode() noexcept : port_{usart, flashed::node.loop.network.bit_rate}, node_{port_, flashed::node} {}
+  [[gnu::cold]] SlcanNode() noexcept : port_{usart, flashed::node.loop.network.bit_rate}, node_{port_, flashed::node} {}
 
-  StartResult start(ResetCause cause) noexcept {
+  [[gnu::cold]] StartResult start(ResetCause cause) noexcept {
     bare_metal::tell(node_.verdict());
     if (!node_.verdict().ok()) return StartResult::node_refused;
     if (cause == ResetCause::watchdog) node_.note_watchdog_reset();

@@ -266,8 +266,7 @@ void DriveNode::force_stop(hal::Time now) noexcept {
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   drop_transfer();
-  sdo_.set_timeout(usual_patience());
-  forced_stop_.begin(now);
+  forced_stop_.begin(sdo_, usual_patience(), now);
 }
 
 void DriveNode::update_forced_stop(hal::Time now) noexcept {

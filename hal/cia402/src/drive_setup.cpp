@@ -8,6 +8,7 @@
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/cia402/drive_node.hpp"
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/patience.hpp"
 #include "breakaway/cia402/state.hpp"
 #include "breakaway/cia402/torque_scale.hpp"
 
@@ -152,7 +153,7 @@ bool DriveNode::may_pass(SdoResult result) const noexcept {
 }
 
 void DriveNode::be_patient() noexcept {
-  patience_ = std::max(sdo_timeout_, std::min<hal::Duration>(patience_ * growth_of_patience, longest_patience));
+  patience_ = grown(patience_);
   sdo_.set_timeout(patience_);
 }
 

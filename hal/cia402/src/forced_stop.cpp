@@ -1,26 +1,16 @@
 #include "breakaway/cia402/forced_stop.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/patience.hpp"
 #include "breakaway/cia402/state.hpp"
 
 namespace breakaway::cia402 {
 namespace {
-
-hal::Duration time_of(ForcedStop::Means means) noexcept {
-  switch (means) {
-    case ForcedStop::Means::controlword:
-      return ForcedStop::controlword_time;
-    case ForcedStop::Means::pre_operational:
-      return ForcedStop::pre_operational_time;
-    case ForcedStop::Means::reset:
-      break;
-  }
-  return ForcedStop::reset_time;
-}
 
 // A statusword of zeros, which says "Not ready to switch on", is no proof: so does an answer that was lost in a
 // gateway.
@@ -31,9 +21,23 @@ bool is_proof(const canopen::SdoClient& sdo) noexcept {
 
 }  // namespace
 
-void ForcedStop::begin(hal::Time now) noexcept {
+void ForcedStop::begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept {
   *this = {};
   since_ = now;
+  patience_ = patience;
+  sdo.set_timeout(patience_);
+}
+
+hal::Duration ForcedStop::time_of(Means means) const noexcept {
+  switch (means) {
+    case Means::controlword:
+      return controlword_time;
+    case Means::pre_operational:
+      return pre_operational_time;
+    case Means::reset:
+      break;
+  }
+  return reset_time_;
 }
 
 bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
@@ -65,6 +69,9 @@ void ForcedStop::escalate(canopen::SdoClient& sdo, hal::Time now) noexcept {
       return;
     case Means::reset:
       means_ = Means::controlword;
+      patience_ = grown(patience_);
+      reset_time_ = std::max<hal::Duration>(reset_time, 3 * patience_);
+      sdo.set_timeout(patience_);
       return;
   }
 }

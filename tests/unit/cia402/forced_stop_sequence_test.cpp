@@ -56,7 +56,7 @@ class ForcedStopSequence : public ::testing::Test {
 };
 
 TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   serve_for(50ms, enabled);
   EXPECT_FALSE(proven);
   ASSERT_GE(requests.size(), 20U);
@@ -65,7 +65,7 @@ TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
 }
 
 TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   serve_for(5s, enabled);
   using Told = std::pair<hal::Duration, NmtCommand>;
   const std::vector<Told> expected{{101ms, NmtCommand::enter_pre_operational},
@@ -78,21 +78,21 @@ TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
 }
 
 TEST_F(ForcedStopSequence, AStatuswordWithoutForceIsTheProof) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   serve_for(50ms, disabled);
   EXPECT_TRUE(proven);
   EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, read_statusword}));
 }
 
 TEST_F(ForcedStopSequence, AStatuswordOfOneByteIsNoProof) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   serve_for(50ms, {0x4F, 0x41, 0x60, 0, 0x40});
   EXPECT_FALSE(proven);
 }
 
 // The first segment of a longer value would read as a state without force.
 TEST_F(ForcedStopSequence, AReadThatWasAbortedIsNoProof) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   step();
   answer(written);
   step();
@@ -108,7 +108,7 @@ TEST_F(ForcedStopSequence, AReadThatWasAbortedIsNoProof) {
 }
 
 TEST_F(ForcedStopSequence, ADriveThatRefusesTheControlwordIsAskedForItsStateAllTheSame) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   step();
   answer({0x80, 0x40, 0x60});
   EXPECT_EQ(step(), read_statusword);
@@ -118,7 +118,7 @@ TEST_F(ForcedStopSequence, ADriveThatRefusesTheControlwordIsAskedForItsStateAllT
 }
 
 TEST_F(ForcedStopSequence, EachMeansWritesTheControlwordAtOnceToAServerThatIsSilent) {
-  stop.begin(now);
+  stop.begin(sdo, 10s, now);
   EXPECT_EQ(step(), write_controlword);
   while (commands.empty()) step();
   EXPECT_EQ(requests.size(), 1U) << "its answer is awaited";
@@ -127,12 +127,35 @@ TEST_F(ForcedStopSequence, EachMeansWritesTheControlwordAtOnceToAServerThatIsSil
   EXPECT_EQ(step(), write_controlword);
 }
 
+// It boots without a word, and nothing before showed that it answers slowly.
+TEST_F(ForcedStopSequence, AServerThatTakesLongForAnAnswerIsGivenTheTimeInALaterRound) {
+  const std::vector<std::pair<hal::Duration, hal::Duration>> answered_within{
+      {45ms, 200ms}, {290ms, 2303ms + 1500ms}, {1700ms, 2 * 2303ms + 5s}, {1900ms, 2 * 2303ms + 5703ms + 6303ms}};
+  for (const auto& [delay, limit] : answered_within) {
+    sdo.cancel();
+    stop.begin(sdo, 50ms, now);
+    const hal::Time begin = now;
+    std::optional<Bytes> late;
+    hal::Time due{};
+    while (!proven && now - begin < 30s) {
+      if (late && now >= due) answer(*std::exchange(late, {}));
+      if (const auto request = step()) {
+        late = (*request)[1] == 0x40 ? written : disabled;
+        due = now + delay;
+      }
+    }
+    EXPECT_TRUE(proven) << delay / 1ms << " ms";
+    EXPECT_LE(now - begin, limit) << delay / 1ms << " ms";
+    proven = false;
+  }
+}
+
 TEST_F(ForcedStopSequence, BeginsWithTheFirstMeansEveryTime) {
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   serve_for(305ms, enabled);
   ASSERT_EQ(stop.means(), ForcedStop::Means::reset);
   sdo.cancel();
-  stop.begin(now);
+  stop.begin(sdo, 50ms, now);
   EXPECT_EQ(stop.means(), ForcedStop::Means::controlword);
   const hal::Time again = now;
   commands.clear();

@@ -42,7 +42,8 @@ class AxisController {
 
   // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
   // outlive the controller.
-  AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept : p_{parameters}, table_{&table} {
+  [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept
+      : p_{parameters}, table_{&table} {
     if (!ideal()) {
       velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction.lower_N};
       rest_ = {p_.mass_kg, p_.friction.lower_N, p_.encoder_resolution_m, p_.period_s};
@@ -53,7 +54,7 @@ class AxisController {
 
   // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
   // the controller as well.
-  AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
+  [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
       : AxisController{parameters, table} {
     if (p_.coast != Parts::coast) return;
     braked_ = &kicks;

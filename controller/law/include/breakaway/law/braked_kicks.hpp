@@ -90,7 +90,7 @@ constexpr Scalar friction_seen_N(Scalar mass_kg, Scalar force_N, Scalar brake_N,
 
 // Says whether the numbers can be those of an axis; written so that a NaN is refused.
 template <class Scalar>
-constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
+[[gnu::cold]] constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
   const BrakedApproach<Scalar>& a = k.approach;
   const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.short_lag && k.short_lag <= k.slow_lag && k.slow_lag < 1;
   const bool forces = k.brake_N >= 0 && k.force_step_N > 0 && k.preload_N <= k.brake_N &&

@@ -137,7 +137,8 @@ constexpr bool positive_and_finite(Scalar value) noexcept {
 
 // Checks what the CANopen side of the drive needs; the rest is for the conversion of units.
 template <class Scalar>
-constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive, const hal::NetworkConfig& network) noexcept {
+[[gnu::cold]] constexpr DriveConfigError check_node(const DriveConfig<Scalar>& drive,
+                                                    const hal::NetworkConfig& network) noexcept {
   if (!canopen::is_node_id(drive.node_id)) return DriveConfigError::node_id;
   if (!canopen::is_node_id(network.node_id) || network.node_id == drive.node_id)
     return DriveConfigError::master_node_id;

@@ -66,12 +66,9 @@ class DriveNode {
  public:
   // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
   static constexpr hal::Duration boot_time = std::chrono::seconds{2};
-  // A transfer is tried so often before the node counts as gone. Some servers take a second for an answer, so the next
-  // attempt waits so many times as long, but no longer than the longest patience unless DriveConfig::sdo_timeout is. A
-  // node that needed it is given it from then on.
+  // A transfer is tried so often, each time with more patience (patience.hpp), before the node counts as gone. A node
+  // that needed it is given it from then on.
   static constexpr unsigned sdo_attempts = 3;
-  static constexpr int growth_of_patience = 6;
-  static constexpr hal::Duration longest_patience = std::chrono::seconds{2};
   // A refusal that may pass, such as by a drive that still starts, is asked again at this interval, so often in a
   // set-up.
   static constexpr hal::Duration refusal_pause = std::chrono::milliseconds{100};

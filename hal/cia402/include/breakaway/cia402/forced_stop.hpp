@@ -2,7 +2,7 @@
 //
 // The usual way to stop is the controlword of the RPDO, which acts at SYNC and has no answer: a drive whose RPDO
 // another tool switched off, or that does not hear SYNC, keeps its last torque. So ever stronger means follow, each
-// with its time, over and over until one works:
+// with its time, over and over until one works, and with more patience for an answer in each round:
 //
 //   controlword      0 is written to 6040h by SDO, which acts without PDO and SYNC
 //   pre_operational  NMT Enter Pre-operational ends the PDOs, and 6040h is written again
@@ -31,8 +31,10 @@ class ForcedStop {
   static constexpr hal::Duration reset_time = std::chrono::seconds{2};  // to boot in
   static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
 
-  // Begins with the first means. The transfers are made by the node's SDO client, which must be free.
-  void begin(hal::Time now) noexcept;
+  // Begins with the first means. The transfers are made by the node's SDO client, which must be free; in the first
+  // round each has the patience (> 0), in each further one more (patience.hpp), with the time for three answers after a
+  // reset.
+  void begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept;
   // Once a period. Returns true when a statusword without force was read.
   bool update(canopen::SdoClient& sdo, hal::Time now) noexcept;
   // The NMT command that is to be sent now, if one is; given once.
@@ -45,9 +47,12 @@ class ForcedStop {
 
   void escalate(canopen::SdoClient& sdo, hal::Time now) noexcept;
   void start(canopen::SdoClient& sdo, Transfer transfer) noexcept;
+  hal::Duration time_of(Means means) const noexcept;
 
   Means means_ = Means::controlword;
   hal::Time since_{};
+  hal::Duration patience_{};
+  hal::Duration reset_time_ = reset_time;  // in this round
   Transfer transfer_ = Transfer::none;
   std::optional<canopen::NmtCommand> command_;
 };
