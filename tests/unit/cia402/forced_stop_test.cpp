@@ -1,5 +1,6 @@
 // What is done to a drive that was told to stop and keeps its force.
 #include <algorithm>
+#include <initializer_list>
 
 #include "drive_fixture.hpp"
 
@@ -333,6 +334,64 @@ TEST_F(ForcedStopTest, AStatuswordInAPdoIsAProofToo) {
   run_until([&] { return !feedback.stop_not_obeyed; }, 20ms);
   EXPECT_TRUE(without_force());
   EXPECT_FALSE(was_told(NmtCommand::reset_node));
+}
+
+TEST_F(ForcedStopTest, TorqueThatStaysInAStateWithoutForceIsForce) {
+  for (const std::int16_t torque : std::initializer_list<std::int16_t>{51, -51}) {
+    enable();
+    drive.request_stop();
+    run_until_state(DriveState::disabled);
+    node.torque = torque;
+    run_for(1s);
+    EXPECT_EQ(feedback.state, DriveState::disabled) << "a report may be filtered";
+    EXPECT_FALSE(feedback.stop_not_obeyed);
+    node.commands.clear();
+    run_until([&] { return feedback.stop_not_obeyed; }, 30ms);
+    run_until([&] { return !feedback.stop_not_obeyed; });
+    run_for(100ms);
+    EXPECT_TRUE(was_told(NmtCommand::enter_pre_operational));
+    EXPECT_EQ(feedback.state, DriveState::configuring) << "it is held";
+    node.torque = 0;
+    expect_recovery();
+    drive.request_stop();
+    run_until_state(DriveState::disabled);
+  }
+}
+
+TEST_F(ForcedStopTest, TorqueThatStaysAfterAResetIsForceAgainAfterTheSameTime) {
+  set_up();
+  node.torque = 500;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_until([&] { return !feedback.stop_not_obeyed && feedback.state != DriveState::stopping; });
+  drive.reset_fault();
+  step();
+  run_until_state(DriveState::disabled);
+  const Time begin = now;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  EXPECT_GE(now - begin, 1s);
+}
+
+// A current measurement has an offset, and what is enabled has its torque for a reason.
+TEST_F(ForcedStopTest, ALittleTorqueOrOneThatDecaysOrThatOfAnEnabledDriveIsNone) {
+  set_up();
+  for (const std::int16_t torque : std::initializer_list<std::int16_t>{50, -50}) {
+    node.torque = torque;
+    run_for(2s);
+    EXPECT_EQ(feedback.state, DriveState::disabled) << torque;
+  }
+  for (int i = 0; i < 3; ++i) {
+    node.torque = 1000;
+    run_for(990ms);
+    node.torque = 0;
+    run_for(3ms);
+  }
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+  drive.request_enable();
+  run_until_state(DriveState::enabled);
+  node.torque = 1000;
+  run_for(2s);
+  EXPECT_EQ(feedback.state, DriveState::enabled);
+  node.torque = 0;
 }
 
 TEST_F(ForcedStopTest, AStatuswordOfZerosIsNoProof) {

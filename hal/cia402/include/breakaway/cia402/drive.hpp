@@ -75,6 +75,8 @@ class Drive {
   // One that was forced to stop is seen without force for so long, five looks, before a reset: whoever else leads it
   // may go on.
   static constexpr hal::Duration quiet_time = 5 * DriveNode::poll_time;
+  // A twentieth of the rated torque, in per mille, may be an offset of a current measurement where no current flows.
+  static constexpr int most_idle_torque = 50;
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
@@ -256,6 +258,7 @@ class Drive {
     counts_ = static_cast<std::int32_t>(counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
     pdo_seen_ = node_.ready();
+    watch_idle_torque(received.time);
     const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= period_;
     sample_time_ = answers_sync ? *sync_time_ : received.time;
     fresh_ = ever_valid_ = counted_ = true;
@@ -275,6 +278,14 @@ class Drive {
     const bool answers = samples > 0 || !node_.operational() || node_.forcing_stop();
     if (answers || may_have_force_ || !answered_at_) answered_at_ = now;
     if (now - *answered_at_ > obeys_within()) set_up_anew(now);
+  }
+
+  // A state without force says nothing where the torque beside it stays: what lasts for longer than a quick stop is no
+  // filter of the report.
+  void watch_idle_torque(hal::Time now) noexcept {
+    if (!shows_no_force(statusword_) || std::abs(torque_) <= most_idle_torque) return idle_torque_since_.reset();
+    if (!idle_torque_since_) idle_torque_since_ = now;
+    if (now - *idle_torque_since_ > StateMachine::quick_stop_time) force_shown_ = true;
   }
 
   hal::Duration obeys_within() const noexcept { return std::max(stop_time, stop_periods * period_); }
@@ -348,6 +359,7 @@ class Drive {
   void forget_commands() noexcept {
     machine_.restart();
     pdo_seen_ = was_faulty_ = false;
+    idle_torque_since_.reset();
   }
 
   // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
@@ -464,6 +476,7 @@ class Drive {
   std::optional<hal::Time> answered_at_;
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
+  std::optional<hal::Time> idle_torque_since_;
   std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
   hal::Time force_shown_at_{};
   hal::Time sample_time_{};
