@@ -318,6 +318,11 @@ def bounded(processor_s):
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
+def words(code):
+    """A line's text, however its parts are aligned."""
+    return code.split()
+
+
 class Equivalents:
     """Mutants that no test can notice, each with its reason: equivalent.toml."""
 
@@ -325,7 +330,7 @@ class Equivalents:
         self.reasons, self.stale = {}, []
         kept = HERE / "equivalent.toml"
         for entry in tomllib.loads(kept.read_text()).get("mutant", []) if kept.exists() else []:
-            matching = [m for m in mutants if m.path.endswith(entry["file"]) and m.code == entry["code"] and
+            matching = [m for m in mutants if m.path.endswith(entry["file"]) and words(m.code) == words(entry["code"]) and
                         m.change in entry["changes"]]
             if not any(path.endswith(entry["file"]) for path in paths):
                 continue
