@@ -273,6 +273,7 @@ TEST(DriveKinds, ADriveThatGoesOnRefusingIsNamedWithTheObject) {
   rig.loop().request_enable(rig.id(0));
   rig.run(5s);
   EXPECT_EQ(rig.status(0).fault, AxisFault::drive_unusable);
+  EXPECT_EQ(rig.loop().supervisor(rig.id(0)).fault_code(), 0) << "the drive told of no error";
   EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_status(), cia402::SetupStatus::object_refused);
   EXPECT_EQ(rig.loop().drive(rig.id(0)).setup_abort_code(), canopen::SdoAbort::device_state);
 }

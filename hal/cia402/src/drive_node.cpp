@@ -97,8 +97,6 @@ void DriveNode::refuse(SetupStatus status) noexcept {
   phase_ = SetupPhase::refused;
   status_ = status;
   abort_code_ = sdo_.abort_code();
-  transfer_running_ = false;
-  last_poll_.reset();
 }
 
 // A node that was up before us is taken back to Pre-operational, one that says nothing is made to say its boot-up. What
@@ -288,7 +286,6 @@ void DriveNode::enter_held(hal::Time now) noexcept {
   heartbeat_.stop();
   heartbeat_.forget_state();
   enter(SetupPhase::held, now);
-  status_ = SetupStatus::stop_not_obeyed;
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
 

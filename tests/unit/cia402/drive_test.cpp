@@ -4,6 +4,8 @@
 namespace breakaway::test {
 namespace {
 
+TEST_F(DriveTest, IsBeingSetUpBeforeItsFirstPeriod) { EXPECT_EQ(drive.feedback().state, DriveState::configuring); }
+
 TEST_F(DriveTest, WalksToEnabledAndSendsTheForceInPerMille) {
   enable();
   step(10.0F);

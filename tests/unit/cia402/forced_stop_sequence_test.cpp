@@ -64,16 +64,25 @@ TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
     EXPECT_EQ(requests[i], i % 2 == 0 ? write_controlword : read_statusword) << i;
 }
 
+TEST_F(ForcedStopSequence, AnAnswerThatDoesNotComeIsAwaitedForAsLongAsItWasTold) {
+  stop.begin(sdo, 50ms, now);
+  for (int i = 0; i < 99; ++i) step();
+  constexpr Bytes gives_up{0x80, 0x40, 0x60, 0, 0, 0, 0x04, 0x05};
+  EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, gives_up, read_statusword}));
+}
+
 TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
   stop.begin(sdo, 50ms, now);
-  serve_for(5s, enabled);
+  serve_for(11s, enabled);
   using Told = std::pair<hal::Duration, NmtCommand>;
   const std::vector<Told> expected{{101ms, NmtCommand::enter_pre_operational},
                                    {302ms, NmtCommand::reset_node},
                                    {2303ms + 101ms, NmtCommand::enter_pre_operational},
                                    {2303ms + 302ms, NmtCommand::reset_node},
                                    {2 * 2303ms + 101ms, NmtCommand::enter_pre_operational},
-                                   {2 * 2303ms + 302ms, NmtCommand::reset_node}};
+                                   {2 * 2303ms + 302ms, NmtCommand::reset_node},
+                                   {2 * 2303ms + 302ms + 3 * 1800ms + 102ms, NmtCommand::enter_pre_operational},
+                                   {2 * 2303ms + 302ms + 3 * 1800ms + 303ms, NmtCommand::reset_node}};
   EXPECT_EQ(commands, expected);
 }
 

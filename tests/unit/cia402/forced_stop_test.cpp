@@ -124,9 +124,11 @@ TEST_F(ForcedStopTest, ADriveThatIsStartedBySomebodyElseIsTakenBack) {
     run_for(500ms);
     ASSERT_EQ(node.nmt, NmtState::pre_operational);
     node.on_frame(canopen::nmt_frame(NmtCommand::start, node_id));
+    node.commands.clear();
     run_for(std::chrono::milliseconds{node.objects[ScriptedDrive::key(0x1017, 0)]} +
             2ms);  // its next heartbeat says so
     EXPECT_EQ(node.nmt, NmtState::pre_operational);
+    EXPECT_EQ(node.commands, (std::vector{NmtCommand::enter_pre_operational})) << "once a heartbeat";
   }
   expect_recovery();
 }
@@ -342,7 +344,7 @@ TEST_F(ForcedStopTest, TorqueThatStaysInAStateWithoutForceIsForce) {
     drive.request_stop();
     run_until_state(DriveState::disabled);
     node.torque = torque;
-    run_for(1s);
+    run_for(1s + 2ms);  // the first sample comes a period later, and is taken in by the next
     EXPECT_EQ(feedback.state, DriveState::disabled) << "a report may be filtered";
     EXPECT_FALSE(feedback.stop_not_obeyed);
     node.commands.clear();
