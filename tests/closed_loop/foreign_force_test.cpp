@@ -8,6 +8,16 @@ namespace {
 
 using firmware::AxisFault;
 
+// Within that time, by a user who takes every name for granted and resets what can be reset.
+void expect_to_run(Rig& rig, hal::Duration limit) {
+  const hal::Time end = rig.now() + limit;
+  do {
+    rig.step();
+    if (rig.status(0).fault != AxisFault::none) static_cast<void>(rig.loop().reset_fault(rig.id(0)));
+  } while (!rig.status(0).running && rig.now() < end);
+  EXPECT_TRUE(rig.status(0).running) << to_string(rig.status(0).fault);
+}
+
 // Late in the period, after the drive's own: by a second node on its id, or a gateway that repeats what it once had.
 void step_with_a_lie(Rig& rig, sil::SimulatedNetwork::Port& liar) {
   constexpr hal::CanFrame switched_off{.id = 0x181, .size = 8, .data = {0x40, 0x02}};
@@ -164,6 +174,84 @@ TEST(ForeignForce, ADriveThatBecameSlowIsForcedToAStopThatEnds) {
     rig.run(20s);
     EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
     EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
+    rig.drive(0).delay_sdo_responses(delay);
+    rig.loop().request_enable(rig.id(0));
+    expect_to_run(rig, 3min);
+  }
+}
+
+// It was set up, and so is known to be slow.
+TEST(ForeignForce, ASlowDriveThatRebootsWithoutAWordRunsAgain) {
+  for (const auto delay : {200us, 290000us, 320000us, 1000000us}) {
+    RigConfig config = far_from_target();
+    config.quirks.no_boot_up_message = true;
+    config.quirks.sdo_response_delay = delay;
+    Rig rig{config};
+    rig.loop().request_enable(rig.id(0));
+    expect_to_run(rig, 3min);
+    rig.drive(0).power_off(rig.now());
+    rig.run(50ms);
+    rig.drive(0).power_on(rig.now());
+    expect_to_run(rig, 5min);
+  }
+}
+
+TEST(ForeignForce, ADriveThatBootsForLongWithoutAWordAndIsSlowIsSetUpAndForcedToAStopThatEnds) {
+  for (const auto boot : {1500ms, 1900ms, 2500ms, 4000ms})
+    for (const auto delay : {200us, 400000us, 1000000us}) {
+      RigConfig config = far_from_target();
+      config.quirks.no_boot_up_message = true;
+      config.boot_duration = boot;
+      Rig rig{config};
+      rig.drive(0).delay_sdo_responses(delay);
+      rig.loop().request_enable(rig.id(0));
+      expect_to_run(rig, 5min);
+      if (testing::Test::HasFailure()) FAIL() << boot / 1ms << " ms, " << delay / 1us << " us";
+      rig.run(50ms);
+      rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+      rig.write_to_drive(0x1800, 1, 0xC0000181, 4);
+      rig.drive(0).power_off(rig.now());
+      rig.run(3s);
+      rig.drive(0).power_on(rig.now());
+      expect_to_run(rig, 5min);
+      if (testing::Test::HasFailure()) FAIL() << boot / 1ms << " ms, " << delay / 1us << " us, again";
+    }
+}
+
+// One frame a period is for the SDO of all of them.
+TEST(ForeignForce, ManyAxesOfASlowLoopThatObeyBySdoAreNotReset) {
+  RigConfig config = far_from_target();
+  config.period = 10ms;
+  config.axes = 8;
+  config.fault_scope = firmware::FaultScope::all_axes;
+  Rig rig{config};
+  ASSERT_TRUE(rig.start());
+  for (std::size_t i = 0; i < config.axes; ++i) {
+    const auto node = static_cast<std::uint32_t>(i + 1);
+    rig.write_to_drive(0x1400, 1, 0x80000200U + node, 4, i);
+    rig.write_to_drive(0x1800, 1, 0xC0000180U + node, 4, i);
+    rig.loop().request_stop(rig.id(i));
+  }
+  rig.run(5s);
+  for (std::size_t i = 0; i < config.axes; ++i) {
+    EXPECT_EQ(rig.loop().drive(rig.id(i)).reboots(), 0U) << i;
+    EXPECT_TRUE(rig.status(i).stop_not_obeyed) << i;
+    EXPECT_LT(std::abs(rig.force_N(i)), 0.1) << i;
+    EXPECT_TRUE(rig.loop().reset_fault(rig.id(i))) << i;
+  }
+}
+
+TEST(ForeignForce, AStopAndAnEnableInOnePeriodAreNoFault) {
+  for (const int periods_between : {0, 1, 2, 5}) {
+    Rig rig{far_from_target()};
+    ASSERT_TRUE(rig.start());
+    rig.run(50ms);
+    rig.loop().request_stop(rig.id(0));
+    for (int i = 0; i < periods_between; ++i) rig.step();
+    rig.loop().request_enable(rig.id(0));
+    rig.run(500ms);
+    EXPECT_EQ(rig.status(0).fault, AxisFault::none) << periods_between;
+    EXPECT_TRUE(rig.status(0).running) << periods_between;
   }
 }
 

@@ -43,6 +43,7 @@ struct RigConfig {
   std::uint16_t drive_max_torque_per_mille = 2000;
   canopen::EmcyCodes emcy_information{};
   bool user_position_unit = false;  // a count of the loop is a unit of the drive, whatever its encoder's are
+  hal::Duration boot_duration = 5ms;
   drive_emulator::Quirks quirks{};
 };
 
@@ -124,14 +125,16 @@ class Rig {
     return largest;
   }
 
-  // What another tool on the bus writes into the drive of the only axis.
-  void write_to_drive(std::uint16_t index, std::uint8_t subindex, std::uint32_t value, std::uint8_t bytes) {
-    hal::CanFrame frame{.id = canopen::sdo_request_cob_id(1), .size = 8, .data = {}};
+  // What another tool on the bus writes into the drive of an axis.
+  void write_to_drive(std::uint16_t index, std::uint8_t subindex, std::uint32_t value, std::uint8_t bytes,
+                      std::size_t axis = 0) {
+    const auto node = static_cast<std::uint8_t>(axis + 1);
+    hal::CanFrame frame{.id = canopen::sdo_request_cob_id(node), .size = 8, .data = {}};
     frame.data[0] = static_cast<std::uint8_t>(0x23U | (4U - bytes) << 2);
     canopen::store_little_endian(frame.data, index, 1);
     frame.data[3] = subindex;
     canopen::store_little_endian(frame.data, value, 4);
-    drive(0).on_frame(frame, now_);
+    drive(axis).on_frame(frame, now_);
   }
 
   Loop& loop() { return loop_; }
@@ -160,6 +163,7 @@ class Rig {
     emulated.current_loop_time_constant_s = config_.current_loop_time_constant_s;
     emulated.supported_modes = config_.supported_modes;
     emulated.quirks = config_.quirks;
+    emulated.boot_duration = config_.boot_duration;
     if (config_.user_position_unit && config_.quirks.feed_constant != 0)
       emulated.encoder_resolution_m *=
           config_.quirks.feed_constant / double{drive_emulator::encoder_counts_per_revolution};

@@ -6,6 +6,7 @@
 
 #include "breakaway/canopen/bytes.hpp"
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/cia402/patience.hpp"
 #include "breakaway/cia402/state.hpp"
 
 namespace breakaway::cia402 {
@@ -86,6 +87,7 @@ void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
   since_ = now;
   last_command_.reset();
   last_poll_.reset();
+  boot_time_ = boot_time;
 }
 
 void DriveNode::drop_transfer() noexcept {
@@ -106,8 +108,8 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
   const std::optional<NmtState> state = heartbeat_.state();
   // What booted while it was held says no more before it is told how often.
   if (state == NmtState::pre_operational || state == NmtState::boot_up) return begin_configuration(now);
-  const bool heard = state.has_value();
-  const hal::Duration patience = last_command_ && !heard ? boot_time : heartbeat_timeout_;
+  const bool heard = state.has_value(), boots = last_command_ && !heard;
+  const hal::Duration waited = now - last_command_.value_or(*since_);
   const bool at_once = heard && !last_command_;
   if (last_command_) {
     if (!answers_)
@@ -115,14 +117,16 @@ void DriveNode::wait_for_node(hal::Time now) noexcept {
     else
       look_now_and_then(now);
   }
-  if (!at_once && now - last_command_.value_or(*since_) < patience) return;
+  if (!at_once && waited < (boots ? boot_time : heartbeat_timeout_)) return;
   // Some nodes say no boot-up, but answer.
   if (reset_told_ && !heard && answers_) return on_boot_up(now);
+  if (boots && waited < boot_time_) return;
   tell_while_waiting(heard ? NmtCommand::enter_pre_operational : NmtCommand::reset_communication, now);
 }
 
 void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
   nmt_command_ = command;
+  if (last_command_) boot_time_ = std::min<hal::Duration>(2 * boot_time_, longest_boot_time);
   last_command_ = now;
   reset_told_ = command == NmtCommand::reset_communication;
   answers_ = false;
@@ -131,11 +135,12 @@ void DriveNode::tell_while_waiting(NmtCommand command, hal::Time now) noexcept {
 }
 
 // Not every drive leaves Operation enabled with NMT operational, and until it says that it did its heartbeat may take
-// its time. Nobody waits for the answer.
+// its time. Nobody waits for the answer. What is told while a node boots is lost, so it is told often: the answer of
+// one that is slow is taken for the newest.
 void DriveNode::switch_off() noexcept {
   constexpr std::array<std::uint8_t, 2> disable_voltage{};
   drop_transfer();
-  sdo_.set_timeout(usual_patience());
+  sdo_.set_timeout(boot_time_ > boot_time ? grown(sdo_timeout_) : sdo_timeout_);
   static_cast<void>(sdo_.start_write(object::controlword, 0, disable_voltage));
 }
 
@@ -175,6 +180,8 @@ bool DriveNode::is_looking(hal::Time now) noexcept {
   if (!transfer_running_) return false;
   const SdoResult result = sdo_.poll(now);
   transfer_running_ = result == SdoResult::busy;
+  const bool answered = result == SdoResult::done || result == SdoResult::aborted;
+  if (answered && looks_wanted_ > 0) --looks_wanted_;
   if (result == SdoResult::done) on_value_read(object::statusword);
   return transfer_running_;
 }
@@ -257,14 +264,14 @@ void DriveNode::watch(hal::Time now) noexcept {
   }
 }
 
-void DriveNode::force_stop(hal::Time now) noexcept {
+void DriveNode::force_stop(ForcedStop::Proof proof, hal::Time now) noexcept {
   if (!config_valid_ || forcing_stop()) return;
   forced_while_operational_ = operational();
   refused_for_ = phase_ == SetupPhase::refused ? std::optional{status_} : std::nullopt;
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   drop_transfer();
-  forced_stop_.begin(sdo_, usual_patience(), now);
+  forced_stop_.begin(sdo_, usual_patience(), proof, now);
 }
 
 void DriveNode::update_forced_stop(hal::Time now) noexcept {
@@ -286,6 +293,7 @@ void DriveNode::enter_held(hal::Time now) noexcept {
   heartbeat_.stop();
   heartbeat_.forget_state();
   enter(SetupPhase::held, now);
+  looks_wanted_ = quiet_looks;
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <utility>
 
 #include "breakaway/canopen/bytes.hpp"
@@ -14,16 +15,22 @@ namespace {
 
 // A statusword of zeros, which says "Not ready to switch on", is no proof: so does an answer that was lost in a
 // gateway.
-bool is_proof(const canopen::SdoClient& sdo) noexcept {
+bool read_no_force(const canopen::SdoClient& sdo) noexcept {
   return sdo.data().size() >= sizeof(std::uint16_t) &&
          shows_no_force(canopen::load_little_endian<std::uint16_t>(sdo.data()));
 }
 
+bool read_no_torque(const canopen::SdoClient& sdo) noexcept {
+  return sdo.data().size() >= sizeof(std::int16_t) &&
+         std::abs(canopen::load_little_endian<std::int16_t>(sdo.data())) <= ForcedStop::most_idle_torque;
+}
+
 }  // namespace
 
-void ForcedStop::begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept {
+void ForcedStop::begin(canopen::SdoClient& sdo, hal::Duration patience, Proof proof, hal::Time now) noexcept {
   *this = {};
-  since_ = now;
+  proof_ = proof;
+  since_ = last_ = now;
   patience_ = patience;
   sdo.set_timeout(patience_);
 }
@@ -41,16 +48,31 @@ hal::Duration ForcedStop::time_of(Means means) const noexcept {
 }
 
 bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
+  if (sdo.request_waits()) since_ += now - last_;
+  last_ = now;
   const canopen::SdoResult result = sdo.poll(now);
   if (result != canopen::SdoResult::busy) {
-    const bool done = result == canopen::SdoResult::done;
     const Transfer finished = std::exchange(transfer_, Transfer::none);
-    if (finished == Transfer::read_statusword && done && is_proof(sdo)) return true;
-    // A drive that refuses the controlword is asked for its state all the same.
-    start(sdo, finished == Transfer::write_controlword ? Transfer::read_statusword : Transfer::write_controlword);
+    if (is_proven(sdo, finished, result)) return true;
+    start(sdo, after(sdo, finished, result));
   }
   if (now - since_ > time_of(means_)) escalate(sdo, now);
   return false;
+}
+
+// A drive that has no 6077h to be read is believed for its state.
+bool ForcedStop::is_proven(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept {
+  const bool done = result == canopen::SdoResult::done;
+  if (finished == Transfer::read_statusword) return done && proof_ == Proof::state && read_no_force(sdo);
+  return finished == Transfer::read_torque && (done ? read_no_torque(sdo) : result == canopen::SdoResult::aborted);
+}
+
+// A drive that refuses the controlword is asked for its state all the same.
+ForcedStop::Transfer ForcedStop::after(const canopen::SdoClient& sdo, Transfer finished,
+                                       canopen::SdoResult result) const noexcept {
+  if (finished == Transfer::write_controlword) return Transfer::read_statusword;
+  const bool idle = finished == Transfer::read_statusword && result == canopen::SdoResult::done && read_no_force(sdo);
+  return idle && proof_ == Proof::state_and_torque ? Transfer::read_torque : Transfer::write_controlword;
 }
 
 // Each means has the controlword written at once, also where the answer to the last one is still awaited.
@@ -70,7 +92,7 @@ void ForcedStop::escalate(canopen::SdoClient& sdo, hal::Time now) noexcept {
     case Means::reset:
       means_ = Means::controlword;
       patience_ = grown(patience_);
-      reset_time_ = std::max<hal::Duration>(reset_time, 3 * patience_);
+      reset_time_ = std::min<hal::Duration>(2 * reset_time_, longest_reset_time);
       sdo.set_timeout(patience_);
       return;
   }
@@ -78,9 +100,10 @@ void ForcedStop::escalate(canopen::SdoClient& sdo, hal::Time now) noexcept {
 
 void ForcedStop::start(canopen::SdoClient& sdo, Transfer transfer) noexcept {
   constexpr std::array<std::uint8_t, 2> disable_voltage{};
-  const canopen::SdoStart started = transfer == Transfer::read_statusword
-                                        ? sdo.start_read(object::statusword, 0)
-                                        : sdo.start_write(object::controlword, 0, disable_voltage);
+  const canopen::SdoStart started =
+      transfer == Transfer::write_controlword
+          ? sdo.start_write(object::controlword, 0, disable_voltage)
+          : sdo.start_read(transfer == Transfer::read_torque ? object::torque_actual : object::statusword, 0);
   if (started == canopen::SdoStart::started) transfer_ = transfer;
 }
 

@@ -136,11 +136,30 @@ TEST_F(ForcedStopTest, ADriveThatIsStartedBySomebodyElseIsTakenBack) {
 // Whoever else leads it may go on: a reset waits for five looks without force.
 TEST_F(ForcedStopTest, ADriveThatIsHeldShowsAsStoppingUntilItWasQuiet) {
   enable_and_be_forced();
-  for (int i = 0; i < 95; ++i) {
+  for (int i = 0; i < 79; ++i) {
     ASSERT_EQ(feedback.state, DriveState::stopping) << i;
     step();
   }
   run_for(10ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+// Five that were answered, however long that takes.
+TEST_F(ForcedStopTest, ADriveThatIsHeldAndDoesNotAnswerIsNotQuiet) {
+  enable_and_be_forced();
+  run_for(50ms);
+  node.silent = true;
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.silent = false;
+  run_for(150ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+TEST_F(ForcedStopTest, ADriveThatRefusesToBeLookedAtIsTakenForQuiet) {
+  enable_and_be_forced();
+  node.refused[ScriptedDrive::key(0x6041, 0)] = SdoAbort::no_such_object;
+  run_for(120ms);
   EXPECT_EQ(feedback.state, DriveState::configuring);
 }
 
@@ -347,26 +366,63 @@ TEST_F(ForcedStopTest, TorqueThatStaysInAStateWithoutForceIsForce) {
     run_for(1s + 2ms);  // the first sample comes a period later, and is taken in by the next
     EXPECT_EQ(feedback.state, DriveState::disabled) << "a report may be filtered";
     EXPECT_FALSE(feedback.stop_not_obeyed);
-    node.commands.clear();
     run_until([&] { return feedback.stop_not_obeyed; }, 30ms);
-    run_until([&] { return !feedback.stop_not_obeyed; });
-    run_for(100ms);
+    node.commands.clear();
+    node.written.clear();
+    run_for(50ms);
+    EXPECT_TRUE(feedback.stop_not_obeyed) << "its state says nothing";
+    EXPECT_GT(node.written.size(), 5U);
+    run_for(60ms);
     EXPECT_TRUE(was_told(NmtCommand::enter_pre_operational));
-    EXPECT_EQ(feedback.state, DriveState::configuring) << "it is held";
-    node.torque = 0;
+    node.torque = torque > 0 ? 50 : -50;
+    run_until([&] { return !feedback.stop_not_obeyed; }, 10ms);
+    EXPECT_FALSE(was_told(NmtCommand::reset_node)) << "it was not necessary";
     expect_recovery();
     drive.request_stop();
     run_until_state(DriveState::disabled);
   }
 }
 
+TEST_F(ForcedStopTest, TorqueThatStaysEndsInAReset) {
+  set_up();
+  node.torque = 500;
+  run_until([&] { return was_told(NmtCommand::reset_node); });
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+  node.torque = 0;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, TorqueThatFallsWhilePdosPassEndsTheStopThatItBrought) {
+  set_up();
+  node.torque = 500;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_for(20ms);
+  node.sdo_requests_lost = 1000;
+  node.torque = 0;
+  run_until([&] { return !feedback.stop_not_obeyed; }, 5ms);
+  node.sdo_requests_lost = 0;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, ADriveWhoseTorqueCannotBeReadIsBelievedForItsState) {
+  set_up();
+  node.refused[ScriptedDrive::key(0x6077, 0)] = SdoAbort::no_such_object;
+  node.torque = 500;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  node.commands.clear();
+  run_until([&] { return !feedback.stop_not_obeyed; }, 20ms);
+  EXPECT_FALSE(was_told(NmtCommand::reset_node));
+}
+
 TEST_F(ForcedStopTest, TorqueThatStaysAfterAResetIsForceAgainAfterTheSameTime) {
   set_up();
   node.torque = 500;
   run_until([&] { return feedback.stop_not_obeyed; });
+  node.torque = 0;
   run_until([&] { return !feedback.stop_not_obeyed && feedback.state != DriveState::stopping; });
   drive.reset_fault();
   step();
+  node.torque = 500;
   run_until_state(DriveState::disabled);
   const Time begin = now;
   run_until([&] { return feedback.stop_not_obeyed; });

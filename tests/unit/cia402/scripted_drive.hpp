@@ -112,6 +112,7 @@ class ScriptedDrive {
     std::optional<canopen::SdoAbort> error;
     if (refused.contains(object)) error = refused[object];
     objects[key(0x6041, 0)] = cia402::status_bits(state);
+    objects[key(0x6077, 0)] = static_cast<std::uint16_t>(torque);
     if (kept.contains(object)) objects[object] = kept[object];
     if (!read && read_only.contains(object)) error = canopen::SdoAbort::read_only;
     if (!read && most.contains(object) && canopen::load_little_endian<std::uint32_t>(frame.data, 4) > most[object])

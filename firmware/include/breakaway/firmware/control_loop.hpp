@@ -97,7 +97,7 @@ class ControlLoop {
   // The axis is to stop and stay disabled. Cannot fail: an axis that there is stops, and there is no other.
   void request_stop(AxisId id) noexcept {
     if (Axis* const a = find(id)) {
-      a->wanted = false;
+      a->wanted = a->status.running = false;  // an axis that stops as asked has no fault
       a->drive.request_stop();
     }
   }
@@ -311,7 +311,7 @@ class ControlLoop {
   void control(Axis& a, hal::Time now) noexcept {
     a.drive.update(now);
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
-    const bool was_running = a.status.running && a.wanted;  // an axis that stops as asked has no fault
+    const bool was_running = a.status.running;
     a.status.feedback = feedback;
     a.status.output = {};
     a.status.running = supervise(a, feedback, was_running, now);

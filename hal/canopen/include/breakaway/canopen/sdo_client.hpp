@@ -107,6 +107,8 @@ class SdoClient {
   std::uint8_t unexpected_command() const noexcept { return unexpected_command_; }
 
   bool busy() const noexcept { return phase_ != Phase::idle; }
+  // A request was not handed out yet: others that share the bus came first.
+  bool request_waits() const noexcept { return request_pending_; }
 
   // Forgets the transfer without a word to the server, for a node that rebooted. poll() then says `done`.
   void cancel() noexcept;

@@ -72,11 +72,6 @@ class Drive {
   // some milliseconds.
   static constexpr hal::Duration stop_time = std::chrono::milliseconds{20};
   static constexpr int stop_periods = 10;  // where the period is longer than 2 ms
-  // One that was forced to stop is seen without force for so long, five looks, before a reset: whoever else leads it
-  // may go on.
-  static constexpr hal::Duration quiet_time = 5 * DriveNode::poll_time;
-  // A twentieth of the rated torque, in per mille, may be an offset of a current measurement where no current flows.
-  static constexpr int most_idle_torque = 50;
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
@@ -112,8 +107,8 @@ class Drive {
     if (was_ready && !node_.ready()) forget_commands();
     if (node_.reboots() != reboots) on_reboot();
     if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
-    if (was_forced && !node_.forcing_stop()) has_force_ = force_shown_ = false;
-    may_have_force_ = std::exchange(force_shown_, false) || has_force_;
+    if (was_forced && !node_.forcing_stop()) forget_force();
+    may_have_force_ = std::exchange(force_shown_, false) || has_force_ || torque_stays_;
     if (node_.forcing_stop() && !may_have_force_) node_.end_forced_stop(now);
     watch_samples(now);
     if (node_.ready() && node_.heartbeat_lost() && !may_have_force_) set_up_anew(now);
@@ -265,9 +260,15 @@ class Drive {
   }
 
   void on_reboot() noexcept {
-    ever_valid_ = counted_ = has_force_ = force_shown_ = false;
+    ever_valid_ = counted_ = false;
+    forget_force();
     unwished_since_.reset();
     reference_lost_ = !config_.absolute_encoder;
+  }
+
+  void forget_force() noexcept {
+    has_force_ = force_shown_ = torque_stays_ = false;
+    idle_torque_since_.reset();
   }
 
   // A drive without force that does not answer SYNC may have been switched on by somebody else unseen. Late samples
@@ -283,9 +284,10 @@ class Drive {
   // A state without force says nothing where the torque beside it stays: what lasts for longer than a quick stop is no
   // filter of the report.
   void watch_idle_torque(hal::Time now) noexcept {
-    if (!shows_no_force(statusword_) || std::abs(torque_) <= most_idle_torque) return idle_torque_since_.reset();
-    if (!idle_torque_since_) idle_torque_since_ = now;
-    if (now - *idle_torque_since_ > StateMachine::quick_stop_time) force_shown_ = true;
+    const bool has_torque = shows_no_force(statusword_) && std::abs(torque_) > ForcedStop::most_idle_torque;
+    if (!has_torque) idle_torque_since_.reset();
+    if (has_torque && !idle_torque_since_) idle_torque_since_ = now;
+    torque_stays_ = has_torque && now - *idle_torque_since_ > StateMachine::quick_stop_time;
   }
 
   hal::Duration obeys_within() const noexcept { return std::max(stop_time, stop_periods * period_); }
@@ -353,13 +355,13 @@ class Drive {
   // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
   void set_up_anew(hal::Time now) noexcept {
     forget_commands();
+    idle_torque_since_.reset();
     node_.set_up_anew(now);
   }
 
   void forget_commands() noexcept {
     machine_.restart();
     pdo_seen_ = was_faulty_ = false;
-    idle_torque_since_.reset();
   }
 
   // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
@@ -387,7 +389,6 @@ class Drive {
   void watch_stop(hal::Time now) noexcept {
     const bool wished = node_.ready() && machine_.enable_wished();
     if (may_have_force_ || node_.forcing_stop()) force_shown_at_ = now;
-    quietens_ = node_.held() && now - force_shown_at_ <= quiet_time;
     if (wished || node_.forcing_stop()) return unwished_since_.reset();
     if (now - force_shown_at_ > obeys_within()) unwished_since_.reset();
     if (!may_have_force_) return;
@@ -398,7 +399,7 @@ class Drive {
     if (!node_.held() && now - *unwished_since_ <= obeys_within() + quick_stop) return;
     unwished_since_.reset();
     forget_commands();
-    node_.force_stop(now);
+    node_.force_stop(torque_stays_ ? ForcedStop::Proof::state_and_torque : ForcedStop::Proof::state, now);
   }
 
   static constexpr unsigned conflict_periods = 5;  // in a row
@@ -407,10 +408,10 @@ class Drive {
 
   hal::DriveState state() const noexcept {
     if (node_.forcing_stop()) return hal::DriveState::stopping;
-    if (!usable()) return may_have_force_ ? hal::DriveState::stopping : hal::DriveState::unusable;
+    const bool watched = may_have_force_ || node_.quietens();
+    if (!usable()) return watched ? hal::DriveState::stopping : hal::DriveState::unusable;
     if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
-    if (!node_.ready() || !machine_.state())
-      return may_have_force_ || quietens_ ? hal::DriveState::stopping : hal::DriveState::configuring;
+    if (!node_.ready() || !machine_.state()) return watched ? hal::DriveState::stopping : hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
       case State::operation_enabled:
@@ -465,8 +466,8 @@ class Drive {
   bool pdo_seen_ = false;        // since the node is ready
   bool has_force_ = false;       // as it was seen last
   bool force_shown_ = false;     // by any statusword since the last period
-  bool may_have_force_ = false;  // one of both, in this period
-  bool quietens_ = false;        // held, and not yet seen without force for quiet_time
+  bool torque_stays_ = false;    // in a state without force
+  bool may_have_force_ = false;  // one of these, in this period
   bool was_faulty_ = false;
   bool reset_asked_ = false;
   bool reference_lost_ = false;

@@ -64,8 +64,13 @@ struct DriveRating {
 
 class DriveNode {
  public:
-  // A node that is silent is told to reset its communication, and given so long to boot before it is told again.
+  // A node that is silent is told to reset its communication, and given so long to boot before it is told again, then
+  // twice as long each time, up to the longest.
   static constexpr hal::Duration boot_time = std::chrono::seconds{2};
+  static constexpr hal::Duration longest_boot_time = std::chrono::seconds{8};
+  // One that was forced to a stop answers so many looks without force before it counts as quiet: whoever else leads it
+  // may go on.
+  static constexpr unsigned quiet_looks = 5;
   // A transfer is tried so often, each time with more patience (patience.hpp), before the node counts as gone. A node
   // that needed it is given it from then on.
   static constexpr unsigned sdo_attempts = 3;
@@ -109,7 +114,7 @@ class DriveNode {
   // one a call. The master's heartbeat is not among them, because it is one for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
   // The node was told to stop and is still energised: it is told by ever stronger means.
-  void force_stop(hal::Time now) noexcept;
+  void force_stop(ForcedStop::Proof proof, hal::Time now) noexcept;
   // The node was seen without force, and is held.
   void end_forced_stop(hal::Time now) noexcept;
   // The node is waited for and set up as if it were new.
@@ -136,6 +141,8 @@ class DriveNode {
   bool forcing_stop() const noexcept { return phase_ == SetupPhase::forcing_stop; }
   // It did not obey a stop, and waits to be set up anew.
   bool held() const noexcept { return phase_ == SetupPhase::held; }
+  // It was forced to a stop, and is not quiet yet.
+  bool quietens() const noexcept { return looks_wanted_ > 0 && (held() || phase_ == SetupPhase::refused); }
   // The node is NMT operational with our mapping: PDOs pass.
   bool operational() const noexcept {
     return phase_ == SetupPhase::verifying_mode || ready() ||
@@ -227,8 +234,10 @@ class DriveNode {
   std::size_t step_ = 0;
   std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
   unsigned attempts_ = 0;
-  unsigned refusals_ = 0;  // that may pass, in this set-up
-  hal::Time pause_end_{};  // after such a refusal
+  unsigned looks_wanted_ = 0;            // until it is quiet
+  hal::Duration boot_time_ = boot_time;  // that a silent node is given
+  unsigned refusals_ = 0;                // that may pass, in this set-up
+  hal::Time pause_end_{};                // after such a refusal
   std::uint32_t reboots_ = 0;
   DriveRating rating_;
   PositionFactor position_factor_;

@@ -9,7 +9,8 @@
 //   reset            NMT Reset node; what boots anew has no force
 //
 // All the while 6041h is read after each write. A statusword that shows a state without force is the proof that the
-// stop is obeyed; so is a boot-up, which the owner sees.
+// stop is obeyed; so is a boot-up, which the owner sees. Of a drive whose state says nothing, because it reports torque
+// all the same, 6077h must show none either. While a request waits for others to be sent, the time stands still.
 #pragma once
 
 #include <chrono>
@@ -25,17 +26,22 @@ namespace breakaway::cia402 {
 class ForcedStop {
  public:
   enum class Means : std::uint8_t { controlword, pre_operational, reset };
+  enum class Proof : std::uint8_t { state, state_and_torque };
 
   static constexpr hal::Duration controlword_time = std::chrono::milliseconds{100};
   static constexpr hal::Duration pre_operational_time = std::chrono::milliseconds{200};
-  static constexpr hal::Duration reset_time = std::chrono::seconds{2};  // to boot in
+  // To boot in; twice as long in each further round, up to the longest.
+  static constexpr hal::Duration reset_time = std::chrono::seconds{2};
+  static constexpr hal::Duration longest_reset_time = std::chrono::seconds{16};
   static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
 
+  // A twentieth of the rated torque, in per mille, may be an offset of a current measurement where no current flows.
+  static constexpr int most_idle_torque = 50;
+
   // Begins with the first means. The transfers are made by the node's SDO client, which must be free; in the first
-  // round each has the patience (> 0), in each further one more (patience.hpp), with the time for three answers after a
-  // reset.
-  void begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept;
-  // Once a period. Returns true when a statusword without force was read.
+  // round each has the patience (> 0), in each further one more (patience.hpp).
+  void begin(canopen::SdoClient& sdo, hal::Duration patience, Proof proof, hal::Time now) noexcept;
+  // Once a period. Returns true when the proof was read.
   bool update(canopen::SdoClient& sdo, hal::Time now) noexcept;
   // The NMT command that is to be sent now, if one is; given once.
   std::optional<canopen::NmtCommand> take_command() noexcept;
@@ -43,14 +49,18 @@ class ForcedStop {
   Means means() const noexcept { return means_; }
 
  private:
-  enum class Transfer : std::uint8_t { none, write_controlword, read_statusword };
+  enum class Transfer : std::uint8_t { none, write_controlword, read_statusword, read_torque };
 
+  bool is_proven(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept;
+  Transfer after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept;
   void escalate(canopen::SdoClient& sdo, hal::Time now) noexcept;
   void start(canopen::SdoClient& sdo, Transfer transfer) noexcept;
   hal::Duration time_of(Means means) const noexcept;
 
   Means means_ = Means::controlword;
-  hal::Time since_{};
+  Proof proof_ = Proof::state;
+  hal::Time since_{};  // of this means
+  hal::Time last_{};   // update
   hal::Duration patience_{};
   hal::Duration reset_time_ = reset_time;  // in this round
   Transfer transfer_ = Transfer::none;
