@@ -129,7 +129,7 @@ class ControlLoop {
 
   // Acknowledges a latched fault; the drive is set up anew, and enabled again if it is still wanted. Returns false, and
   // does nothing, until the drive was seen without force after the stop that the fault brought.
-  bool reset_fault(AxisId id) noexcept {
+  [[gnu::cold]] bool reset_fault(AxisId id) noexcept {
     Axis* const a = find(id);
     if (a == nullptr || may_have_force(a->status.feedback)) return false;
     if (a->status.fault != AxisFault::none) {
@@ -379,7 +379,7 @@ class ControlLoop {
     waiting_ = any_standing_fault();
   }
 
-  void stop_with_another(Axis& a, hal::Time now) noexcept {
+  [[gnu::cold]] void stop_with_another(Axis& a, hal::Time now) noexcept {
     if (!a.wanted || a.status.fault != AxisFault::none) return;
     a.supervisor.latch(AxisFault::stopped_with_another, 0, now);
     a.drive.request_stop();
@@ -390,8 +390,8 @@ class ControlLoop {
 
   // A drive that is in fault before it ever ran, or that a reset did not help, is named as well; so is whatever keeps
   // an axis that is wanted from running.
-  void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health,
-                  hal::Time now) noexcept {
+  [[gnu::cold]] void watch_idle(Axis& a, const hal::DriveFeedback<Scalar>& feedback, const AxisHealth& health,
+                                hal::Time now) noexcept {
     if (a.reset_periods > 0 && feedback.state != hal::DriveState::configuring) --a.reset_periods;
     if (feedback.state == hal::DriveState::fault && a.reset_periods == 0) {
       a.supervisor.latch(AxisFault::drive_fault, feedback.fault_code, now);

@@ -259,7 +259,7 @@ class Drive {
     fresh_ = ever_valid_ = counted_ = true;
   }
 
-  void on_reboot() noexcept {
+  [[gnu::cold]] void on_reboot() noexcept {
     ever_valid_ = counted_ = false;
     forget_force();
     unwished_since_.reset();
@@ -345,7 +345,7 @@ class Drive {
     follow_fault();
   }
 
-  void adopt_rating() noexcept {
+  [[gnu::cold]] void adopt_rating() noexcept {
     const DriveRating& rating = node_.rating();
     torque_scale_ = TorqueScale<Scalar>{rating.rated_torque_mNm, rating.max_torque_per_mille,
                                         config_.force_per_torque_N_per_Nm, scale_.max_force_N, config_.torque_base};
@@ -353,7 +353,7 @@ class Drive {
   }
 
   // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
-  void set_up_anew(hal::Time now) noexcept {
+  [[gnu::cold]] void set_up_anew(hal::Time now) noexcept {
     forget_commands();
     idle_torque_since_.reset();
     node_.set_up_anew(now);
@@ -365,7 +365,7 @@ class Drive {
   }
 
   // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
-  void begin_reset(hal::Time now) noexcept {
+  [[gnu::cold]] void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
     if (may_have_force_ || machine_.enable_wished()) return;
     reset_pending_ = true;
