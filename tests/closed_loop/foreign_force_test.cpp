@@ -218,6 +218,35 @@ TEST(ForeignForce, ADriveThatBootsForLongWithoutAWordAndIsSlowIsSetUpAndForcedTo
     }
 }
 
+// In NMT Stopped it hears no SDO, and keeps what force it has.
+TEST(ForeignForce, ADriveThatSomebodyElseStopsByNmtIsTakenBack) {
+  for (const bool refused : {false, true})
+    for (const bool enabled : {false, true})
+      for (const auto after : {2ms, 30ms, 70ms, 150ms}) {
+        RigConfig config = far_from_target();
+        if (refused) config.quirks.refused_objects = {0x6076};
+        Rig rig{config};
+        auto& other = rig.network().add_port();
+        if (refused) {
+          rig.run(3s);
+          enable_from_elsewhere(rig);
+        } else {
+          ASSERT_TRUE(rig.start());
+          rig.run(50ms);
+          rig.write_to_drive(0x1400, 1, 0x80000201, 4);
+          rig.loop().request_stop(rig.id(0));
+        }
+        while (!rig.status(0).feedback.stop_not_obeyed && rig.now() < hal::Time{20s}) rig.step();
+        while (rig.status(0).feedback.stop_not_obeyed && rig.now() < hal::Time{20s}) rig.step();
+        rig.run(after);
+        if (enabled) enable_from_elsewhere(rig);
+        ASSERT_EQ(other.send({.id = 0, .size = 2, .data = {2, 1}}, rig.now() + 1ms), hal::SendResult::queued);
+        rig.run(500ms);
+        EXPECT_LT(std::abs(rig.force_N(0)), 0.1) << refused << enabled << after / 1ms;
+        EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << refused << enabled << after / 1ms;
+      }
+}
+
 // One frame a period is for the SDO of all of them.
 TEST(ForeignForce, ManyAxesOfASlowLoopThatObeyBySdoAreNotReset) {
   RigConfig config = far_from_target();

@@ -88,6 +88,7 @@ void DriveNode::enter(SetupPhase phase, hal::Time now) noexcept {
   last_command_.reset();
   last_poll_.reset();
   boot_time_ = boot_time;
+  look_patience_ = usual_patience();
 }
 
 void DriveNode::drop_transfer() noexcept {
@@ -180,19 +181,30 @@ bool DriveNode::is_looking(hal::Time now) noexcept {
   if (!transfer_running_) return false;
   const SdoResult result = sdo_.poll(now);
   transfer_running_ = result == SdoResult::busy;
-  const bool answered = result == SdoResult::done || result == SdoResult::aborted;
-  if (answered && looks_wanted_ > 0) --looks_wanted_;
-  if (result == SdoResult::done) on_value_read(object::statusword);
+  if (!transfer_running_) on_look(result);
   return transfer_running_;
 }
 
+// One that does not answer may be in NMT Stopped, where it hears no SDO and keeps what force it has. A drive that has
+// no 6041h to be read is quiet as far as anybody can know.
+void DriveNode::on_look(SdoResult result) noexcept {
+  if (result == SdoResult::done) on_value_read(object::statusword);
+  const bool quiet = result == SdoResult::done ? statusword_ && shows_no_force(*statusword_)
+                                               : result == SdoResult::aborted && !may_pass(sdo_.abort_code());
+  if (quiet && looks_wanted_ > 0) --looks_wanted_;
+  look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
+  if (result != SdoResult::timeout) return;
+  if (held() || phase_ == SetupPhase::refused) nmt_command_ = NmtCommand::enter_pre_operational;
+}
+
 void DriveNode::look() noexcept {
+  sdo_.set_timeout(look_patience_);
   transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
 }
 
 // Whoever else leads it may start it again.
 void DriveNode::hold(hal::Time now) noexcept {
-  if (heartbeat_.state() == NmtState::operational) {
+  if (heartbeat_.state() == NmtState::operational || heartbeat_.state() == NmtState::stopped) {
     nmt_command_ = NmtCommand::enter_pre_operational;
     heartbeat_.forget_state();
   }

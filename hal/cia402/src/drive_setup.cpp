@@ -54,7 +54,7 @@ void DriveNode::configure(hal::Time now) noexcept {
   if (result == SdoResult::busy) return;
   transfer_running_ = false;
   const bool answered = result == SdoResult::done;
-  if (may_pass(result)) {
+  if (result == SdoResult::aborted && may_pass(sdo_.abort_code()) && refusals_ < most_refusals) {
     ++refusals_;
     pause_end_ = now + refusal_pause;
     return;
@@ -135,21 +135,6 @@ std::uint16_t DriveNode::torque_limit_per_mille(std::uint16_t most) const noexce
 bool DriveNode::torque_base_is_as_designed() const noexcept {
   return torque_base_ == TorqueBase::rated ||
          rating_.max_torque_per_mille == torque_limit_per_mille(TorqueScale<float>::highest_per_mille);
-}
-
-// Whether a drive may take later what it refuses now: its server is not ready, or somebody else still uses it.
-bool DriveNode::may_pass(SdoResult result) const noexcept {
-  if (result != SdoResult::aborted || refusals_ == most_refusals) return false;
-  switch (sdo_.abort_code()) {
-    case canopen::SdoAbort::timeout:
-    case canopen::SdoAbort::out_of_memory:
-    case canopen::SdoAbort::cannot_store:
-    case canopen::SdoAbort::local_control:
-    case canopen::SdoAbort::device_state:
-      return true;
-    default:
-      return false;
-  }
 }
 
 void DriveNode::be_patient() noexcept {

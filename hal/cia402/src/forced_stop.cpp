@@ -64,7 +64,8 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
 bool ForcedStop::is_proven(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept {
   const bool done = result == canopen::SdoResult::done;
   if (finished == Transfer::read_statusword) return done && proof_ == Proof::state && read_no_force(sdo);
-  return finished == Transfer::read_torque && (done ? read_no_torque(sdo) : result == canopen::SdoResult::aborted);
+  if (finished != Transfer::read_torque) return false;
+  return done ? read_no_torque(sdo) : result == canopen::SdoResult::aborted && !may_pass(sdo.abort_code());
 }
 
 // A drive that refuses the controlword is asked for its state all the same.

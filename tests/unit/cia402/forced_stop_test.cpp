@@ -152,7 +152,7 @@ TEST_F(ForcedStopTest, ADriveThatIsHeldAndDoesNotAnswerIsNotQuiet) {
   run_for(1s);
   EXPECT_EQ(feedback.state, DriveState::stopping);
   node.silent = false;
-  run_for(150ms);
+  run_for(2s + 150ms);  // the newest look is awaited for as long
   EXPECT_EQ(feedback.state, DriveState::configuring);
 }
 
@@ -161,6 +161,44 @@ TEST_F(ForcedStopTest, ADriveThatRefusesToBeLookedAtIsTakenForQuiet) {
   node.refused[ScriptedDrive::key(0x6041, 0)] = SdoAbort::no_such_object;
   run_for(120ms);
   EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+TEST_F(ForcedStopTest, ALookThatMaySucceedLaterOrShowsNoStateSaysNothing) {
+  enable_and_be_forced();
+  node.refused[ScriptedDrive::key(0x6041, 0)] = SdoAbort::device_state;
+  run_for(200ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.refused.clear();
+  node.kept[ScriptedDrive::key(0x6041, 0)] = 0;
+  run_for(200ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.kept.clear();
+  expect_recovery();
+}
+
+// It may have become slow, or be in NMT Stopped.
+TEST_F(ForcedStopTest, ADriveThatIsHeldAndDoesNotAnswerIsAskedMorePatientlyAndTakenBack) {
+  enable_and_be_forced();
+  run_for(200ms);
+  node.silent = true;
+  std::vector<Duration> looks;
+  int told = 0;
+  const Time begin = now;
+  while (now - begin < 5s) {
+    step();
+    for (const CanFrame& frame : sent) {
+      told += frame.id == canopen::nmt_cob_id && frame.data[0] == 0x80 ? 1 : 0;
+      if (frame.id == sdo_request_cob_id(node_id) && frame.data[0] == 0x40) looks.push_back(now - begin);
+    }
+  }
+  ASSERT_EQ(looks.size(), 5U);
+  EXPECT_EQ(looks[1] - looks[0], 53ms) << "and a frame each for NMT and the end of the last";
+  EXPECT_EQ(looks[2] - looks[1], 303ms);
+  EXPECT_EQ(looks[3] - looks[2], 1803ms);
+  EXPECT_EQ(looks[4] - looks[3], 2003ms);
+  EXPECT_EQ(told, 4);
+  node.silent = false;
+  expect_recovery();
 }
 
 TEST_F(ForcedStopTest, ADriveThatIsHeldIsForcedAgainWhenSomebodyElseEnablesIt) {
@@ -392,15 +430,37 @@ TEST_F(ForcedStopTest, TorqueThatStaysEndsInAReset) {
   expect_recovery();
 }
 
-TEST_F(ForcedStopTest, TorqueThatFallsWhilePdosPassEndsTheStopThatItBrought) {
+// A sample from elsewhere, or one that was lost in a gateway.
+TEST_F(ForcedStopTest, OneSampleEndsNoStopThatTorqueBrought) {
   set_up();
   node.torque = 500;
   run_until([&] { return feedback.stop_not_obeyed; });
-  run_for(20ms);
   node.sdo_requests_lost = 1000;
   node.torque = 0;
-  run_until([&] { return !feedback.stop_not_obeyed; }, 5ms);
+  step();
+  node.torque = 500;
+  run_for(10ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+  node.state = State::not_ready_to_switch_on;
+  step();
+  node.state = State::switch_on_disabled;
+  run_for(10ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
   node.sdo_requests_lost = 0;
+  node.torque = 0;
+  expect_recovery();
+}
+
+TEST_F(ForcedStopTest, AReadOfTheTorqueThatMaySucceedLaterIsNoProof) {
+  set_up();
+  node.refused[ScriptedDrive::key(0x6077, 0)] = SdoAbort::device_state;
+  node.torque = 500;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  run_for(90ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+  node.refused.clear();
+  node.torque = 0;
+  run_until([&] { return !feedback.stop_not_obeyed; }, 10ms);
   expect_recovery();
 }
 

@@ -267,8 +267,8 @@ class Drive {
   }
 
   void forget_force() noexcept {
-    has_force_ = force_shown_ = torque_stays_ = false;
-    idle_torque_since_.reset();
+    has_force_ = force_shown_ = false;
+    forget_torque();
   }
 
   // A drive without force that does not answer SYNC may have been switched on by somebody else unseen. Late samples
@@ -282,12 +282,17 @@ class Drive {
   }
 
   // A state without force says nothing where the torque beside it stays: what lasts for longer than a quick stop is no
-  // filter of the report.
+  // filter of the report. It is gone when 6077h says so, or in a state that says more.
   void watch_idle_torque(hal::Time now) noexcept {
-    const bool has_torque = shows_no_force(statusword_) && std::abs(torque_) > ForcedStop::most_idle_torque;
-    if (!has_torque) idle_torque_since_.reset();
-    if (has_torque && !idle_torque_since_) idle_torque_since_ = now;
-    torque_stays_ = has_torque && now - *idle_torque_since_ > StateMachine::quick_stop_time;
+    if (shows_force(statusword_)) return forget_torque();
+    if (std::abs(torque_) <= ForcedStop::most_idle_torque) return idle_torque_since_.reset();
+    if (!idle_torque_since_) idle_torque_since_ = now;
+    if (now - *idle_torque_since_ > StateMachine::quick_stop_time) torque_stays_ = true;
+  }
+
+  void forget_torque() noexcept {
+    torque_stays_ = false;
+    idle_torque_since_.reset();
   }
 
   hal::Duration obeys_within() const noexcept { return std::max(stop_time, stop_periods * period_); }

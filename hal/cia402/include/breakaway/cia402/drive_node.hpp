@@ -185,7 +185,6 @@ class DriveNode {
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
   bool holds(const SetupStep& step) const noexcept;
   bool is_needless(const SetupStep& step) const noexcept;
-  bool may_pass(canopen::SdoResult result) const noexcept;
   void be_patient() noexcept;
   void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
   void on_value_read(std::uint16_t index) noexcept;
@@ -198,6 +197,7 @@ class DriveNode {
   void start_node(hal::Time now) noexcept;
   bool is_looking(hal::Time now) noexcept;
   void look() noexcept;
+  void on_look(canopen::SdoResult result) noexcept;
   void look_now_and_then(hal::Time now) noexcept;
   void hold(hal::Time now) noexcept;
   void enter_held(hal::Time now) noexcept;
@@ -235,6 +235,7 @@ class DriveNode {
   std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
   unsigned attempts_ = 0;
   unsigned looks_wanted_ = 0;            // until it is quiet
+  hal::Duration look_patience_{};        // for a statusword beside the plan
   hal::Duration boot_time_ = boot_time;  // that a silent node is given
   unsigned refusals_ = 0;                // that may pass, in this set-up
   hal::Time pause_end_{};                // after such a refusal
