@@ -125,6 +125,32 @@ TEST_F(ForcedStopSequence, ADriveThatRefusesTheControlwordIsAskedForItsStateAllT
   EXPECT_TRUE(proven);
 }
 
+// Of a drive that reports torque in a state without force.
+TEST_F(ForcedStopSequence, TorqueIsReadWhereItIsAskedForAndProvesTheStopWhereItIsSmall) {
+  struct Answer {
+    Bytes torque;
+    bool proves;
+  };
+  const std::array<Answer, 6> answers{{{{0x4B, 0x77, 0x60, 0, 50, 0}, true},
+                                       {{0x4B, 0x77, 0x60, 0, 0xCE, 0xFF}, true},
+                                       {{0x4B, 0x77, 0x60, 0, 51, 0}, false},
+                                       {{0x4B, 0x77, 0x60, 0, 0xCD, 0xFF}, false},
+                                       {{0x4B, 0x77, 0x60, 0, 0x00, 0x80}, false},
+                                       {{0x4F, 0x77, 0x60, 0, 0}, false}}};
+  for (const Answer& given : answers) {
+    sdo.cancel();
+    stop.begin(sdo, 50ms, ForcedStop::Proof::state_and_torque, now);
+    EXPECT_EQ(step(), write_controlword);
+    answer(written);
+    EXPECT_EQ(step(), read_statusword);
+    answer(disabled);
+    EXPECT_EQ(step(), (Bytes{0x40, 0x77, 0x60}));
+    answer(given.torque);
+    step();
+    EXPECT_EQ(proven, given.proves) << int{given.torque[4]} << ' ' << int{given.torque[5]};
+  }
+}
+
 // Eight axes at 100 Hz: one frame a period is for all of them.
 TEST_F(ForcedStopSequence, AMeansIsNotOverWhileItsRequestsWaitForOthers) {
   stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);

@@ -360,7 +360,6 @@ class Drive {
   // A drive that fell silent may have rebooted unheard, and then knows nothing of its set-up.
   [[gnu::cold]] void set_up_anew(hal::Time now) noexcept {
     forget_commands();
-    idle_torque_since_.reset();
     node_.set_up_anew(now);
   }
 
