@@ -59,7 +59,8 @@ STOP_PATH = ["firmware/include/breakaway/firmware/supervisor.hpp",
              "firmware/include/breakaway/firmware/commanded_force.hpp",
              "firmware/include/breakaway/firmware/motion_under_force.hpp",
              "firmware/include/breakaway/firmware/motion_without_force.hpp", "hal/cia402/src/forced_stop.cpp",
-             "hal/cia402/src/state_machine.cpp", "hal/cia402/include/breakaway/cia402/torque_scale.hpp",
+             "hal/cia402/src/state_machine.cpp", "hal/cia402/include/breakaway/cia402/force_watch.hpp",
+             "hal/cia402/include/breakaway/cia402/torque_scale.hpp",
              # What a held axis may do unpushed, and which messages of a drive are errors.
              "controller/law/include/breakaway/law/held_axis.hpp", "hal/canopen/include/breakaway/canopen/emcy.hpp"]
 # Test programs, from the quick ones of one room to the closed loop.

@@ -22,7 +22,7 @@
 // A drive that leaves Operation enabled by itself, or reboots, stays off until request_enable(). One that cannot be
 // used is `unusable`, sends no command, and setup_status() says why. One that is energised against our wish, whoever
 // wished it and however far its set-up is, is told by other means than PDOs until it is seen without force
-// (forced_stop.hpp), and is `stopping` all that time and until it was seen without force for quiet_time; then it is
+// (forced_stop.hpp), and is `stopping` all that time and until it was seen without force in five looks; then it is
 // `configuring`. It is kept from PDOs until reset_fault().
 //
 // An axis whose file says how it gets its zero gets it when it is enabled first, and again after a reset that
@@ -49,6 +49,7 @@
 #include "breakaway/canopen/sync.hpp"
 #include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/cia402/drive_node.hpp"
+#include "breakaway/cia402/force_watch.hpp"
 #include "breakaway/cia402/homing.hpp"
 #include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
@@ -107,11 +108,11 @@ class Drive {
     if (was_ready && !node_.ready()) forget_commands();
     if (node_.reboots() != reboots) on_reboot();
     if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
-    if (was_forced && !node_.forcing_stop()) forget_force();
-    may_have_force_ = std::exchange(force_shown_, false) || has_force_ || torque_stays_;
-    if (node_.forcing_stop() && !may_have_force_) node_.end_forced_stop(now);
+    if (was_forced && !node_.forcing_stop()) force_.forget();
+    force_.update();
+    if (node_.forcing_stop() && !may_have_force()) node_.end_forced_stop(now);
     watch_samples(now);
-    if (node_.ready() && node_.heartbeat_lost() && !may_have_force_) set_up_anew(now);
+    if (node_.ready() && node_.heartbeat_lost() && !may_have_force()) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
     watch_stop(now);
@@ -253,7 +254,7 @@ class Drive {
     counts_ = static_cast<std::int32_t>(counts);
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
     pdo_seen_ = node_.ready();
-    watch_idle_torque(received.time);
+    force_.on_torque(statusword_, torque_, received.time);
     const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= period_;
     sample_time_ = answers_sync ? *sync_time_ : received.time;
     fresh_ = ever_valid_ = counted_ = true;
@@ -261,14 +262,9 @@ class Drive {
 
   [[gnu::cold]] void on_reboot() noexcept {
     ever_valid_ = counted_ = false;
-    forget_force();
+    force_.forget();
     unwished_since_.reset();
     reference_lost_ = !config_.absolute_encoder;
-  }
-
-  void forget_force() noexcept {
-    has_force_ = force_shown_ = false;
-    forget_torque();
   }
 
   // A drive without force that does not answer SYNC may have been switched on by somebody else unseen. Late samples
@@ -277,32 +273,17 @@ class Drive {
     const unsigned samples = std::exchange(samples_, 0U);
     doubled_ = samples > 1 ? std::min(doubled_ + 1, conflict_periods) : 0;
     const bool answers = samples > 0 || !node_.operational() || node_.forcing_stop();
-    if (answers || may_have_force_ || !answered_at_) answered_at_ = now;
+    if (answers || may_have_force() || !answered_at_) answered_at_ = now;
     if (now - *answered_at_ > obeys_within()) set_up_anew(now);
-  }
-
-  // A state without force says nothing where the torque beside it stays: what lasts for longer than a quick stop is no
-  // filter of the report. It is gone when 6077h says so, or in a state that says more.
-  void watch_idle_torque(hal::Time now) noexcept {
-    if (shows_force(statusword_)) return forget_torque();
-    if (std::abs(torque_) <= ForcedStop::most_idle_torque) return idle_torque_since_.reset();
-    if (!idle_torque_since_) idle_torque_since_ = now;
-    if (now - *idle_torque_since_ > StateMachine::quick_stop_time) torque_stays_ = true;
-  }
-
-  void forget_torque() noexcept {
-    torque_stays_ = false;
-    idle_torque_since_.reset();
   }
 
   hal::Duration obeys_within() const noexcept { return std::max(stop_time, stop_periods * period_); }
 
-  // Takes a statusword that a PDO or an SDO brought. One that says nothing of force leaves what was seen before.
+  // Takes a statusword that a PDO or an SDO brought.
   void on_statusword(std::uint16_t statusword) noexcept {
     statusword_ = statusword;
     machine_.on_statusword(statusword);
-    if (shows_force(statusword)) has_force_ = force_shown_ = true;
-    if (shows_no_force(statusword)) has_force_ = false;
+    force_.on_statusword(statusword);
   }
 
   // The file says how the axis gets its zero.
@@ -371,7 +352,7 @@ class Drive {
   // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
   [[gnu::cold]] void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
-    if (may_have_force_ || machine_.enable_wished()) return;
+    if (may_have_force() || machine_.enable_wished()) return;
     reset_pending_ = true;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
     if (node_.ready() || node_.held() || node_.phase() == SetupPhase::refused) set_up_anew(now);
@@ -392,10 +373,10 @@ class Drive {
   // told already.
   void watch_stop(hal::Time now) noexcept {
     const bool wished = node_.ready() && machine_.enable_wished();
-    if (may_have_force_ || node_.forcing_stop()) force_shown_at_ = now;
+    if (may_have_force() || node_.forcing_stop()) force_shown_at_ = now;
     if (wished || node_.forcing_stop()) return unwished_since_.reset();
     if (now - force_shown_at_ > obeys_within()) unwished_since_.reset();
-    if (!may_have_force_) return;
+    if (!may_have_force()) return;
     if (!unwished_since_) unwished_since_ = now;
     const bool stops_by_itself =
         machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
@@ -403,8 +384,10 @@ class Drive {
     if (!node_.held() && now - *unwished_since_ <= obeys_within() + quick_stop) return;
     unwished_since_.reset();
     forget_commands();
-    node_.force_stop(torque_stays_ ? ForcedStop::Proof::state_and_torque : ForcedStop::Proof::state, now);
+    node_.force_stop(force_.torque_stays() ? ForcedStop::Proof::state_and_torque : ForcedStop::Proof::state, now);
   }
+
+  bool may_have_force() const noexcept { return force_.may_have_force(); }
 
   static constexpr unsigned conflict_periods = 5;  // in a row
 
@@ -412,7 +395,7 @@ class Drive {
 
   hal::DriveState state() const noexcept {
     if (node_.forcing_stop()) return hal::DriveState::stopping;
-    const bool watched = may_have_force_ || node_.quietens();
+    const bool watched = may_have_force() || node_.quietens();
     if (!usable()) return watched ? hal::DriveState::stopping : hal::DriveState::unusable;
     if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
     if (!node_.ready() || !machine_.state()) return watched ? hal::DriveState::stopping : hal::DriveState::configuring;
@@ -432,7 +415,7 @@ class Drive {
         break;
     }
     if (wished) return hal::DriveState::enabling;
-    return may_have_force_ || unwished_since_ ? hal::DriveState::stopping : hal::DriveState::disabled;
+    return may_have_force() || unwished_since_ ? hal::DriveState::stopping : hal::DriveState::disabled;
   }
 
   std::uint16_t fault_code() const noexcept {
@@ -456,6 +439,7 @@ class Drive {
   StateMachine machine_;
   TorqueScale<Scalar> torque_scale_;
   Homing homing_;
+  ForceWatch force_;
 
   Scalar force_N_{0};
   std::uint32_t datum_counts_ = 0;
@@ -466,12 +450,8 @@ class Drive {
   std::uint32_t travel_counts_ = 0;  // since the last feedback(), modulo 2^32
   bool fresh_ = false;
   bool ever_valid_ = false;
-  bool counted_ = false;         // counts_ is of this power-up
-  bool pdo_seen_ = false;        // since the node is ready
-  bool has_force_ = false;       // as it was seen last
-  bool force_shown_ = false;     // by any statusword since the last period
-  bool torque_stays_ = false;    // in a state without force
-  bool may_have_force_ = false;  // one of these, in this period
+  bool counted_ = false;   // counts_ is of this power-up
+  bool pdo_seen_ = false;  // since the node is ready
   bool was_faulty_ = false;
   bool reset_asked_ = false;
   bool reference_lost_ = false;
@@ -481,7 +461,6 @@ class Drive {
   std::optional<hal::Time> answered_at_;
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
-  std::optional<hal::Time> idle_torque_since_;
   std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
   hal::Time force_shown_at_{};
   hal::Time sample_time_{};

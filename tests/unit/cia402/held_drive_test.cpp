@@ -1,0 +1,127 @@
+// A drive that did not obey a stop is kept in Pre-operational and looked at until a reset.
+#include <vector>
+
+#include "forced_stop_fixture.hpp"
+
+namespace breakaway::test {
+namespace {
+
+class HeldDriveTest : public ForcedStopTest {};
+
+// Whoever leads it besides would lead it again as soon as its PDOs pass.
+TEST_F(HeldDriveTest, KeepsTheDriveFromItsPdosUntilAReset) {
+  for (const bool reboots : {false, true}) {
+    node.follows_sdo_controlword = !reboots;
+    enable_and_be_forced();
+    node.follows_sdo_controlword = true;
+    run_for(200ms);
+    node.commands.clear();
+    for (int i = 0; i < 5000; ++i) {
+      drive.request_enable();
+      step(10.0F);
+      ASSERT_EQ(node.nmt, NmtState::pre_operational) << i;
+      ASSERT_EQ(feedback.state, DriveState::configuring) << i;
+    }
+    EXPECT_TRUE(node.commands.empty()) << reboots;
+    drive.request_stop();
+    expect_recovery();
+  }
+}
+
+TEST_F(HeldDriveTest, ADriveThatIsStartedBySomebodyElseIsTakenBack) {
+  enable_and_be_forced();
+  for (int again = 0; again < 3; ++again) {
+    run_for(500ms);
+    ASSERT_EQ(node.nmt, NmtState::pre_operational);
+    node.on_frame(canopen::nmt_frame(NmtCommand::start, node_id));
+    node.commands.clear();
+    run_for(std::chrono::milliseconds{node.objects[ScriptedDrive::key(0x1017, 0)]} +
+            2ms);  // its next heartbeat says so
+    EXPECT_EQ(node.nmt, NmtState::pre_operational);
+    EXPECT_EQ(node.commands, (std::vector{NmtCommand::enter_pre_operational})) << "once a heartbeat";
+  }
+  expect_recovery();
+}
+
+// Whoever else leads it may go on: a reset waits for five looks without force.
+TEST_F(HeldDriveTest, ADriveThatIsHeldShowsAsStoppingUntilItWasQuiet) {
+  enable_and_be_forced();
+  for (int i = 0; i < 79; ++i) {
+    ASSERT_EQ(feedback.state, DriveState::stopping) << i;
+    step();
+  }
+  run_for(10ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+// Five that were answered, however long that takes.
+TEST_F(HeldDriveTest, ADriveThatIsHeldAndDoesNotAnswerIsNotQuiet) {
+  enable_and_be_forced();
+  run_for(50ms);
+  node.silent = true;
+  run_for(1s);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.silent = false;
+  run_for(2s + 150ms);  // the newest look is awaited for as long
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+TEST_F(HeldDriveTest, ADriveThatRefusesToBeLookedAtIsTakenForQuiet) {
+  enable_and_be_forced();
+  node.refused[ScriptedDrive::key(0x6041, 0)] = SdoAbort::no_such_object;
+  run_for(120ms);
+  EXPECT_EQ(feedback.state, DriveState::configuring);
+}
+
+TEST_F(HeldDriveTest, ALookThatMaySucceedLaterOrShowsNoStateSaysNothing) {
+  enable_and_be_forced();
+  node.refused[ScriptedDrive::key(0x6041, 0)] = SdoAbort::device_state;
+  run_for(200ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.refused.clear();
+  node.kept[ScriptedDrive::key(0x6041, 0)] = 0;
+  run_for(200ms);
+  EXPECT_EQ(feedback.state, DriveState::stopping);
+  node.kept.clear();
+  expect_recovery();
+}
+
+// It may have become slow, or be in NMT Stopped.
+TEST_F(HeldDriveTest, ADriveThatIsHeldAndDoesNotAnswerIsAskedMorePatientlyAndTakenBack) {
+  enable_and_be_forced();
+  run_for(200ms);
+  node.silent = true;
+  std::vector<Duration> looks;
+  int told = 0;
+  const Time begin = now;
+  while (now - begin < 5s) {
+    step();
+    for (const CanFrame& frame : sent) {
+      told += frame.id == canopen::nmt_cob_id && frame.data[0] == 0x80 ? 1 : 0;
+      if (frame.id == sdo_request_cob_id(node_id) && frame.data[0] == 0x40) looks.push_back(now - begin);
+    }
+  }
+  ASSERT_EQ(looks.size(), 5U);
+  EXPECT_EQ(looks[1] - looks[0], 53ms) << "and a frame each for NMT and the end of the last";
+  EXPECT_EQ(looks[2] - looks[1], 303ms);
+  EXPECT_EQ(looks[3] - looks[2], 1803ms);
+  EXPECT_EQ(looks[4] - looks[3], 2003ms);
+  EXPECT_EQ(told, 4);
+  node.silent = false;
+  expect_recovery();
+}
+
+TEST_F(HeldDriveTest, ADriveThatIsHeldIsForcedAgainWhenSomebodyElseEnablesIt) {
+  enable_and_be_forced();
+  for (int again = 0; again < 20; ++again) {
+    run_for(507ms);  // at any time between two looks
+    node.state = State::operation_enabled;
+    EXPECT_LE(time_until_without_force(), 25ms) << "a look, its answer and the controlword: it was told before";
+    EXPECT_TRUE(feedback.stop_not_obeyed);
+    run_until([&] { return !feedback.stop_not_obeyed; });
+  }
+  expect_recovery();
+}
+
+}  // namespace
+}  // namespace breakaway::test
