@@ -11,7 +11,7 @@ Makes a release of the commit that is checked out, in this order, stopping at th
 
   1. the version is that of CMakeLists.txt and has a dated section in CHANGELOG.md, nothing is uncommitted, and there is no
      such tag yet
-  2. toolchain/test.sh passes
+  2. toolchain/test.sh --long passes
   3. out/breakaway-VERSION.tar.gz, the sources of the commit; out/breakaway_VERSION_ARCHITECTURE.deb, tried on a bare Debian
      (as root); out/breakaway-VERSION.md, the section of the changelog; out/SHA256SUMS over them
   4. the annotated tag vVERSION
@@ -64,7 +64,7 @@ check
 printf '%s can be released: version, changelog and tree agree\n' "$version"
 $check_only && exit 0
 
-toolchain/test.sh
+toolchain/test.sh --long
 try=()
 ((EUID != 0)) || try=(--try)
 toolchain/package.sh "${try[@]}"

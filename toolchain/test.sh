@@ -5,22 +5,27 @@ source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
 usage() {
   cat <<'HELP'
-Usage: toolchain/test.sh [--quick]
+Usage: toolchain/test.sh [--quick | --long]
 
 Installs what the checks need and the machine lacks (Debian packages, as root or by sudo), then runs, stopping at the
-first that fails: format, release build with warnings as errors, all tests, the images for targets on QEMU, the node in a
-guest; with clang under the address and undefined-behaviour sanitizers the tests (without those that compute for long or are labelled slow or
-package) and the fuzzers for a fixed number of inputs; clang-tidy.
+first that fails: format, release build with warnings as errors, the tests, the images for targets on QEMU, the node in a
+guest; with clang under the address and undefined-behaviour sanitizers the tests of what is flashed or reads bytes from
+outside, and the fuzzers for a fixed number of inputs; clang-tidy on the same.
 
   --quick   the release build and its tests only
+  --long    also what takes too long for every change: the tests labelled long; all other tests under the sanitizers (but
+            those that compute for long or are labelled slow or package); clang-tidy on all of the library and the commands
+
+Example: toolchain/test.sh --quick
 HELP
 }
 
-quick=false
+quick=false long=false
 (($# <= 1)) || die "takes one option at most, got $#; see --help"
 case ${1-} in
   -h | --help) usage && exit 0 ;;
   --quick) quick=true ;;
+  --long) long=true ;;
   ?*) die "unknown option '$1'; see --help" ;;
 esac
 
@@ -86,11 +91,17 @@ check_format() {
 long_computations='^(Accuracy|Conditions|EquilibriumSet|MethodChoice|PdSynthesis|SynthesisUnits)[.]|^Command[.].*(Tradeoff|Accuracy)'
 long_computations+='|^Command[.](LeadsFromAnExperiment|TunesAnAxis|ReadsStandardInputWhere|WritesTheSameJsonTwice)'
 
-# The library's and the command's own files, joined a leaf at a time as clang built them. Tests would double the time; the
+# What a change is checked with, and what --long adds.
+input_only=ON not_run='^long$' untidied='/asan-ubsan/(controller/stability|firmware/examples|sim/(motion/hybrid|sil|study|report|watch|cli))/'
+if $long; then
+  input_only=OFF not_run='^$' untidied='^$'
+fi
+
+# Files of the library and of the commands, joined a leaf at a time as clang built them. Tests would double the time; the
 # compilers and the sanitizers read them.
 check_tidy() {
-  sed -n 's/^ *"file": "\(.*\)",\?$/\1/p' build/asan-ubsan/compile_commands.json | grep -vF /tests/ | sort -u |
-    timeout 1200 xargs -d '\n' -n 1 -P "$(nproc)" clang-tidy --quiet -p build/asan-ubsan
+  sed -n 's/^ *"file": "\(.*\)",\?$/\1/p' build/asan-ubsan/compile_commands.json | grep -vF /tests/ | grep -vE "$untidied" |
+    sort -u | timeout 3600 xargs -d '\n' -n 1 -P "$(nproc)" clang-tidy --quiet -p build/asan-ubsan
 }
 
 require_packages run test
@@ -103,14 +114,14 @@ if ! $quick; then
   step 'format' check_format
 fi
 step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
-step 'release tests' run_tests release
+step 'release tests' run_tests release -LE "$not_run"
 if ! $quick; then
   step 'stm32f405 on an emulated machine' toolchain/emulate.sh stm32f405
   step 'zynqmp_r5 on an emulated machine' toolchain/emulate.sh zynqmp_r5
   meanwhile guest toolchain/emulate.sh linux
-  step 'sanitizer build' build asan-ubsan
-  step 'linux node in a guest' wait_for guest
+  step 'sanitizer build' build asan-ubsan -DBREAKAWAY_TESTS_OF_INPUT_ONLY="$input_only"
   step 'sanitizer tests, fuzzers' run_tests asan-ubsan -LE '^(slow|package)$' -E "$long_computations"
   step 'clang-tidy' check_tidy
+  step 'linux node in a guest' wait_for guest
 fi
 printf '\nAll steps passed in %d s.\n' "$SECONDS"

@@ -115,7 +115,7 @@ void judge_machine(long number, Tally& tally) {
 }
 
 TEST(AccuracyCampaign, MachinesMakeTheErrorThatTheyTell) {
-  const long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0), count = from_environment("BREAKAWAY_SYSTEMS", 200);
+  const long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0), count = from_environment("BREAKAWAY_SYSTEMS", 100);
   Tally tally;
   for (long number = first; number < first + count; ++number) judge_machine(number, tally);
   tally.print("machines");
@@ -180,7 +180,7 @@ void judge_axis(long number, Tally& tally) {
 }
 
 TEST(AccuracyCampaign, AxesMakeTheErrorThatTheyTell) {
-  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0), count = from_environment("BREAKAWAY_AXES", 40);
+  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0), count = from_environment("BREAKAWAY_AXES", 20);
   Tally tally;
   for (long number = first; number < first + count; ++number) judge_axis(number, tally);
   tally.print("axes");

@@ -333,7 +333,7 @@ void run_numbered_move(long number, MoveTally& tally) {
 }
 
 TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) {
-  const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 200);
+  const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 100);
   MoveTally tally;
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0);
   for (long number = first; number < first + moves; ++number) run_numbered_move(number, tally);

@@ -20,7 +20,7 @@ using namespace breakaway::campaign;
 
 struct Settings {
   long first = from_environment("BREAKAWAY_FIRST_SYSTEM", 0);
-  long count = from_environment("BREAKAWAY_SYSTEMS", 2000);
+  long count = from_environment("BREAKAWAY_SYSTEMS", 1000);
   long cpu_s = from_environment("BREAKAWAY_CPU_S", 0);
   double reference_work = number_from_environment("BREAKAWAY_WORK", ComparisonOptions{}.most_work);
   std::string method = text_from_environment("BREAKAWAY_METHOD");

@@ -200,28 +200,28 @@ void run_all(Encoder encoder, Approach approach, long first, long axes) {
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesAndNoKickGoesBeyond) {
-  run_all(Encoder::on_motor, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_WORK_AXES", 40));
+  run_all(Encoder::on_motor, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_WORK_AXES", 20));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesFromFarAway) {
-  run_all(Encoder::on_motor, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_AXES", 20));
+  run_all(Encoder::on_motor, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_AXES", 10));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
-  run_all(Encoder::on_motor, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_AXES", 10));
+  run_all(Encoder::on_motor, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_AXES", 5));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesAndNoKickGoesBeyond) {
   run_all(Encoder::on_load, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0),
-          asked_for("BREAKAWAY_WORK_LOAD_AXES", 20));
+          asked_for("BREAKAWAY_WORK_LOAD_AXES", 10));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesFromFarAway) {
-  run_all(Encoder::on_load, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_LOAD_AXES", 10));
+  run_all(Encoder::on_load, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_LOAD_AXES", 5));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesAfterASlowApproach) {
-  run_all(Encoder::on_load, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_LOAD_AXES", 5));
+  run_all(Encoder::on_load, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_LOAD_AXES", 3));
 }
 
 // Proposition H, and the bound of the floor that it rests on.

@@ -79,6 +79,7 @@ function(breakaway_test name)
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE ${TEST_USES} GTest::gtest_main breakaway_developer_warnings)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  breakaway_cold(${name})  # what is tested is in the libraries, and is optimised there
   # What is precompiled holds for the same rules of arithmetic only, which a test has from the leaves that it uses.
   if(TARGET breakaway_precompiled AND TEST_USES MATCHES "breakaway::")
     target_precompile_headers(${name} REUSE_FROM breakaway_precompiled)
