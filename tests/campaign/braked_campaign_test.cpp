@@ -161,7 +161,7 @@ void run_all(Start from, long first, long axes) {
 }
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromise) {
-  run_all(Start::as_drawn, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_BRAKED_AXES", 60));
+  run_all(Start::as_drawn, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_BRAKED_AXES", 400));
 }
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAway) {

@@ -109,7 +109,7 @@ void run_all(Approach approach, long axes) {
 }
 
 TEST(SampledCampaign, EveryCertifiedAxisSettles) {
-  run_all(Approach::as_drawn, asked_for("BREAKAWAY_SAMPLED_AXES", 60));
+  run_all(Approach::as_drawn, asked_for("BREAKAWAY_SAMPLED_AXES", 200));
 }
 
 TEST(SampledCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
