@@ -7,12 +7,6 @@ function(breakaway_cold target)
   target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
 endfunction()
 
-# breakaway_test_options(<target>): most of what is tested is in the libraries, and is optimised there. Of -O1 GCC 12 warns of
-# strings and vectors that are right.
-function(breakaway_test_options target)
-  target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O2>)
-endfunction()
-
 # breakaway_leaf(<name> [SOURCES file...] [USES breakaway::leaf...] [PRIVATE_USES target...] [FLASHED] [COLD])
 # FLASHED: may end up on a motion controller, so neither exceptions nor RTTI, and no silent promotion to double.
 # COLD: reads and writes files once a command; see breakaway_cold.
@@ -85,7 +79,6 @@ function(breakaway_test name)
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE ${TEST_USES} GTest::gtest_main breakaway_developer_warnings)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
-  breakaway_test_options(${name})
   # What is precompiled holds for the same rules of arithmetic only, which a test has from the leaves that it uses.
   if(TARGET breakaway_precompiled AND TEST_USES MATCHES "breakaway::")
     target_precompile_headers(${name} REUSE_FROM breakaway_precompiled)
