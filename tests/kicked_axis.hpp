@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/firmware/motion_under_force.hpp"
 #include "breakaway/firmware/motion_without_force.hpp"
 #include "breakaway/law/axis_controller.hpp"
 
@@ -178,9 +179,11 @@ struct RunEnd {
   double first_kick_s = 0;  // when it was decided on
   long lost_samples = 0;    // since then
   bool moving_in_hold = false;
-  bool external_motion = false;  // the node would have stopped the axis by this name
-  double approach_m_s = 0;       // the greatest |speed| in the approach,
-  double approach_m_s2 = 0;      // and the greatest |change of speed| in a period of it, by the period
+  bool external_motion = false;  // the node would have stopped the axis by this name,
+  bool no_motion = false;        // or by "no motion under force"
+  bool ends_by_name() const { return fault != law::ControlFault::none || external_motion || no_motion; }
+  double approach_m_s = 0;   // the greatest |speed| in the approach,
+  double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
 };
 
 // The target moves on by this much, once.
@@ -201,7 +204,12 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   Disturber disturber{disturbance, q};
   std::deque<std::optional<double>> samples;
   firmware::MotionWithoutForce<Real> external{controller.held()};
+  firmware::MotionUnderForce<Real> motion{p.mass_kg, controller.breakaway_N(), p.encoder_resolution_m,
+                                          controller.lost_motion_m()};
+  // What the drive gives, behind its slowest current loop, in the periods that the samples on their way show.
+  std::deque<Real> given_N(static_cast<std::size_t>(latency_periods) + 1, Real{0});
   double newest = 0;
+  Real unseen_s = 0;
   bool holds = false;
   RunEnd end;
   int held = 0;
@@ -229,8 +237,17 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     }
     const std::optional<double>& seen = samples.front();
     if (!seen && end.kicks > 0) ++end.lost_samples;
-    if (seen) external.sample(static_cast<Real>((*seen - std::exchange(newest, *seen)) * q), holds);
+    unseen_s += p.period_s;
+    const Real told_N = force_N - p.feedforward_N;
+    given_N.push_back(told_N + (given_N.back() - told_N) * controller.slow_lag());
+    given_N.pop_front();
+    if (seen) {
+      const auto travel_m = static_cast<Real>((*seen - std::exchange(newest, *seen)) * q);
+      external.sample(travel_m, holds);
+      motion.sample(travel_m, given_N.front(), std::exchange(unseen_s, Real{0}));
+    }
     if (external.seen()) end.external_motion = true;
+    if (motion.missing()) end.no_motion = true;
     const std::uint32_t kicks_before = controller.kicks();
     const auto out = controller.update({static_cast<Real>(seen.value_or(0) * q - target_m), 0, seen.has_value()});
     force_N = out.force_N;
@@ -254,7 +271,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     else
       end.approach_beyond_m = std::max(end.approach_beyond_m, start_m > 0 ? -axis.position_m() : axis.position_m());
     end.fault = controller.fault();
-    if (end.fault != law::ControlFault::none || end.external_motion) break;
+    if (end.fault != law::ControlFault::none || end.external_motion || end.no_motion) break;
     if (out.mode != law::Mode::hold) {
       held = 0;
       end.time_s = static_cast<double>(k + 1) * T;
@@ -262,7 +279,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
       break;
     }
   }
-  end.held = held >= hold_periods && !end.external_motion;
+  end.held = held >= hold_periods && !end.external_motion && !end.no_motion;
   end.error_m = axis.position_m() - target_m;
   return end;
 }

@@ -155,7 +155,7 @@ TEST(FineCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
     ++runs;
     held += end.held ? 1 : 0;
     kicks = std::max<long>(kicks, end.kicks);
-    EXPECT_TRUE(end.held || end.fault != law::ControlFault::none)
+    EXPECT_TRUE(end.held || end.ends_by_name())
         << "run " << number << ", friction " << kind << ": error " << end.error_m << " after " << end.kicks << " kicks";
     EXPECT_LE(end.kicks, most_kicks) << "run " << number << ", friction " << kind << ": " << to_string(end.fault);
   }

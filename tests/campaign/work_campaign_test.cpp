@@ -149,7 +149,7 @@ RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, 
   tally.beyond_counts = std::max(tally.beyond_counts, end.beyond_m / q);
   tally.kicks.push_back(end.kicks);
   if (end.held) tally.times_s.push_back(end.time_s);
-  EXPECT_TRUE(end.held || end.fault != law::ControlFault::none) << where << " never ends, error " << end.error_m;
+  EXPECT_TRUE(end.held || end.ends_by_name()) << where << " never ends, error " << end.error_m;
   EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
   if (end.held) {
     EXPECT_LE(std::fabs(end.error_m), tolerance_m * (1 + 1e-6) + q / 2) << where;

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
@@ -87,6 +88,34 @@ TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {
   s.node.axes[0].controller.impulsive->feedforward_N = 0;
   s.node.axes[0].uncertainty.force_N = 0;
   EXPECT_FALSE(sil::run_loop_scenario(s, {}).axes[0].settled) << "then the feedforward does nothing";
+}
+
+// Certified axes that were stopped as if something held them: one at a force that its weak drive leaves below friction,
+// one while its spring was wound.
+TEST(CounterExample, OfNoMotionUnderForceSettles) {
+  for (const char* name : {"weaker_drive", "slow_spring"}) {
+    SCOPED_TRACE(name);
+    const auto s = scenario::read_scenario(std::string{BREAKAWAY_SOURCE_DIR} + "/tests/closed_loop/counter_examples/" +
+                                           name + ".toml");
+    const auto axis = sil::run_loop_scenario(s, {}).axes[0];
+    EXPECT_TRUE(axis.settled);
+    EXPECT_TRUE(axis.faults.empty());
+  }
+}
+
+// Friction that falls while a strong drive brakes led its approach up to 15 % further beyond the target than certified.
+TEST(CounterExample, OfAnApproachThatGoesTooFarStaysWithinWhatIsCertified) {
+  const auto s = scenario::read_scenario(std::string{BREAKAWAY_SOURCE_DIR} +
+                                         "/tests/closed_loop/counter_examples/strong_drive.toml");
+  const double most_m = config::examine(s.node)[0].braked->approach_beyond_m;
+  for (const std::uint64_t seed : {2580U, 2302U, 274409U, 166U}) {
+    study::StudyOptions options;
+    options.starts = {{-0.001, 0}};
+    options.random_laws = 1;
+    options.seed = seed;
+    const auto rows = study::run_study(s, options);
+    for (const auto& run : rows[0].runs) EXPECT_LE(run.excursions.overshoot_m, most_m) << seed;
+  }
 }
 
 TEST(PlantScene, TheLoadIsWhereSpringAndPlayLeaveIt) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "breakaway/design/spring_load.hpp"
 #include "kick_class.hpp"
 #include "kick_table_builder.hpp"
 #include "planned_force.hpp"
@@ -272,7 +273,8 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .short_lag = share_left<Real>(kicks.shortest_period_s(), axes.lag_s.least, Real{0}),
           .coast_per_N = static_cast<Real>((1 + axes.jitter_s / axes.period_s) * gains /
                                            (kicks.least_friction_N() + axes.force_gain.least * b)),
-          .load_N = static_cast<Real>(axes.load_N),
+          .breakaway_N = static_cast<Real>(kicks.most_friction_N() / axes.force_gain.least),
+          .lost_motion_m = static_cast<Real>(lost_motion_m(axes)),
           .least_seen_N = {},
           .most_seen_N = {},
           .still_periods = counted(still),
@@ -365,7 +367,7 @@ double hand_over_m(const BrakedDesign<Real>& design) {
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
   // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter.
-  constexpr double late = 2, late_by_jitter = 16;
+  constexpr double late = 3, late_by_jitter = 16, late_by_jerk = 2;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
   const double T = axes.period_s, old_s = axes.latency_periods * T + static_cast<double>(plan.response_s);
   const double in_a_period_m = static_cast<double>(plan.hard_m_s2) * T * old_s;
@@ -380,7 +382,7 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const double jerk = *axes.move->jerk_m_s3;
   const double fall = (kicks.most_friction_N() - kicks.least_friction_N()) / axes.mass_kg.least;
   const double gained_m_s = fall * (old_s + fall / (2 * jerk));
-  return late * (beyond_m + in_move_m + gained_m_s * (old_s + 2 * std::sqrt(gained_m_s / jerk)));
+  return late_by_jerk * (beyond_m + in_move_m + gained_m_s * (old_s + 2 * std::sqrt(gained_m_s / jerk)));
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the

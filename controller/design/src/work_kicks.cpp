@@ -397,7 +397,8 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
   law::WorkKicks<Real>& k = d.kicks;
   k.force_step_N = static_cast<Real>(axes.force_step_N);
   k.slow_lag = static_cast<Real>(axes.lag_s.most > 0 ? std::exp(-axes.period_s / axes.lag_s.most) : 0);
-  k.load_N = static_cast<Real>(axes.load_N);
+  k.breakaway_N = static_cast<Real>((axis.B1 + axis.B2) / axes.force_gain.least);
+  k.lost_motion_m = static_cast<Real>(lost_motion_m(axes));
   k.spring_m = static_cast<Real>(d.spring_m);
   d.creep_m = axis.creep_m();
   k.creep_m = static_cast<Real>(d.creep_m);

@@ -27,14 +27,14 @@ struct DesignedLaw : testing::ProportionalLaw {
     Friction friction{};
   };
   Parameters told{};
-  float most_friction = 4.5F, lag = 0;
+  float breakaway = 4.5F, lag = 0;
   law::Mode mode_ = law::Mode::approach;
   std::vector<float>* taken_times = nullptr;  // what it was told to take, and for which distance
   std::vector<float>* distances = nullptr;
   float seconds_per_metre = 1;
 
   const Parameters& parameters() const noexcept { return told; }
-  float most_friction_N() const noexcept { return most_friction; }
+  float breakaway_N() const noexcept { return breakaway; }
   float slow_lag() const noexcept { return lag; }
   law::Mode mode() const noexcept { return mode_; }
   float move_time_s(float distance_m) const noexcept { return seconds_per_metre * distance_m; }
@@ -90,7 +90,7 @@ TEST(DesignedLoop, NamesAnAxisThatShowsNoMotionUnderMoreThanItsFriction) {
   light.told.mass_kg = 0.5F;
   coarse.told.encoder_resolution_m = 1;
   loaded.told.feedforward_N = 10;
-  gripping.most_friction = 30;
+  gripping.breakaway = 30;
   for (const auto& [law, force_N, must_move] :
        {Row{plain, -20, true}, Row{plain, -4.4F, false}, Row{heavy, -20, false}, Row{light, -20, true},
         Row{coarse, -20, false}, Row{loaded, 14, false}, Row{loaded, -5, true}, Row{gripping, -20, false},
@@ -164,7 +164,7 @@ TEST(DesignedLoop, AllowsTheForceThatASlowCurrentLoopStillHas) {
   for (const bool slow : {true, false}) {
     DesignedLaw law;
     law.lag = slow ? 0.99F : 0.0F;
-    law.most_friction = 1000;
+    law.breakaway = 1000;
     Rig rig;
     rig.add(law);
     DriveProbe& probe = rig.probes[0];

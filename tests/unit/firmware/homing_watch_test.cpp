@@ -140,7 +140,7 @@ TEST(HomingWatch, SamplesBeforeAGapDoNotCount) {
 
 TEST(HomingWatch, AnAxisThatDoesNotMoveUnderForceIsNamedUnlessItStandsAgainstAStop) {
   const AxisModel<float> model{
-      .max_force_N = 50, .mass_kg = 1, .friction_upper_N = 5, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
+      .max_force_N = 50, .mass_kg = 1, .breakaway_N = 5, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
   const auto after = [&](float force_N, bool against_a_stop, bool gap) {
     Seeking drive{model};
     for (int n = 0; n < 20; ++n) drive.see(0, force_N, against_a_stop, gap && n == 8 ? hal::Duration{21ms} : 1ms);

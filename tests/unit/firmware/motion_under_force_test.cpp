@@ -59,6 +59,11 @@ TEST(MotionUnderForce, WaitsForAsLongAsTwentyCountsTake) {
   EXPECT_NEAR(samples, 89, 3);
 }
 
+TEST(MotionUnderForce, WaitsForWhatASpringTakesUpBesides) {
+  MotionUnderForce<double> motion{mass_kg, friction_upper_N, 20e-6, 3 * 400e-6};
+  EXPECT_NEAR(samples_until_missing(motion, friction_upper_N + 0.1, 1000), 179, 3);
+}
+
 TEST(MotionUnderForce, WaitsLongerForALargerMass) {
   MotionUnderForce<double> motion{4, friction_upper_N, 20e-6};
   EXPECT_NEAR(samples_until_missing(motion, friction_upper_N + 0.1, 1000), 179, 3);

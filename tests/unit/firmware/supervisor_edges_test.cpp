@@ -222,7 +222,7 @@ TEST(SupervisorEdges, AStartForgetsTheForceThatWasCommandedBefore) {
 
 // Under 50 N an axis of 1 kg has gone its twenty counts long before the 10 ms are over.
 TEST(SupervisorEdges, CountsTheTimeWithoutMotionFromTheStart) {
-  const AxisModel<float> model{.mass_kg = 1, .friction_upper_N = 4.5F, .encoder_resolution_m = 1e-6F};
+  const AxisModel<float> model{.mass_kg = 1, .breakaway_N = 4.5F, .encoder_resolution_m = 1e-6F};
   Watched axis{no_limits(), model};
   EXPECT_EQ(axis.samples_until_fault(-50, 100), 11) << "between the first sample and the second lies the first period";
   EXPECT_EQ(axis.supervisor.fault(), AxisFault::no_motion_under_force);
@@ -235,7 +235,7 @@ TEST(SupervisorEdges, CountsTheTimeWithoutMotionFromTheStart) {
 
 TEST(SupervisorEdges, AConstantForceOnTheAxisTakesUpItsShareOfTheDrives) {
   const AxisModel<float> model{
-      .mass_kg = 1, .friction_upper_N = 4.5F, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
+      .mass_kg = 1, .breakaway_N = 4.5F, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
   for (const float held_N : {14.0F, 6.0F}) {
     Watched axis{no_limits(), model};
     EXPECT_EQ(axis.samples_until_fault(held_N, 200), 200);
@@ -293,7 +293,7 @@ TEST(SupervisorEdges, AnAxisOfWhichNobodySaysThatItIsHeldMayMove) {
 // Of an axis whose scale is not told a kilogram and a metre a count are taken: twenty metres, and no more than nothing
 // of a constant force.
 TEST(SupervisorEdges, AnAxisOfWhichOnlyTheFrictionIsToldIsGivenTheTimeForTwentyMetres) {
-  Watched axis{no_limits(), {.friction_upper_N = 10}};
+  Watched axis{no_limits(), {.breakaway_N = 10}};
   EXPECT_NEAR(axis.samples_until_fault(-50, 5000), 1000, 3);
   EXPECT_EQ(axis.supervisor.fault(), AxisFault::no_motion_under_force);
 }

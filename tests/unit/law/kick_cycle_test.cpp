@@ -29,9 +29,10 @@ TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
   using Approach = BrakedApproach<float>;
   const Kicks sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
   EXPECT_TRUE(are_usable(sound));
-  for (float Kicks::*const number : {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N,
-                                     &Kicks::holding_force_N, &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::short_lag,
-                                     &Kicks::coast_per_N, &Kicks::load_N, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
+  for (float Kicks::*const number :
+       {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N, &Kicks::holding_force_N,
+        &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::short_lag, &Kicks::coast_per_N, &Kicks::breakaway_N,
+        &Kicks::lost_motion_m, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
     Kicks spoiled = sound;
     spoiled.*number = std::numeric_limits<float>::quiet_NaN();
     EXPECT_FALSE(are_usable(spoiled));
@@ -250,12 +251,14 @@ TEST(KickCycle, TellsTheSpeedWhenTheApproachIsOver) {
   EXPECT_EQ(axis.controller().velocity_m_s(), 0);
 }
 
-TEST(KickCycle, CountsAForceBesideTheDrivesToTheFrictionThatItTells) {
+TEST(KickCycle, TellsAsWhatIsSureToMoveTheAxisTheGreatestFrictionAndForceBesideItByTheWeakestDrive) {
   design::BrakedClass c = axes_of_the_scenes(0);
   c.load_N = 0.5;
+  c.force_gain = {0.9, 1.1};
   const auto kicks = design::design_braked_kicks<float>(c).kicks;
   const AxisController<float> controller{braked_axis(), no_k3, kicks};
-  EXPECT_FLOAT_EQ(controller.most_friction_N(), 5);
+  EXPECT_FLOAT_EQ(controller.breakaway_N(), 5 / 0.9F);
+  EXPECT_EQ(controller.lost_motion_m(), 0);
 }
 
 // A counter-example of the campaign (axis 10924): hard braking behind a lag leaves more force than the brake's, from

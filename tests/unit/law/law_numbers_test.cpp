@@ -191,7 +191,7 @@ TEST(UsableKicks, HaveNoNumberAtOrBelowZeroThatMustBeAboveIt) {
       [](K& k) -> double& { return k.approach.response_s; }, [](K& k) -> double& { return k.approach.correction; },
       [](K& k) -> double& { return k.spring.gain_N_per_m; }, [](K& k) -> double& { return k.spring.most_N; });
   expect(
-      may_be_zero, [](K& k) -> double& { return k.fast_lag; }, [](K& k) -> double& { return k.load_N; },
+      may_be_zero, [](K& k) -> double& { return k.fast_lag; }, [](K& k) -> double& { return k.lost_motion_m; },
       [](K& k) -> double& { return k.approach.short_of_target_m; }, [](K& k) -> double& { return k.approach.lag_s; },
       [](K& k) -> double& { return k.approach.standing_m_s; }, [](K& k) -> double& { return k.fine_floor_m; },
       [](K& k) -> double& { return k.spring.share; });
@@ -211,6 +211,8 @@ TEST(UsableKicks, KeepTheOrderOfTheirNumbers) {
   EXPECT_FALSE(usable([](K& k) { k.slow_lag = 1; }));
   EXPECT_TRUE(usable([](K& k) { k.preload_N = k.brake_N; }));
   EXPECT_FALSE(usable([](K& k) { k.preload_N = std::nextafter(k.brake_N, 100.0); }));
+  EXPECT_FALSE(usable([](K& k) { k.breakaway_N = k.holding_force_N; }));
+  EXPECT_TRUE(usable([](K& k) { k.breakaway_N = std::nextafter(k.holding_force_N, 100.0); }));
   EXPECT_TRUE(usable([](K& k) { k.resting_force_N = -k.brake_N; }));
   EXPECT_FALSE(usable([](K& k) { k.resting_force_N = std::nextafter(-k.brake_N, -100.0); }));
   EXPECT_TRUE(usable([](K& k) { k.holding_force_N = k.brake_N; }));
@@ -240,7 +242,7 @@ TEST(UsableKicks, KeepTheOrderOfTheirNumbers) {
 TEST(UsableKicks, OfTheCoastWorkHaveNoNumberAtOrBelowZeroThatMustBeAboveIt) {
   using K = WorkKicks<double>;
   K sound;
-  sound.force_step_N = sound.friction_per_gain_N = sound.speeding_s_per_kg = sound.late_periods = 3;
+  sound.force_step_N = sound.breakaway_N = sound.friction_per_gain_N = sound.speeding_s_per_kg = sound.late_periods = 3;
   sound.still_periods = sound.patient_periods = sound.longest_coast_periods = 3;
   sound.approach = {3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
   sound.table.count = 3;
@@ -251,10 +253,11 @@ TEST(UsableKicks, OfTheCoastWorkHaveNoNumberAtOrBelowZeroThatMustBeAboveIt) {
   expect(
       must_be_above_zero, [](K& k) -> double& { return k.force_step_N; },
       [](K& k) -> double& { return k.friction_per_gain_N; }, [](K& k) -> double& { return k.speeding_s_per_kg; },
-      [](K& k) -> double& { return k.late_periods; }, [](K& k) -> double& { return k.approach.mass_kg; },
-      [](K& k) -> double& { return k.approach.acceleration_m_s2; }, [](K& k) -> double& { return k.approach.begin_m; });
+      [](K& k) -> double& { return k.breakaway_N; }, [](K& k) -> double& { return k.late_periods; },
+      [](K& k) -> double& { return k.approach.mass_kg; }, [](K& k) -> double& { return k.approach.acceleration_m_s2; },
+      [](K& k) -> double& { return k.approach.begin_m; });
   expect(
-      may_be_zero, [](K& k) -> double& { return k.slow_lag; }, [](K& k) -> double& { return k.load_N; },
+      may_be_zero, [](K& k) -> double& { return k.slow_lag; }, [](K& k) -> double& { return k.lost_motion_m; },
       [](K& k) -> double& { return k.spring_m; }, [](K& k) -> double& { return k.creep_m; },
       [](K& k) -> double& { return k.approach.friction_N; },
       [](K& k) -> double& { return k.approach.stiffness_N_per_m; },
@@ -289,7 +292,8 @@ TEST(AxisController, TellsWhatItSharesWithItsLoop) {
   EXPECT_EQ(pd.period_s(), 1e-3F);
   EXPECT_EQ(pd.encoder_resolution_m(), 1e-6F);
   EXPECT_EQ(pd.max_force_N(), 52);
-  EXPECT_EQ(pd.most_friction_N(), 4.5F);
+  EXPECT_EQ(pd.breakaway_N(), 4.5F);
+  EXPECT_EQ(pd.lost_motion_m(), 0);
   EXPECT_EQ(pd.slow_lag(), 0);
   EXPECT_EQ(pd.parameters().mass_kg, 1);
   EXPECT_EQ(pd.move_time_s(1), 0);
@@ -301,8 +305,8 @@ TEST(AxisController, TellsWhatItSharesWithItsLoop) {
   const auto kicks = design::design_braked_kicks<float>(c).kicks;
   p.coast = Coast::brake;
   const AxisController<float> braked{p, table, kicks};
-  EXPECT_EQ(braked.most_friction_N(), 4.5F + kicks.load_N);
-  EXPECT_GT(kicks.load_N, 0);
+  EXPECT_EQ(braked.breakaway_N(), kicks.breakaway_N);
+  EXPECT_GT(kicks.breakaway_N, 4.5F);
   EXPECT_EQ(braked.slow_lag(), kicks.slow_lag);
   EXPECT_GT(kicks.slow_lag, 0);
   EXPECT_GT(braked.move_time_s(0.4F), 0.4F);

@@ -18,11 +18,12 @@ AxisModel<Scalar> model_of(const Controller& c) noexcept {
   AxisModel<Scalar> model{.max_force_N = c.max_force_N()};
   if constexpr (KnowsFriction<Controller>) {
     model.mass_kg = c.parameters().mass_kg;
-    model.friction_upper_N = c.parameters().friction.upper_N;
+    model.breakaway_N = c.parameters().friction.upper_N;
     model.feedforward_N = c.parameters().feedforward_N;
     model.encoder_resolution_m = c.parameters().encoder_resolution_m;
   }
-  if constexpr (requires { c.most_friction_N(); }) model.friction_upper_N = c.most_friction_N();
+  if constexpr (requires { c.breakaway_N(); }) model.breakaway_N = c.breakaway_N();
+  if constexpr (requires { c.lost_motion_m(); }) model.lost_motion_m = c.lost_motion_m();
   if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();
   if constexpr (requires { c.held(); }) model.held = c.held();
   return model;

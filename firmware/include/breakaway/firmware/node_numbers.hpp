@@ -130,7 +130,8 @@ requires by_work<Kicks>
 constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("force_step_N", kicks.force_step_N, "N");
   visit.value("slow_lag", kicks.slow_lag, "");
-  visit.value("load_N", kicks.load_N, "N");
+  visit.value("breakaway_N", kicks.breakaway_N, "N");
+  visit.value("lost_motion_m", kicks.lost_motion_m, "m");
   visit.value("spring_m", kicks.spring_m, "m");
   visit.value("creep_m", kicks.creep_m, "m");
   visit.value("friction_per_gain_N", kicks.friction_per_gain_N, "N");
@@ -168,7 +169,8 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("slow_lag", kicks.slow_lag, "");
   visit.value("short_lag", kicks.short_lag, "");
   visit.value("coast_per_N", kicks.coast_per_N, "1/N");
-  visit.value("load_N", kicks.load_N, "N");
+  visit.value("breakaway_N", kicks.breakaway_N, "N");
+  visit.value("lost_motion_m", kicks.lost_motion_m, "m");
   visit.value("least_seen_N", kicks.least_seen_N, "N");
   visit.value("most_seen_N", kicks.most_seen_N, "N");
   visit.value("still_periods", kicks.still_periods, "");

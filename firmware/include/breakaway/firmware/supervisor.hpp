@@ -151,8 +151,9 @@ struct AxisModel {
   Scalar max_force_N = AxisLimits<Scalar>::unlimited;  // that its law commands
   Scalar slow_lag = 0;  // share of a change of force that is left after a period behind its slowest current loop
   Scalar mass_kg = 1;
-  Scalar friction_upper_N = AxisLimits<Scalar>::unlimited;
-  Scalar feedforward_N = 0;  // share of the force that a constant force on the axis takes up
+  Scalar breakaway_N = AxisLimits<Scalar>::unlimited;  // a greater force moves the axis for certain,
+  Scalar lost_motion_m = 0;                            // of which the encoder need not show so much
+  Scalar feedforward_N = 0;                            // share of the force that a constant force on the axis takes up
   Scalar encoder_resolution_m = 1;
   law::HeldAxis<Scalar> held{};
 };
@@ -181,7 +182,7 @@ class Supervisor {
   constexpr explicit Supervisor(const AxisLimits<Scalar>& limits, const AxisModel<Scalar>& model = {}) noexcept
       : limits_{limits},
         commanded_{model.max_force_N, model.slow_lag},
-        motion_{model.mass_kg, model.friction_upper_N, model.encoder_resolution_m},
+        motion_{model.mass_kg, model.breakaway_N, model.encoder_resolution_m, model.lost_motion_m},
         external_{model.held},
         feedforward_N_{model.feedforward_N} {
     // A drive reports whole steps of force, which are the limit but for rounding.

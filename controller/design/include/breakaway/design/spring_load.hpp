@@ -39,6 +39,10 @@ struct SpringLoad {
   double unseen_m(double load_N) const;
 };
 
+// Motion of the whole, as a rigid axis would have made it, that the encoder need not show while no count of it changes;
+// 0 for a class without a spring_load.
+double lost_motion_m(const BrakedClass& axes);
+
 // What a pulse of this force, as commanded, and of so many periods may go further than one of a rigid axis; 0 for a
 // class without a spring_load.
 double sprung_m(const BrakedClass& axes, double brake_N, double force_N, int periods);

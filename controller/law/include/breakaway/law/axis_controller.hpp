@@ -138,10 +138,10 @@ class AxisController {
   Scalar encoder_resolution_m() const noexcept { return p_.encoder_resolution_m; }
   // Of every output.
   Scalar max_force_N() const noexcept { return p_.total_force_N(); }
-  // With a force beside the drive's, as far as the law is told of one.
-  Scalar most_friction_N() const noexcept {
-    return p_.friction.upper_N + (braked_ != nullptr ? braked_->load_N : Scalar{0});
-  }
+  // A greater force, as commanded and beside the feedforward, moves the axis for certain; but the encoder need not show
+  // the first lost_motion_m() of it.
+  Scalar breakaway_N() const noexcept { return braked_ != nullptr ? braked_->breakaway_N : p_.friction.upper_N; }
+  Scalar lost_motion_m() const noexcept { return braked_ != nullptr ? braked_->lost_motion_m : Scalar{0}; }
   // Share of a change of force that is left after a period behind the slowest current loop that the kicks are made for.
   // The coast "pd" is for loops that have followed by then.
   Scalar slow_lag() const noexcept { return braked_ != nullptr ? braked_->slow_lag : Scalar{0}; }

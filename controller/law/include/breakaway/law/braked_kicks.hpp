@@ -60,7 +60,8 @@ struct BrakedKicks {
   Scalar slow_lag{};         // ... and at most
   Scalar short_lag{};        // of the fastest current loop after the shortest period; without jitter that is fast_lag
   Scalar coast_per_N{};      // longest lawful coast, as a multiple of the pulse, per newton of its force
-  Scalar load_N{};           // of a force beside the drive's, either way: the most
+  Scalar breakaway_N{};      // as commanded: a greater force moves the axis for certain
+  Scalar lost_motion_m{};    // that a spring may take up while the axis moves, and the encoder shows nothing
   Scalar least_seen_N{};     // that friction_seen_N() gives for the kicks of a lawful axis,
   Scalar most_seen_N{};      // and the most; the largest number where springs make kicks show nothing of friction
   std::uint16_t still_periods = 0;       // without a change of count that prove rest under theta
@@ -94,8 +95,8 @@ template <class Scalar>
   const BrakedApproach<Scalar>& a = k.approach;
   const bool lags = k.fast_lag >= 0 && k.fast_lag <= k.short_lag && k.short_lag <= k.slow_lag && k.slow_lag < 1;
   const bool forces = k.brake_N >= 0 && k.force_step_N > 0 && k.preload_N <= k.brake_N &&
-                      k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N && k.load_N >= 0 &&
-                      k.least_seen_N < k.most_seen_N;
+                      k.resting_force_N >= -k.brake_N && k.holding_force_N >= k.brake_N &&
+                      k.breakaway_N > k.holding_force_N && k.lost_motion_m >= 0 && k.least_seen_N < k.most_seen_N;
   const bool waits = k.still_periods > 0 && k.either_way_periods > 0 && k.patient_periods > 0;
   const bool approach = a.mass_kg > 0 && a.friction_N > 0 && a.hard_m_s2 > 0 && a.gentle_m_s2 > 0 &&
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&

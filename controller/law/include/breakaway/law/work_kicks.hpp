@@ -34,7 +34,8 @@ template <class Scalar>
 struct WorkKicks {
   Scalar force_step_N{};         // of the drive; every force is a whole number of steps
   Scalar slow_lag{};             // of the current loop: share of a change of force that is left after a period
-  Scalar load_N{};               // of a force beside the drive's, either way: the most
+  Scalar breakaway_N{};          // as commanded: a greater force moves both masses for certain
+  Scalar lost_motion_m{};        // that the spring may take up while they move, and the encoder shows nothing
   Scalar spring_m{};             // eps: what the spring may add to a kick
   Scalar creep_m{};              // of the tolerance, kept for what the spring may move a held axis by
   Scalar friction_per_gain_N{};  // A1 + A2, by the largest force gain: F D1 of a lawful pulse is at most this (y - eps)
@@ -55,8 +56,9 @@ struct WorkKicks {
 template <class Scalar>
 constexpr bool are_usable(const WorkKicks<Scalar>& k) noexcept {
   const ShapedApproach<Scalar>& a = k.approach;
-  const bool forces = k.force_step_N > 0 && k.slow_lag >= 0 && k.slow_lag < 1 && k.load_N >= 0 && k.spring_m >= 0 &&
-                      k.creep_m >= 0 && k.friction_per_gain_N > 0 && k.speeding_s_per_kg > 0 && k.late_periods > 0;
+  const bool forces = k.force_step_N > 0 && k.slow_lag >= 0 && k.slow_lag < 1 && k.breakaway_N > 0 &&
+                      k.lost_motion_m >= 0 && k.spring_m >= 0 && k.creep_m >= 0 && k.friction_per_gain_N > 0 &&
+                      k.speeding_s_per_kg > 0 && k.late_periods > 0;
   const bool waits = k.still_periods > 0 && k.patient_periods > 0 && k.longest_coast_periods > 0;
   const bool approach = a.mass_kg > 0 && a.friction_N >= 0 && a.acceleration_m_s2 > 0 && a.stiffness_N_per_m >= 0 &&
                         a.damping_Ns_per_m >= 0 && a.short_of_target_m >= 0 && a.begin_m > 0 && a.swing_periods > 0 &&
