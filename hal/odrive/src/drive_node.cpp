@@ -75,7 +75,9 @@ void DriveNode::fail(OwnFault fault) noexcept {
 }
 
 void DriveNode::update(hal::Time now) noexcept {
-  const bool reports_torque = gives_torque_ && !older(torque_time_, retell_time, now);
+  // One that is asked for them reports once a period.
+  const hal::Duration young = std::max<hal::Duration>(retell_time, 3 * settings_.period);
+  const bool reports_torque = gives_torque_ && !older(torque_time_, young, now);
   has_force_ = !is_without_torque(state_) || reports_torque;
   watch_silence(now);
   if (std::exchange(reset_asked_, false)) begin_reset();
@@ -195,7 +197,9 @@ bool DriveNode::next_stop_frame(hal::CanFrame& frame, hal::Time now) noexcept {
     frame = estop_frame(settings_.node_id);
     return true;
   }
-  idle_told_at_ = now;
+  // A heartbeat that comes between tellings is as good: only before the first may one show what was before the
+  // enabling.
+  if (!idle_told_at_) idle_told_at_ = now;
   frame = axis_state_frame(settings_.node_id, AxisState::idle);
   return true;
 }

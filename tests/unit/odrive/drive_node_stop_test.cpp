@@ -116,6 +116,37 @@ TEST_F(OdriveNodeStop, ThatWasToldToEnableIsIdleByAHeartbeatThatIsYoungerThanThe
   }
 }
 
+// A heartbeat comes every fifth telling, so that one that fell right behind a telling would fall there for ever.
+TEST_F(OdriveNodeStop, IsSeenByAHeartbeatRightBehindATellingThatWasNotTheFirst) {
+  make_ready();
+  node.request_enable();
+  EXPECT_EQ(next(), mode);
+  EXPECT_EQ(next(), enable);
+  node.request_stop();
+  EXPECT_EQ(next(), idle);
+  now += 20ms;
+  EXPECT_EQ(next(), idle);
+  now += 1ms;
+  heartbeat(AxisState::idle);
+  node.update(now);
+  EXPECT_FALSE(node.has_force());
+}
+
+// One that is asked for them reports once a period.
+TEST_F(OdriveNodeStop, IsNotProvenWhileReportsOfTorqueComeHoweverLongThePeriod) {
+  for (const auto period : {1ms, 10ms, 50ms}) {
+    auto settings = usual;
+    settings.period = period;
+    make_ready(settings);
+    node.on_torque(true, now);
+    const hal::Duration young = std::max<hal::Duration>(20ms, 3 * period);
+    update_after(young);
+    EXPECT_TRUE(node.has_force()) << period.count();
+    update_after(1ns);
+    EXPECT_FALSE(node.has_force()) << "what it gave long ago says nothing";
+  }
+}
+
 // Of a stop before, an answer says nothing of what was told since.
 TEST_F(OdriveNodeStop, ThatIsEnabledAnewIsNotIdleByTheStopBefore) {
   make_follow();
