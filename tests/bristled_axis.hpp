@@ -25,6 +25,8 @@ class BristledSlider {
 
   double position_m() const { return x_; }
   double velocity_m_s() const { return v_; }
+  // As the drive tells it.
+  double given_N() const { return u_ / axis_.force_gain; }
   // It never rests quite, so that what is asked is whether it still rings by a count.
   bool moves(double resolution_m) const {
     return std::fabs(v_) > resolution_m * std::sqrt(bristles_.stiffness_N_per_m / axis_.mass_kg);

@@ -63,6 +63,8 @@ class Slider {
   double position_m() const { return x_; }
   double velocity_m_s() const { return v_; }
   bool moves(double /*resolution_m*/) const { return v_ != 0; }
+  // As the drive tells it.
+  double given_N() const { return u_ / axis_.force_gain; }
 
   // The drive is given a command for a period.
   void run(double command_N, double period_s, int slices) {
@@ -206,8 +208,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   firmware::MotionWithoutForce<Real> external{controller.held()};
   firmware::MotionUnderForce<Real> motion{p.mass_kg, controller.breakaway_N(), p.encoder_resolution_m,
                                           controller.lost_motion_m()};
-  // What the drive gives, behind its slowest current loop, in the periods that the samples on their way show.
-  std::deque<Real> given_N(static_cast<std::size_t>(latency_periods) + 1, Real{0});
+  std::deque<double> given_N;  // with the samples
   double newest = 0;
   Real unseen_s = 0;
   bool holds = false;
@@ -227,9 +228,10 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     pass(now_s + delay.sample_s);
     const double counts = std::round(axis.position_m() / q + encoder_offset) - encoder_offset;
     samples.emplace_back(counts + disturber.noise_counts());
+    given_N.push_back(axis.given_N() - static_cast<double>(p.feedforward_N));
     if (disturber.loses_sample()) samples.back().reset();
     pass(now_s + delay.force_s);
-    while (samples.size() > static_cast<std::size_t>(latency_periods) + 1) samples.pop_front();
+    while (samples.size() > static_cast<std::size_t>(latency_periods) + 1) samples.pop_front(), given_N.pop_front();
     if (now_s >= retarget.at_s) {
       target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
       controller.shift_target(static_cast<Real>(target_m));
@@ -238,13 +240,10 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     const std::optional<double>& seen = samples.front();
     if (!seen && end.kicks > 0) ++end.lost_samples;
     unseen_s += p.period_s;
-    const Real told_N = force_N - p.feedforward_N;
-    given_N.push_back(told_N + (given_N.back() - told_N) * controller.slow_lag());
-    given_N.pop_front();
     if (seen) {
       const auto travel_m = static_cast<Real>((*seen - std::exchange(newest, *seen)) * q);
       external.sample(travel_m, holds);
-      motion.sample(travel_m, given_N.front(), std::exchange(unseen_s, Real{0}));
+      motion.sample(travel_m, static_cast<Real>(given_N.front()), std::exchange(unseen_s, Real{0}));
     }
     if (external.seen()) end.external_motion = true;
     if (motion.missing()) end.no_motion = true;

@@ -31,6 +31,8 @@ class TwoMassAxis {
 
   double position_m() const { return x_[seen()]; }
   double velocity_m_s() const { return v_[seen()]; }
+  // As the drive tells it.
+  double given_N() const { return u_ / whole_.force_gain; }
   // By a count in a swing.
   bool moves(double resolution_m) const {
     return std::max(std::fabs(v_[0]), std::fabs(v_[1])) * longest_step_s_ * 200 > resolution_m;
