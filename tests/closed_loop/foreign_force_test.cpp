@@ -151,6 +151,7 @@ TEST(ForeignForce, ADriveThatAnswersSlowlyIsNotResetForThat) {
     EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
     rig.run(1s);
     EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
+    rig.run(500ms);  // ten answers, of state and torque in turn
     EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
     EXPECT_EQ(rig.loop().drive(rig.id(0)).reboots(), reboots);
   }
@@ -173,6 +174,7 @@ TEST(ForeignForce, ADriveThatBecameSlowIsForcedToAStopThatEnds) {
     EXPECT_LT(std::abs(rig.force_N(0)), 0.1);
     rig.run(20s);
     EXPECT_FALSE(rig.status(0).feedback.stop_not_obeyed) << delay / 1ms << " ms";
+    rig.run(10s);  // ten answers, of state and torque in turn
     EXPECT_TRUE(rig.loop().reset_fault(rig.id(0))) << delay / 1ms << " ms";
     rig.loop().request_enable(rig.id(0));
     expect_to_run(rig, 3min);

@@ -162,7 +162,7 @@ void DriveNode::begin_start(hal::Time now) noexcept {
 }
 
 void DriveNode::start_node(hal::Time now) noexcept {
-  if (!is_looking(now)) look();
+  if (!is_looking(now)) look(object::statusword);
   if (heartbeat_.state() == NmtState::operational) {
     drop_transfer();
     enter(SetupPhase::verifying_mode, now);
@@ -181,25 +181,34 @@ bool DriveNode::is_looking(hal::Time now) noexcept {
   if (!transfer_running_) return false;
   const SdoResult result = sdo_.poll(now);
   transfer_running_ = result == SdoResult::busy;
-  if (!transfer_running_) on_look(result);
+  if (!transfer_running_) on_look(result, now);
   return transfer_running_;
 }
 
 // One that does not answer may be in NMT Stopped, where it hears no SDO and keeps what force it has. A drive that has
-// no 6041h to be read is quiet as far as anybody can know.
-void DriveNode::on_look(SdoResult result) noexcept {
-  if (result == SdoResult::done) on_value_read(object::statusword);
-  const bool quiet = result == SdoResult::done ? statusword_ && shows_no_force(*statusword_)
-                                               : result == SdoResult::aborted && !may_pass(sdo_.abort_code());
+// no 6041h to be read is quiet as far as anybody can know. The state of one that was forced to a stop says little
+// beside torque.
+void DriveNode::on_look(SdoResult result, hal::Time now) noexcept {
+  const bool done = result == SdoResult::done;
+  bool quiet = false;
+  if (looks_at_torque_) {
+    quiet = forced_stop_.shows_no_torque(sdo_, result);
+    if (done && !quiet) return force_stop(now);
+  } else {
+    if (done) on_value_read(object::statusword);
+    quiet = done ? statusword_ && shows_no_force(*statusword_) : ForcedStop::is_refused(sdo_, result);
+    if (quiet && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
+  }
   if (quiet && looks_wanted_ > 0) --looks_wanted_;
   look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
   if (result != SdoResult::timeout) return;
   if (held() || phase_ == SetupPhase::refused) nmt_command_ = NmtCommand::enter_pre_operational;
 }
 
-void DriveNode::look() noexcept {
+void DriveNode::look(std::uint16_t index) noexcept {
   sdo_.set_timeout(look_patience_);
-  transfer_running_ = sdo_.start_read(object::statusword, 0) == canopen::SdoStart::started;
+  looks_at_torque_ = index == object::torque_actual;
+  transfer_running_ = sdo_.start_read(index, 0) == canopen::SdoStart::started;
 }
 
 // Whoever else leads it may start it again.
@@ -213,9 +222,9 @@ void DriveNode::hold(hal::Time now) noexcept {
 
 // At a drive that is of no use to us, too, which nobody keeps busy for ever.
 void DriveNode::look_now_and_then(hal::Time now) noexcept {
-  if (is_looking(now) || (last_poll_ && now - *last_poll_ < poll_time)) return;
+  if (is_looking(now) || forcing_stop() || (last_poll_ && now - *last_poll_ < poll_time)) return;
   last_poll_ = now;
-  look();
+  look(object::statusword);
 }
 
 bool DriveNode::stopped_operating(hal::Time now) noexcept {
@@ -247,6 +256,7 @@ void DriveNode::on_mode_transfer(SdoResult result, hal::Time now) noexcept {
     enter(SetupPhase::ready, now);
     status_ = SetupStatus::ready;
     setup_object_ = {};
+    looks_wanted_ = 0;
   } else if (now - *since_ > mode_timeout) {
     setup_object_ = {object::mode_display, 0};
     refuse(mode_ == Mode::homing ? SetupStatus::no_homing_mode : SetupStatus::mode_refused);
@@ -276,14 +286,15 @@ void DriveNode::watch(hal::Time now) noexcept {
   }
 }
 
-void DriveNode::force_stop(ForcedStop::Proof proof, hal::Time now) noexcept {
+void DriveNode::force_stop(hal::Time now) noexcept {
   if (!config_valid_ || forcing_stop()) return;
   forced_while_operational_ = operational();
   refused_for_ = phase_ == SetupPhase::refused ? std::optional{status_} : std::nullopt;
   enter(SetupPhase::forcing_stop, now);
   status_ = SetupStatus::stop_not_obeyed;
   drop_transfer();
-  forced_stop_.begin(sdo_, usual_patience(), proof, now);
+  if (looks_wanted_ > 0) return forced_stop_.resume(sdo_, now);
+  forced_stop_.begin(sdo_, usual_patience(), now);
 }
 
 void DriveNode::update_forced_stop(hal::Time now) noexcept {
@@ -291,8 +302,11 @@ void DriveNode::update_forced_stop(hal::Time now) noexcept {
   if (const auto command = forced_stop_.take_command()) nmt_command_ = command;
 }
 
+void DriveNode::on_quiet_pdo(hal::Time now) noexcept {
+  if (forcing_stop() && operational()) end_forced_stop(now);
+}
+
 void DriveNode::end_forced_stop(hal::Time now) noexcept {
-  if (!forcing_stop()) return;
   enter_held(now);
   if (!refused_for_) return;
   phase_ = SetupPhase::refused;

@@ -27,11 +27,19 @@ bool read_no_torque(const canopen::SdoClient& sdo) noexcept {
 
 }  // namespace
 
-void ForcedStop::begin(canopen::SdoClient& sdo, hal::Duration patience, Proof proof, hal::Time now) noexcept {
+void ForcedStop::begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept {
   *this = {};
-  proof_ = proof;
   since_ = last_ = now;
   patience_ = patience;
+  sdo.set_timeout(patience_);
+}
+
+// The time between is not that of the means.
+void ForcedStop::resume(canopen::SdoClient& sdo, hal::Time now) noexcept {
+  since_ += now - last_;
+  last_ = now;
+  transfer_ = Transfer::none;
+  if (means_ == Means::reset) escalate(sdo, now);
   sdo.set_timeout(patience_);
 }
 
@@ -52,28 +60,37 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
   last_ = now;
   const canopen::SdoResult result = sdo.poll(now);
   if (result != canopen::SdoResult::busy) {
-    const Transfer finished = std::exchange(transfer_, Transfer::none);
-    if (is_proven(sdo, finished, result)) return true;
-    start(sdo, after(sdo, finished, result));
+    const Transfer next = after(sdo, std::exchange(transfer_, Transfer::none), result);
+    if (next == Transfer::write_controlword && quiet_) return true;
+    start(sdo, next);
   }
-  if (now - since_ > time_of(means_)) escalate(sdo, now);
+  // A state without force is on its way to a proof.
+  if (now - since_ > time_of(means_) && transfer_ != Transfer::read_torque) escalate(sdo, now);
   return false;
 }
 
-// A drive that has no 6077h to be read is believed for its state.
-bool ForcedStop::is_proven(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept {
-  const bool done = result == canopen::SdoResult::done;
-  if (finished == Transfer::read_statusword) return done && proof_ == Proof::state && read_no_force(sdo);
-  if (finished != Transfer::read_torque) return false;
-  return done ? read_no_torque(sdo) : result == canopen::SdoResult::aborted && !may_pass(sdo.abort_code());
+// A drive that has no 6077h to be read is believed for its state, and one that does not know it is asked once.
+bool ForcedStop::shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept {
+  if (result == canopen::SdoResult::done) return read_no_torque(sdo);
+  if (!is_refused(sdo, result)) return false;
+  if (sdo.abort_code() == canopen::SdoAbort::no_such_object) reads_torque_ = false;
+  return true;
+}
+
+bool ForcedStop::is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept {
+  return result == canopen::SdoResult::aborted && !may_pass(sdo.abort_code());
 }
 
 // A drive that refuses the controlword is asked for its state all the same.
 ForcedStop::Transfer ForcedStop::after(const canopen::SdoClient& sdo, Transfer finished,
-                                       canopen::SdoResult result) const noexcept {
+                                       canopen::SdoResult result) noexcept {
   if (finished == Transfer::write_controlword) return Transfer::read_statusword;
-  const bool idle = finished == Transfer::read_statusword && result == canopen::SdoResult::done && read_no_force(sdo);
-  return idle && proof_ == Proof::state_and_torque ? Transfer::read_torque : Transfer::write_controlword;
+  if (finished == Transfer::read_torque) {
+    quiet_ = shows_no_torque(sdo, result);
+    return Transfer::write_controlword;
+  }
+  quiet_ = finished == Transfer::read_statusword && result == canopen::SdoResult::done && read_no_force(sdo);
+  return quiet_ && reads_torque_ ? Transfer::read_torque : Transfer::write_controlword;
 }
 
 // Each means has the controlword written at once, also where the answer to the last one is still awaited.

@@ -158,7 +158,7 @@ TEST(DriveNodeEdges, WhatCannotBeADriveIsRefusedAndToldNothing) {
   EXPECT_EQ(node.phase(), cia402::SetupPhase::refused);
   EXPECT_EQ(node.status(), SetupStatus::config_invalid);
   CanFrame frame;
-  node.force_stop(cia402::ForcedStop::Proof::state, Time{1s});
+  node.force_stop(Time{1s});
   node.update(Time{1s});
   EXPECT_FALSE(node.next_frame(frame, Time{1s}));
   EXPECT_EQ(node.phase(), cia402::SetupPhase::refused);
@@ -169,7 +169,7 @@ TEST(DriveNodeEdges, AStopThatIsForcedAlreadyDoesNotBeginAnew) {
   Time now{};
   int to_pre_operational = 0;
   for (int ms = 0; ms < 250; ++ms) {
-    node.force_stop(cia402::ForcedStop::Proof::state, now += 1ms);
+    node.force_stop(now += 1ms);
     node.update(now);
     CanFrame frame;
     if (node.next_frame(frame, now)) to_pre_operational += frame.id == breakaway::canopen::nmt_cob_id ? 1 : 0;

@@ -23,6 +23,9 @@ constexpr Bytes read_statusword{0x40, 0x41, 0x60};
 constexpr Bytes written{0x60, 0x40, 0x60};
 constexpr Bytes enabled{0x4B, 0x41, 0x60, 0, 0x37, 0x06};  // Operation enabled, in two bytes
 constexpr Bytes disabled{0x4B, 0x41, 0x60, 0, 0x40, 0x02};
+constexpr Bytes read_torque{0x40, 0x77, 0x60};
+constexpr Bytes no_torque{0x4B, 0x77, 0x60, 0, 50, 0};
+constexpr Bytes no_such_object{0x80, 0x77, 0x60, 0, 0, 0, 0x02, 0x06};
 
 class ForcedStopSequence : public ::testing::Test {
  protected:
@@ -46,17 +49,21 @@ class ForcedStopSequence : public ::testing::Test {
     requests.push_back(frame.data);
     return frame.data;
   }
+  static Bytes answer_to(const Bytes& request, const Bytes& statusword) {
+    if (request[1] == 0x77) return no_torque;
+    return request[1] == 0x40 ? written : statusword;
+  }
   // A server that answers at once.
   void serve_for(hal::Duration duration, const Bytes& statusword) {
     for (const hal::Time end = now + duration; now < end;) {
-      if (const auto request = step()) answer((*request)[1] == 0x40 ? written : statusword);
+      if (const auto request = step()) answer(answer_to(*request, statusword));
       if (proven) return;
     }
   }
 };
 
 TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   serve_for(50ms, enabled);
   EXPECT_FALSE(proven);
   ASSERT_GE(requests.size(), 20U);
@@ -65,14 +72,14 @@ TEST_F(ForcedStopSequence, WritesTheControlwordAndReadsTheStatuswordInTurn) {
 }
 
 TEST_F(ForcedStopSequence, AnAnswerThatDoesNotComeIsAwaitedForAsLongAsItWasTold) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   for (int i = 0; i < 99; ++i) step();
   constexpr Bytes gives_up{0x80, 0x40, 0x60, 0, 0, 0, 0x04, 0x05};
   EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, gives_up, read_statusword}));
 }
 
 TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   serve_for(47700ms, enabled);
   using Told = std::pair<hal::Duration, NmtCommand>;
   const std::vector<Told> expected{
@@ -85,22 +92,43 @@ TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
   EXPECT_EQ(commands, expected);
 }
 
-TEST_F(ForcedStopSequence, AStatuswordWithoutForceIsTheProof) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+TEST_F(ForcedStopSequence, AStatuswordWithoutForceBesideNoTorqueIsTheProof) {
+  stop.begin(sdo, 50ms, now);
+  serve_for(50ms, disabled);
+  EXPECT_TRUE(proven);
+  EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, read_statusword, read_torque}));
+}
+
+TEST_F(ForcedStopSequence, ADriveThatHasNoTorqueToBeReadIsAskedForItOnceAndBelievedForItsState) {
+  stop.begin(sdo, 50ms, now);
+  step();
+  answer(written);
+  step();
+  answer(disabled);
+  EXPECT_EQ(step(), read_torque);
+  EXPECT_TRUE(stop.reads_torque());
+  answer(no_such_object);
+  step();
+  EXPECT_TRUE(proven);
+  EXPECT_FALSE(stop.reads_torque());
+  requests.clear();
+  stop.resume(sdo, now);
   serve_for(50ms, disabled);
   EXPECT_TRUE(proven);
   EXPECT_EQ(requests, (std::vector<Bytes>{write_controlword, read_statusword}));
+  stop.begin(sdo, 50ms, now);
+  EXPECT_TRUE(stop.reads_torque()) << "it may be another drive";
 }
 
 TEST_F(ForcedStopSequence, AStatuswordOfOneByteIsNoProof) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   serve_for(50ms, {0x4F, 0x41, 0x60, 0, 0x40});
   EXPECT_FALSE(proven);
 }
 
 // The first segment of a longer value would read as a state without force.
 TEST_F(ForcedStopSequence, AReadThatWasAbortedIsNoProof) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   step();
   answer(written);
   step();
@@ -116,17 +144,18 @@ TEST_F(ForcedStopSequence, AReadThatWasAbortedIsNoProof) {
 }
 
 TEST_F(ForcedStopSequence, ADriveThatRefusesTheControlwordIsAskedForItsStateAllTheSame) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   step();
   answer({0x80, 0x40, 0x60});
   EXPECT_EQ(step(), read_statusword);
   answer(disabled);
+  EXPECT_EQ(step(), read_torque);
+  answer(no_torque);
   step();
   EXPECT_TRUE(proven);
 }
 
-// Of a drive that reports torque in a state without force.
-TEST_F(ForcedStopSequence, TorqueIsReadWhereItIsAskedForAndProvesTheStopWhereItIsSmall) {
+TEST_F(ForcedStopSequence, TorqueProvesTheStopWhereItIsSmall) {
   struct Answer {
     Bytes torque;
     bool proves;
@@ -139,12 +168,12 @@ TEST_F(ForcedStopSequence, TorqueIsReadWhereItIsAskedForAndProvesTheStopWhereItI
                                        {{0x4F, 0x77, 0x60, 0, 0}, false}}};
   for (const Answer& given : answers) {
     sdo.cancel();
-    stop.begin(sdo, 50ms, ForcedStop::Proof::state_and_torque, now);
+    stop.begin(sdo, 50ms, now);
     EXPECT_EQ(step(), write_controlword);
     answer(written);
     EXPECT_EQ(step(), read_statusword);
     answer(disabled);
-    EXPECT_EQ(step(), (Bytes{0x40, 0x77, 0x60}));
+    EXPECT_EQ(step(), read_torque);
     answer(given.torque);
     step();
     EXPECT_EQ(proven, given.proves) << int{given.torque[4]} << ' ' << int{given.torque[5]};
@@ -153,19 +182,19 @@ TEST_F(ForcedStopSequence, TorqueIsReadWhereItIsAskedForAndProvesTheStopWhereItI
 
 // Eight axes at 100 Hz: one frame a period is for all of them.
 TEST_F(ForcedStopSequence, AMeansIsNotOverWhileItsRequestsWaitForOthers) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   hal::CanFrame frame;
   for (int turn = 1; turn < 100 && !proven; ++turn) {
     now += 10ms;
     proven = stop.update(sdo, now);
     ASSERT_FALSE(stop.take_command()) << "it obeys";
-    if (turn % 8 == 0 && sdo.next_frame(frame, now)) answer(frame.data[1] == 0x40 ? written : disabled);
+    if (turn % 8 == 0 && sdo.next_frame(frame, now)) answer(answer_to(frame.data, disabled));
   }
   EXPECT_TRUE(proven);
 }
 
 TEST_F(ForcedStopSequence, EachMeansWritesTheControlwordAtOnceToAServerThatIsSilent) {
-  stop.begin(sdo, 10s, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 10s, now);
   EXPECT_EQ(step(), write_controlword);
   while (commands.empty()) step();
   EXPECT_EQ(requests.size(), 1U) << "its answer is awaited";
@@ -177,17 +206,17 @@ TEST_F(ForcedStopSequence, EachMeansWritesTheControlwordAtOnceToAServerThatIsSil
 // It boots without a word, and nothing before showed that it answers slowly.
 TEST_F(ForcedStopSequence, AServerThatTakesLongForAnAnswerIsGivenTheTimeInALaterRound) {
   const std::vector<std::pair<hal::Duration, hal::Duration>> answered_within{
-      {45ms, 200ms}, {290ms, 2303ms + 1500ms}, {1700ms, 6606ms + 5s}, {1900ms, 14909ms + 6s}};
+      {45ms, 200ms}, {290ms, 2303ms + 1500ms}, {1700ms, 6606ms + 6s}, {1900ms, 14909ms + 7s}};
   for (const auto& [delay, limit] : answered_within) {
     sdo.cancel();
-    stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+    stop.begin(sdo, 50ms, now);
     const hal::Time begin = now;
     std::optional<Bytes> late;
     hal::Time due{};
     while (!proven && now - begin < 60s) {
       if (late && now >= due) answer(*std::exchange(late, {}));
       if (const auto request = step()) {
-        late = (*request)[1] == 0x40 ? written : disabled;
+        late = answer_to(*request, disabled);
         due = now + delay;
       }
     }
@@ -198,11 +227,11 @@ TEST_F(ForcedStopSequence, AServerThatTakesLongForAnAnswerIsGivenTheTimeInALater
 }
 
 TEST_F(ForcedStopSequence, BeginsWithTheFirstMeansEveryTime) {
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   serve_for(305ms, enabled);
   ASSERT_EQ(stop.means(), ForcedStop::Means::reset);
   sdo.cancel();
-  stop.begin(sdo, 50ms, ForcedStop::Proof::state, now);
+  stop.begin(sdo, 50ms, now);
   EXPECT_EQ(stop.means(), ForcedStop::Means::controlword);
   const hal::Time again = now;
   commands.clear();
@@ -212,6 +241,43 @@ TEST_F(ForcedStopSequence, BeginsWithTheFirstMeansEveryTime) {
   ASSERT_EQ(commands.size(), 1U);
   EXPECT_EQ(hal::Time{} + commands[0].first, again + 101ms);
   EXPECT_EQ(commands[0].second, NmtCommand::enter_pre_operational);
+}
+
+// What proved it was a statusword that chatters: the time between does not count, and no means begins anew.
+TEST_F(ForcedStopSequence, AStopThatIsResumedGoesOnWithItsMeansAndAfterAResetWithTheNextRound) {
+  stop.begin(sdo, 50ms, now);
+  const auto force_for = [&](hal::Duration duration) {
+    serve_for(duration - 10ms, enabled);
+    serve_for(10ms, disabled);
+    EXPECT_TRUE(proven);
+    proven = false;
+    now += 1s;
+    sdo.cancel();
+    stop.resume(sdo, now);
+    if (const auto command = stop.take_command()) ADD_FAILURE() << "nothing but the controlword";
+  };
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(stop.means(), ForcedStop::Means::controlword);
+    force_for(30ms);
+  }
+  serve_for(50ms, enabled);
+  EXPECT_EQ(stop.means(), ForcedStop::Means::pre_operational);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(stop.means(), ForcedStop::Means::pre_operational);
+    force_for(30ms);
+  }
+  serve_for(100ms, enabled);
+  EXPECT_EQ(stop.means(), ForcedStop::Means::reset);
+  ASSERT_EQ(commands.size(), 2U);
+  force_for(30ms);
+  EXPECT_EQ(stop.means(), ForcedStop::Means::controlword);
+  commands.clear();
+  const hal::Time second_round = now;
+  serve_for(ForcedStop::controlword_time + ForcedStop::pre_operational_time + 2 * ForcedStop::reset_time + 200ms,
+            enabled);
+  ASSERT_EQ(commands.size(), 3U);
+  EXPECT_EQ(hal::Time{} + commands[1].first, second_round + 302ms);
+  EXPECT_EQ(hal::Time{} + commands[2].first, second_round + 302ms + 4s + 102ms);
 }
 
 }  // namespace

@@ -111,6 +111,36 @@ TEST_F(HeldDriveTest, ADriveThatIsHeldAndDoesNotAnswerIsAskedMorePatientlyAndTak
   expect_recovery();
 }
 
+// Each look that shows force after one that did not would begin with the controlword for ever.
+TEST_F(HeldDriveTest, AStatuswordThatChattersKeepsNoDriveFromItsReset) {
+  for (const unsigned per_cent : {1U, 5U, 10U, 20U, 30U, 50U, 90U}) {
+    SCOPED_TRACE(per_cent);
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable_and_go_deaf();
+    node.follows_sdo_controlword = false;
+    if (per_cent < 50)  // what shows no force more often than that is known by its torque only
+      node.refused[ScriptedDrive::key(0x6077, 0)] = SdoAbort::no_such_object;
+    else
+      node.torque = 300;
+    drive.request_stop();
+    node.commands.clear();
+    std::uint32_t random = per_cent;
+    const Time begin = now;
+    while (!was_told(NmtCommand::reset_node)) {
+      ASSERT_LT(now - begin, 5s);
+      random = random * 1664525U + 1013904223U;
+      node.state = (random >> 16) % 100 < per_cent ? State::switch_on_disabled : State::operation_enabled;
+      step();
+      ASSERT_NE(feedback.state, DriveState::configuring) << "a reset would be taken";
+      ASSERT_TRUE(feedback.state == DriveState::stopping || now - begin < 25ms);
+    }
+    node.follows_sdo_controlword = true;
+    node.torque = 0;
+    expect_recovery();
+  }
+}
+
 TEST_F(HeldDriveTest, ADriveThatIsHeldIsForcedAgainWhenSomebodyElseEnablesIt) {
   enable_and_be_forced();
   for (int again = 0; again < 20; ++again) {

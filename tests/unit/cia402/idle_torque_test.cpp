@@ -102,6 +102,57 @@ TEST_F(IdleTorqueTest, TorqueThatStaysAfterAResetIsForceAgainAfterTheSameTime) {
   EXPECT_GE(now - begin, 1s);
 }
 
+// The drive says that it obeys, and no PDO tells it anything.
+TEST_F(IdleTorqueTest, TorqueThatStaysAfterAStopByObjectIsTakenOffByAReset) {
+  enable_and_go_deaf();
+  node.torque = 300;
+  node.commands.clear();
+  drive.request_stop();
+  run_until([&] { return feedback.stop_not_obeyed; }, 30ms);
+  run_until([&] { return was_told(NmtCommand::reset_node); }, 350ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed);
+  EXPECT_EQ(node.state, State::switch_on_disabled);
+  run_for(200ms);
+  EXPECT_TRUE(feedback.stop_not_obeyed || feedback.state == DriveState::stopping) << "a boot-up alone ends no torque";
+  node.torque = 0;
+  expect_recovery();
+}
+
+TEST_F(IdleTorqueTest, TorqueInALookAtADriveThatIsHeldIsForceAtOnce) {
+  for (const Duration held : std::initializer_list<Duration>{7ms, 45ms, 1s}) {
+    SCOPED_TRACE(held.count());
+    enable_and_be_forced();
+    run_for(held);
+    node.written.clear();
+    node.torque = -51;
+    run_until([&] { return feedback.stop_not_obeyed; }, 30ms);
+    EXPECT_EQ(feedback.state, DriveState::stopping);
+    node.commands.clear();
+    run_until([&] { return was_told(NmtCommand::reset_node); }, 350ms);
+    EXPECT_FALSE(node.written.empty());
+    node.torque = -50;
+    expect_recovery();
+  }
+}
+
+TEST_F(IdleTorqueTest, ADriveWithoutTheObjectOfTheTorqueIsAskedForItOnceAStop) {
+  node.refused[ScriptedDrive::key(0x6077, 0)] = SdoAbort::no_such_object;
+  for (int again = 0; again < 2; ++again) {
+    enable_and_go_deaf();
+    drive.request_stop();
+    int asked = 0;
+    for (int i = 0; i < 500; ++i) {
+      step();
+      for (const CanFrame& frame : sent)
+        asked += frame.id == sdo_request_cob_id(node_id) && frame.data[0] == 0x40 && frame.data[1] == 0x77 ? 1 : 0;
+    }
+    EXPECT_EQ(asked, 1);
+    EXPECT_FALSE(feedback.stop_not_obeyed);
+    EXPECT_EQ(feedback.state, DriveState::configuring) << "quiet by its state";
+    expect_recovery();
+  }
+}
+
 // A current measurement has an offset, and what is enabled has its torque for a reason.
 TEST_F(IdleTorqueTest, ALittleTorqueOrOneThatDecaysOrThatOfAnEnabledDriveIsNone) {
   set_up();

@@ -37,6 +37,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -110,7 +111,7 @@ class Drive {
     if (const auto statusword = node_.take_statusword()) on_statusword(*statusword);
     if (was_forced && !node_.forcing_stop()) force_.forget();
     force_.update();
-    if (node_.forcing_stop() && !may_have_force()) node_.end_forced_stop(now);
+    if (!may_have_force() && std::abs(torque_) <= ForcedStop::most_idle_torque) node_.on_quiet_pdo(now);
     watch_samples(now);
     if (node_.ready() && node_.heartbeat_lost() && !may_have_force()) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
@@ -384,7 +385,7 @@ class Drive {
     if (!node_.held() && now - *unwished_since_ <= obeys_within() + quick_stop) return;
     unwished_since_.reset();
     forget_commands();
-    node_.force_stop(force_.torque_stays() ? ForcedStop::Proof::state_and_torque : ForcedStop::Proof::state, now);
+    node_.force_stop(now);
   }
 
   bool may_have_force() const noexcept { return force_.may_have_force(); }

@@ -68,8 +68,9 @@ class DriveNode {
   // twice as long each time, up to the longest.
   static constexpr hal::Duration boot_time = std::chrono::seconds{2};
   static constexpr hal::Duration longest_boot_time = std::chrono::seconds{8};
-  // One that was forced to a stop answers so many looks without force before it counts as quiet: whoever else leads it
-  // may go on.
+  // One that was forced to a stop answers so many looks without force and torque before it counts as quiet: whoever
+  // else leads it may go on. Until then a stop that is forced again goes on with the means that the last one ended
+  // with.
   static constexpr unsigned quiet_looks = 5;
   // A transfer is tried so often, each time with more patience (patience.hpp), before the node counts as gone. A node
   // that needed it is given it from then on.
@@ -114,9 +115,9 @@ class DriveNode {
   // one a call. The master's heartbeat is not among them, because it is one for all its drives.
   bool next_frame(hal::CanFrame& frame, hal::Time now) noexcept;
   // The node was told to stop and is still energised: it is told by ever stronger means.
-  void force_stop(ForcedStop::Proof proof, hal::Time now) noexcept;
-  // The node was seen without force, and is held.
-  void end_forced_stop(hal::Time now) noexcept;
+  void force_stop(hal::Time now) noexcept;
+  // The newest PDO shows a state without force and no torque: where PDOs pass, that proves a forced stop, too.
+  void on_quiet_pdo(hal::Time now) noexcept;
   // The node is waited for and set up as if it were new.
   void set_up_anew(hal::Time now) noexcept;
   // Has the drive take another mode, which it then shows when the node is ready again. Cyclic synchronous torque is
@@ -196,8 +197,8 @@ class DriveNode {
   bool stopped_operating(hal::Time now) noexcept;
   void start_node(hal::Time now) noexcept;
   bool is_looking(hal::Time now) noexcept;
-  void look() noexcept;
-  void on_look(canopen::SdoResult result) noexcept;
+  void look(std::uint16_t index) noexcept;
+  void on_look(canopen::SdoResult result, hal::Time now) noexcept;
   void look_now_and_then(hal::Time now) noexcept;
   void hold(hal::Time now) noexcept;
   void enter_held(hal::Time now) noexcept;
@@ -207,6 +208,7 @@ class DriveNode {
   void on_mode_transfer(canopen::SdoResult result, hal::Time now) noexcept;
   void watch(hal::Time now) noexcept;
   void update_forced_stop(hal::Time now) noexcept;
+  void end_forced_stop(hal::Time now) noexcept;
   void enter(SetupPhase phase, hal::Time now) noexcept;
   void drop_transfer() noexcept;
   void refuse(SetupStatus status) noexcept;
@@ -255,6 +257,7 @@ class DriveNode {
   bool answers_ = false;             // by SDO, after that command
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
+  bool looks_at_torque_ = false;            // in the running look
   bool restarts_ = false;                   // in `starting`
   bool write_taken_ = false;                // the last one of the plan
   bool forced_while_operational_ = false;   // the forced stop began while PDOs passed

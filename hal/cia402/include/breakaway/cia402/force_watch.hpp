@@ -40,7 +40,6 @@ class ForceWatch {
   }
 
   bool may_have_force() const noexcept { return may_have_force_; }  // in this period
-  bool torque_stays() const noexcept { return torque_stays_; }      // in a state without force
 
  private:
   void forget_torque() noexcept {

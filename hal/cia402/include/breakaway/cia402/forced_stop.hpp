@@ -8,9 +8,9 @@
 //   pre_operational  NMT Enter Pre-operational ends the PDOs, and 6040h is written again
 //   reset            NMT Reset node; what boots anew has no force
 //
-// All the while 6041h is read after each write. A statusword that shows a state without force is the proof that the
-// stop is obeyed; so is a boot-up, which the owner sees. Of a drive whose state says nothing, because it reports torque
-// all the same, 6077h must show none either. While a request waits for others to be sent, the time stands still.
+// All the while 6041h is read after each write. The proof that the stop is obeyed is a statusword that shows a state
+// without force, and then a 6077h that shows no torque; so is a boot-up, which the owner sees. A drive without 6077h is
+// believed for its state. While a request waits for others to be sent, the time stands still.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,6 @@ namespace breakaway::cia402 {
 class ForcedStop {
  public:
   enum class Means : std::uint8_t { controlword, pre_operational, reset };
-  enum class Proof : std::uint8_t { state, state_and_torque };
 
   static constexpr hal::Duration controlword_time = std::chrono::milliseconds{100};
   static constexpr hal::Duration pre_operational_time = std::chrono::milliseconds{200};
@@ -40,30 +39,38 @@ class ForcedStop {
 
   // Begins with the first means. The transfers are made by the node's SDO client, which must be free; in the first
   // round each has the patience (> 0), in each further one more (patience.hpp).
-  void begin(canopen::SdoClient& sdo, hal::Duration patience, Proof proof, hal::Time now) noexcept;
+  void begin(canopen::SdoClient& sdo, hal::Duration patience, hal::Time now) noexcept;
+  // Goes on where it ended, because what proved the stop was not so. After a reset the next round begins.
+  void resume(canopen::SdoClient& sdo, hal::Time now) noexcept;
   // Once a period. Returns true when the proof was read.
   bool update(canopen::SdoClient& sdo, hal::Time now) noexcept;
   // The NMT command that is to be sent now, if one is; given once.
   std::optional<canopen::NmtCommand> take_command() noexcept;
 
   Means means() const noexcept { return means_; }
+  // Whether 6077h is to be read beside a state without force; not of a drive that said since begin() that it has none.
+  bool reads_torque() const noexcept { return reads_torque_; }
+  // Returns true where the read that ended so was refused, and would be again.
+  static bool is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept;
+  // Returns true where the read of 6077h that ended so shows no torque, or can show none.
+  bool shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept;
 
  private:
   enum class Transfer : std::uint8_t { none, write_controlword, read_statusword, read_torque };
 
-  bool is_proven(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept;
-  Transfer after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) const noexcept;
+  Transfer after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) noexcept;
   void escalate(canopen::SdoClient& sdo, hal::Time now) noexcept;
   void start(canopen::SdoClient& sdo, Transfer transfer) noexcept;
   hal::Duration time_of(Means means) const noexcept;
 
   Means means_ = Means::controlword;
-  Proof proof_ = Proof::state;
   hal::Time since_{};  // of this means
   hal::Time last_{};   // update
   hal::Duration patience_{};
   hal::Duration reset_time_ = reset_time;  // in this round
   Transfer transfer_ = Transfer::none;
+  bool reads_torque_ = true;
+  bool quiet_ = false;  // by the newest answers
   std::optional<canopen::NmtCommand> command_;
 };
 
