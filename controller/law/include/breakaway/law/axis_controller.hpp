@@ -101,7 +101,7 @@ class AxisController {
 
   // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
   // bound cannot break the axis away: then it ends up jammed, by name.
-  void limit_force(Scalar force_N) noexcept {
+  [[gnu::cold]] void limit_force(Scalar force_N) noexcept {
     const Scalar left_N = std::max(force_N - (p_.total_force_N() - p_.max_force_N), Scalar{0});
     if (!(left_N < p_.max_force_N)) return;
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);

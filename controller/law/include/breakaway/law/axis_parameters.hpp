@@ -119,7 +119,7 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
 
 // The first rule that the parameters break. Written so that a NaN breaks the rule that it stands in.
 template <class Scalar>
-constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
+[[gnu::cold]] constexpr ParameterError validate(const AxisParameters<Scalar>& p) noexcept {
   constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
   const auto positive = [](Scalar value) { return value > 0 && value < infinity; };
   const auto not_negative = [](Scalar value) { return value >= 0 && value < infinity; };

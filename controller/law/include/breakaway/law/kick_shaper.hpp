@@ -74,7 +74,7 @@ class KickShaper {
 
   // Unit net force on the free axis under the sampled feedback u_j = -k1 x_(j-L) - k22 v_(j-L), v the estimated
   // velocity.
-  void respond(Scalar velocity_weight) noexcept {
+  [[gnu::cold]] void respond(Scalar velocity_weight) noexcept {
     const Scalar T = p_.period_s;
     std::array<Scalar, max_periods + 1> feedback{};  // computed from the sample of period j
     Scalar x = 0, v = 0, estimate = 0;
