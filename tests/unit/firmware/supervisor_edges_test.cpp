@@ -234,8 +234,7 @@ TEST(SupervisorEdges, CountsTheTimeWithoutMotionFromTheStart) {
 }
 
 TEST(SupervisorEdges, AConstantForceOnTheAxisTakesUpItsShareOfTheDrives) {
-  const AxisModel<float> model{
-      .mass_kg = 1, .breakaway_N = 4.5F, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
+  const AxisModel<float> model{.mass_kg = 1, .breakaway_N = 4.5F, .feedforward_N = 10, .encoder_resolution_m = 1e-6F};
   for (const float held_N : {14.0F, 6.0F}) {
     Watched axis{no_limits(), model};
     EXPECT_EQ(axis.samples_until_fault(held_N, 200), 200);
