@@ -231,7 +231,10 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     given_N.push_back(axis.given_N() - static_cast<double>(p.feedforward_N));
     if (disturber.loses_sample()) samples.back().reset();
     pass(now_s + delay.force_s);
-    while (samples.size() > static_cast<std::size_t>(latency_periods) + 1) samples.pop_front(), given_N.pop_front();
+    while (samples.size() > static_cast<std::size_t>(latency_periods) + 1) {
+      samples.pop_front();
+      given_N.pop_front();
+    }
     if (now_s >= retarget.at_s) {
       target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
       controller.shift_target(static_cast<Real>(target_m));

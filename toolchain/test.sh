@@ -92,7 +92,7 @@ long_computations='^(Accuracy|Conditions|EquilibriumSet|MethodChoice|PdSynthesis
 long_computations+='|^Command[.](LeadsFromAnExperiment|TunesAnAxis|ReadsStandardInputWhere|WritesTheSameJsonTwice)'
 
 # What a change is checked with, and what --long adds.
-input_only=ON not_run='^long$' untidied='/asan-ubsan/(controller/stability|firmware/examples|sim/(motion/hybrid|sil|study|report|watch|cli))/'
+input_only=ON not_run='^long$' untidied='/asan-ubsan/(controller/stability|sim/(motion/hybrid|sil|study|report|watch|cli))/'
 if $long; then
   input_only=OFF not_run='^$' untidied='^$'
 fi

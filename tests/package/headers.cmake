@@ -22,7 +22,7 @@ function(public_headers leaf result)
   set(${result} "${headers}" PARENT_SCOPE)
 endfunction()
 
-# What is flashed is compiled whole. The other headers take seconds each; of these every fourth is, and the rest labelled `long`.
+# All headers of what is flashed are compiled. The others take seconds each: every fourth is, and the rest labelled `long`.
 get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
 set(counted 0)
 foreach(leaf IN LISTS leaves)

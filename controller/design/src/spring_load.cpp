@@ -55,15 +55,15 @@ double SpringLoad::unseen_m(double load_N) const {
 // While the load seems to stand, its friction B2 balances the spring: that bends by 2 B2 / K at most, and the motor
 // goes no further, though it may come from the other end. While the motor seems to stand, the load swings by at most
 // what the drive's force bends. The force acts for the time of that: with the turn of the swing, and a start to the
-// wrong side, a rigid axis would have gone four times as far. The axis may be lighter than told, or its drive stronger.
+// wrong side, a rigid axis would have gone four times as far; and further, as told, where the axis is heavier than told
+// or its drive weaker.
 double lost_motion_m(const BrakedClass& axes) {
   if (!axes.spring_load) return 0;
   const SpringLoad& load = *axes.spring_load;
   const double bent_m =
       (load.encoder_on_load ? 2 * load.load_friction.upper_N : axes.force_gain.most * axes.max_force_N) /
       load.stiffness_N_per_m;
-  const double told_kg = (axes.mass_kg.least + axes.mass_kg.most) / 2;
-  return 4 * (bent_m + load.gap_m) * std::max(axes.mass_kg.most / told_kg / axes.force_gain.least, 1.0);
+  return 4 * (bent_m + load.gap_m) * Sprung::heavier(axes) / axes.force_gain.least;
 }
 
 double sprung_m(const BrakedClass& axes, double brake_N, double force_N, int periods) {

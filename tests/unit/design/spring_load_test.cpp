@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
 
 #include "../../two_mass_axis.hpp"
 #include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/firmware/motion_under_force.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -67,6 +70,53 @@ TEST(SpringLoad, AddsNothingWhereThereIsNone) {
   EXPECT_EQ(sprung_m(axes_of_the_scenes(0), 2.25, 50, 1), 0);
   EXPECT_GT(sprung_m(sprung_axes(1e6), 2.25, 50, 1), 0);
   EXPECT_EQ(sprung_rest_s(axes_of_the_scenes(0), 2.25), 0);
+}
+
+// A drive that pushed the other way, or rested, until the swings were of any phase, pushes as hard as it may or hardly
+// harder than friction: the watch of the node never takes the side that is read for one that is held.
+TEST(SpringLoad, TakesUpNoMoreMotionThanIsStatedHoweverItSwings) {
+  std::mt19937_64 bits{1};
+  const auto between = [&](double low, double high) { return std::uniform_real_distribution{low, high}(bits); };
+  for (int run = 0; run < 600; ++run) {
+    BrakedClass c = axes_of_the_scenes(0);
+    c.mass_kg = {0.85, 1.15}, c.force_gain = {0.85, 1.15};
+    const double motor_kg = between(0.05, 0.95), B1 = between(0.3, 4.2), B2 = 4.5 - B1;
+    c.spring_load =
+        SpringLoad{motor_kg, 1 - motor_kg, std::pow(10, between(2, 5)), {B1 / 2, B1}, {B2 / 2, B2}, run % 2 == 1};
+    c.spring_load->gap_m = run % 3 == 0 ? between(0, 1e-3) : 0;
+    const double heavier = run % 5 == 0 ? 1.15 : between(0.85, 1.15), gain = run % 5 == 0 ? 0.85 : between(0.85, 1.15);
+    SpringLoad truth = *c.spring_load;
+    truth.motor_kg *= heavier, truth.load_kg *= heavier;
+    const auto level = [](double N) { return [=](const Moment&) { return N; }; };
+    TwoMassAxis axis{truth, between(0, 0.02), {.mass_kg = heavier, .force_gain = gain}, {level(B1), level(B2)}, 0};
+    const double swing_s = 1 / truth.resonance_Hz(), period_s = swing_s / 200;
+    const double breakaway_N = (B1 + B2) / c.force_gain.least;
+    const double force_N = run % 4 < 2 ? c.max_force_N : breakaway_N * between(1.01, 2);
+    const double before_s = swing_s * between(0, 3);
+    for (double t = 0; t < before_s; t += period_s) axis.run(run % 7 == 0 ? 0 : -force_N, period_s, 1);
+    firmware::MotionUnderForce<double> motion{1, breakaway_N, 1e-9, lost_motion_m(c)};
+    double seen_m = std::round(axis.position_m() / 1e-9);
+    for (double t = 0; t < 6 * swing_s; t += period_s) {
+      axis.run(force_N, period_s, 1);
+      const double now_m = std::round(axis.position_m() / 1e-9);
+      motion.sample(now_m - std::exchange(seen_m, now_m), axis.given_N(), period_s);
+      ASSERT_FALSE(motion.missing()) << "run " << run << " after " << t / swing_s << " swings";
+    }
+  }
+}
+
+// Of an encoder that stands, full force tells within a swing and a half, where the masses are alike.
+TEST(SpringLoad, HidesABrokenEncoderForLittleMoreThanASwing) {
+  for (const bool encoder_on_load : {false, true}) {
+    for (const double stiffness : {1e2, 1e4}) {
+      const BrakedClass c = sprung_axes(stiffness, encoder_on_load);
+      firmware::MotionUnderForce<double> motion{1, 4.5, 1e-9, lost_motion_m(c)};
+      double time_s = 0;
+      for (; !motion.missing() && time_s < 10; time_s += 1e-3) motion.sample(0, c.max_force_N, 1e-3);
+      EXPECT_LE(time_s, std::max(0.011, 1.5 / c.spring_load->resonance_Hz())) << stiffness;
+    }
+  }
+  EXPECT_EQ(lost_motion_m(axes_of_the_scenes(0)), 0);
 }
 
 // The side that the encoder does not see swings on, for half a swing and for what the friction of the other may drive.
