@@ -36,6 +36,7 @@ class KickTableBuilder {
 
   // from_m: the least distance that a kick is wanted for.
   void build(double from_m) {
+    from_m_ = from_m;
     if (kicks_.listed())
       list(from_m);
     else
@@ -248,7 +249,8 @@ class KickTableBuilder {
     }
   }
 
-  // Between two samples the distance is at most that of the upper one, and the travel at least that of the lower one.
+  // In the cell that ends the range its end is looked for more finely: where cells lie follows from the unit of length,
+  // and the floor must not.
   Interval range_of_curve() const {
     const double end = root_at(table_.first + static_cast<std::uint32_t>(table_.count));
     double from = end;
@@ -256,12 +258,26 @@ class KickTableBuilder {
       const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
       const double right = root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
       for (int j = samples; j-- > 0;) {
-        const double s = left + (right - left) * j / samples, next = left + (right - left) * (j + 1) / samples;
-        if (!(pulse(s * s).least_m >= least_share * next * next)) return {from * from, end * end};
-        from = s;
+        const double s = left + (right - left) * j / samples;
+        from = take_their_share(s, from) ? s : share_taken_from(s, from);
+        if (from > s) return {from * from, end * end};
       }
     }
-    return {from * from, end * end};
+    return {std::max(from * from, from_m_), end * end};
+  }
+  double share_taken_from(double left, double right) const {
+    double from = right;
+    for (int j = samples; j-- > 0;) {
+      const double s = left + (right - left) * j / samples;
+      if (!take_their_share(s, from)) break;
+      from = s;
+    }
+    return from;
+  }
+  // Of kicks from between two roots the distance is at most that of the upper one, and the travel at least that of the
+  // lower one.
+  bool take_their_share(double lower, double upper) const {
+    return pulse(lower * lower).least_m >= least_share * upper * upper;
   }
 
   // A list
@@ -346,6 +362,7 @@ class KickTableBuilder {
   const KickClass& kicks_;
   std::array<Longest, longest_pulse_periods + 1> longest_{};
   Table table_{};
+  double from_m_ = 0;
   double aim_lost_ = 0;
 };
 

@@ -180,6 +180,24 @@ TEST(BrakedKicks, ScaleExactlyWithForceAndMass) {
   }
 }
 
+// The places of a table are those of single digits of the root of a distance in metres. Where they lie between two
+// lengths of an axis must not show in what is certified of it.
+TEST(BrakedKicks, HaveTheSameFloorInEveryUnitOfLength) {
+  for (const double encoder_resolution_m : {1e-9, 1e-5}) {  // below the least pulse, and above it
+    BrakedClass asked = example(1e-3, 2e-4, 0.05);
+    asked.encoder_resolution_m = encoder_resolution_m;
+    const double floor_m = design_braked_kicks<float>(asked).floor_m;
+    for (double length = 1.1; length < 4; length *= 1.1) {
+      BrakedClass c = asked;
+      c.friction = {asked.friction.lower_N * length, asked.friction.upper_N * length};
+      c.max_force_N *= length;
+      c.force_step_N *= length;
+      c.encoder_resolution_m *= length;
+      EXPECT_NEAR(design_braked_kicks<float>(c).floor_m / length, floor_m, 1e-3 * floor_m) << length;
+    }
+  }
+}
+
 TEST(BrakedKicks, ArePossibleOnlyWherePulseAndBrakeAre) {
   EXPECT_TRUE(design_braked_kicks<float>(example()).possible());
   BrakedClass weak = example();
