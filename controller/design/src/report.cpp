@@ -22,7 +22,6 @@ namespace breakaway::design {
 namespace {
 
 using detail::below;
-using detail::brief;
 using detail::Equality;
 using detail::error_at_rest_m;
 using detail::range;

@@ -8,6 +8,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "read_drive.hpp"
 #include "read_odrive.hpp"
 #include "read_told.hpp"
@@ -228,11 +229,11 @@ void check_counted(const Section& section, const Axis& axis) {
 // What a lawful motion needs must not stop the axis.
 void check_limits(const Section& section, const Axis& axis, const Node& node) {
   const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
-    if (!holds)
-      section.fail(key,
-                   fmt::format("is {:g}, below {} = {:g}, which the controller may use; raise the one or lower the "
-                               "other",
-                               limit, what, least));
+    if (holds) return;
+    const auto [limit_text, least_text] = compared(limit, least);
+    section.fail(key,
+                 fmt::format("is {}, below {} = {}, which the controller may use; raise the one or lower the other",
+                             limit_text, what, least_text));
   };
   check_counted(section, axis);
   const Limits& l = axis.limits;
@@ -255,13 +256,17 @@ void check_limits(const Section& section, const Axis& axis, const Node& node) {
 void check_move(const Section& section, const Axis& axis) {
   const Move& move = *axis.move;
   constexpr double margin = 1.01;  // of the speed, which the supervisor takes from two readings
-  if (axis.limits.speed_m_s < margin * move.speed_m_s)
-    section.fail("speed_m_s", fmt::format("is {:g}, and [limits] speed_m_s is {:g}, less than 1 % above; raise that",
-                                          move.speed_m_s, axis.limits.speed_m_s));
+  if (axis.limits.speed_m_s < margin * move.speed_m_s) {
+    const auto [asked, limit] = compared(move.speed_m_s, axis.limits.speed_m_s);
+    section.fail("speed_m_s",
+                 fmt::format("is {}, and [limits] speed_m_s is {}, less than 1 % above; raise that", asked, limit));
+  }
   const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
-  if (move.distance_m > room_m)
-    section.fail("distance_m", fmt::format("is {:g}, more than the {:g} m between the [limits] of position; lower it",
-                                           move.distance_m, room_m));
+  if (move.distance_m > room_m) {
+    const auto [asked, room] = compared(move.distance_m, room_m);
+    section.fail("distance_m",
+                 fmt::format("is {}, more than the {} m between the [limits] of position; lower it", asked, room));
+  }
 }
 
 void check_targets(const Section& section, const Axis& axis) {
@@ -288,9 +293,10 @@ void check_force(const Section& section, const Axis& axis) {
   if (!axis.drive || axis.controller.max_force_N == unlimited) return;
   const double given_N = axis.drive->max_force_N();
   if (axis.controller.max_force_N <= given_N * (1 + 1e-12)) return;
-  section.fail("max_force_N", fmt::format("is {}, but the [drive] gives {:.6g} N at most: lower it, or give the drive "
-                                          "more torque",
-                                          axis.controller.max_force_N, given_N));
+  const auto [asked, given] = compared(axis.controller.max_force_N, given_N);
+  section.fail("max_force_N", fmt::format("is {}, but the [drive] gives {} N at most: lower it, or give the drive more "
+                                          "torque",
+                                          asked, given));
 }
 
 // What is given against a known force is not there for the law.

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../../../controller/design/src/check.hpp"
 #include "../refusal.hpp"
 
 namespace {
@@ -87,6 +88,24 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
     EXPECT_EQ(report.reasons[0].find(c.check), 0U) << report.reasons[0];
     EXPECT_NE(report.reasons[0].find(c.remedy), std::string::npos) << report.reasons[0];
   }
+}
+
+std::string reason_of(double value, double limit, detail::Equality equality = detail::Equality::fails) {
+  return detail::below("a_check", "a source", value, limit, "one against the other", "change it", equality).reason;
+}
+
+TEST(CheckReason, ShowsByHowLittleANumberFails) {
+  EXPECT_EQ(reason_of(0.03814699, 0.038146972), "one against the other: 0.03814699 is not below 0.03814697; change it");
+}
+
+TEST(CheckReason, SaysInWordsThatNothingFiniteIsEnough) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(reason_of(infinite, 128, detail::Equality::holds),
+            "one against the other: no finite number suffices, and it must be at most 128; change it");
+}
+
+TEST(CheckReason, ShowsNoDigitsThatARoundingMadeOfACheckThatHolds) {
+  EXPECT_EQ(reason_of(0.1 + 0.2, 0.3, detail::Equality::holds), "one against the other: 0.3 is at most 0.3");
 }
 
 // (17) and (18) are sufficient only: between (18) and the exact threshold the axis is still certified.
@@ -384,7 +403,8 @@ TEST(DesignReport, NamesACurrentLoopThatIsTooSlowForAnyCut) {
   axis.braked->lag_s = {1, 1};
   const DesignReport report = design_axis(axis);
   ASSERT_FALSE(report.certified);
-  EXPECT_TRUE(report.reasons.front().starts_with("pulse_breaks_away: the least sure pulse against max_force_N: inf"))
+  EXPECT_TRUE(report.reasons.front().starts_with(
+      "pulse_breaks_away: the least sure pulse against max_force_N: no finite number"))
       << report.reasons.front();
   EXPECT_NE(report.reasons.front().find("a faster current loop"), std::string::npos) << report.reasons.front();
 }

@@ -36,6 +36,19 @@ TEST(EditDistance, CountsLettersThatAreLeftOutAddedOrReplaced) {
   EXPECT_EQ(edit_distance("period", "friction"), 6U);
 }
 
+TEST(Numbers, ThatAreComparedDifferInTheirTextsAsSoonAsTheyDiffer) {
+  const auto texts = [](double value, double limit) {
+    const auto [value_text, limit_text] = compared(value, limit);
+    return value_text + " " + limit_text;
+  };
+  EXPECT_EQ(texts(4.5, 4), "4.5 4");
+  EXPECT_EQ(texts(1.0 / 3, 0.25), "0.333333 0.25") << "six digits are enough";
+  EXPECT_EQ(texts(0.03814699, 0.038146972), "0.03814699 0.03814697");
+  EXPECT_EQ(texts(3681.0000001, 3681), "3681.0000001 3681");
+  EXPECT_EQ(texts(1, std::nextafter(1.0, 2.0)), "1 1.0000000000000002");
+  EXPECT_EQ(texts(1.0 / 3, 1.0 / 3), "0.333333 0.333333");
+}
+
 TEST(Numbers, ThatAreNotFiniteOrTooSmallAreRefusedByName) {
   for (const double bad : {-1.0, 0.0, HUGE_VAL, std::nan("")})
     EXPECT_EQ(refusal([&] { require_positive("a", bad); }), "a is " + to_text(bad) + "; give a finite number above 0");
