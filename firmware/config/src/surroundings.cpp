@@ -13,6 +13,7 @@
 #include "breakaway/config/certificate_keys.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/design/braked_kicks.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/odrive/polled_timing.hpp"
 
 namespace breakaway::config {
@@ -125,10 +126,9 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
   if (key == "force_N") to.force_N = section.number_at(key).value_or(0);
   if (key == "cogging") to.cogging_N = nested_magnitude(section, key, "amplitude_N");
   if (key == "ripple") to.ripple = nested_magnitude(section, key, "share");
-  if (key == "presliding") {
-    to.presliding_stiffness_N_per_m = nested_magnitude(section, key, "stiffness_N_per_m");
-    to.presliding_damping_Ns_per_m = nested_magnitude(section, key, "damping_Ns_per_m");
-  }
+  if (key == "presliding")
+    section.read_alone(
+        required(key, config::table([&](const Section& presliding) { to.bristles = read_presliding(presliding); })));
   if (key == "load")
     section.read_alone(required(key, config::table([&](const Section& load) { to.load = read_load(load); })));
   if (key == "backlash")
@@ -307,7 +307,7 @@ class Outside {
   }
 
   void presliding() {
-    const double stiffness = axis_.surroundings.presliding_stiffness_N_per_m;
+    const double stiffness = axis_.surroundings.bristles.stiffness_N_per_m;
     const double told = axis_.friction.presliding_stiffness_N_per_m;
     if (stiffness == 0) return;
     if (told == 0) {
@@ -317,15 +317,19 @@ class Outside {
           stiffness);
       return;
     }
-    if (stiffness < told * (1 - rounding))
-      add("[plant] presliding: stiffness_N_per_m = {:.6g} is below [friction] presliding_stiffness_N_per_m = {:.6g}; "
-          "lower that",
-          stiffness, told);
+    if (stiffness < told * (1 - rounding)) {
+      const auto [true_text, told_text] = compared(stiffness, told);
+      add("[plant] presliding: stiffness_N_per_m = {} is below [friction] presliding_stiffness_N_per_m = {}; lower "
+          "that",
+          true_text, told_text);
+    }
     const double critical = 2 * std::sqrt(stiffness * truth_of(axis_).mass_kg);
-    if (axis_.surroundings.presliding_damping_Ns_per_m > critical * (1 + rounding))
-      add("[plant] presliding: damping_Ns_per_m = {:.6g} is above 2 sqrt(stiffness mass) = {:.6g}, so that friction "
-          "exceeds its bounds while it bends; simulate it, or lower that",
-          axis_.surroundings.presliding_damping_Ns_per_m, critical);
+    if (axis_.surroundings.bristles.damping_Ns_per_m > critical * (1 + rounding)) {
+      const auto [damping_text, critical_text] = compared(axis_.surroundings.bristles.damping_Ns_per_m, critical);
+      add("[plant] presliding: damping_Ns_per_m = {} is above 2 sqrt(stiffness mass) = {}, so that friction exceeds "
+          "its bounds while it bends; simulate it, or lower that",
+          damping_text, critical_text);
+    }
   }
 
   // That `truth` is within what the controller is told; u: relative, either way.
@@ -417,6 +421,20 @@ class Outside {
 };
 
 }  // namespace
+
+Bristles read_presliding(const Section& presliding) {
+  Bristles bristles;
+  bool dahl = false;
+  presliding.read({
+      required("stiffness_N_per_m", number(bristles.stiffness_N_per_m, "N/m", spring)),
+      optional("damping_Ns_per_m", number(bristles.damping_Ns_per_m, "N s/m", damping)),
+      optional("model", choice(dahl, {{"lugre", false}, {"dahl", true}})),
+  });
+  if (dahl && bristles.damping_Ns_per_m != 0)
+    presliding.fail("damping_Ns_per_m",
+                    "stands beside model = \"dahl\", which has none; leave it out or take \"lugre\"");
+  return bristles;
+}
 
 void require_load_friction(const Section& load, double lower_N, double upper_N) {
   const bool lower = lower_N > 0, upper = upper_N > 0;

@@ -20,15 +20,9 @@ Key phase(model::PositionSine& sine) { return optional("phase_rad", number(sine.
 }  // namespace
 
 void read_presliding(const Section& section, AxisWorld& world) {
-  model::Presliding& presliding = world.plant.presliding.emplace();
-  bool dahl = false;
-  section.read({
-      required("stiffness_N_per_m", number(presliding.stiffness_N_per_m, "N/m", spring)),
-      optional("damping_Ns_per_m", number(presliding.damping_Ns_per_m, "N s/m", damping)),
-      optional("model", choice(dahl, {{"lugre", false}, {"dahl", true}})),
-  });
-  if (dahl && presliding.damping_Ns_per_m != 0)
-    section.fail("damping_Ns_per_m", "stands beside model = \"dahl\", which has none; leave it out or take \"lugre\"");
+  const Bristles bristles = config::read_presliding(section);
+  world.plant.presliding = {.stiffness_N_per_m = bristles.stiffness_N_per_m,
+                            .damping_Ns_per_m = bristles.damping_Ns_per_m};
 }
 
 void read_load(const Section& section, AxisWorld& world) {

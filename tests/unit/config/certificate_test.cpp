@@ -62,6 +62,17 @@ TEST(Certificate, TakesInFrictionThatBendsWhereItIsToldHowStiffItIsAtLeast) {
                  "damping_Ns_per_m = 6400 is above");
 }
 
+// What is certified must be what `simulate` and `study` run: one reader refuses it for all of them.
+TEST(Certificate, RefusesBristlesThatTheSimulationRefusesInTheSameWords) {
+  for (const char* bristles : {"stiffness_N_per_m = 1e7, damping_Ns_per_m = 1, model = \"dahl\"",
+                               "stiffness_N_per_m = 2e10", "stiffness_N_per_m = 1e7, width_m = 1"}) {
+    const std::string text = bending("1e7", joined({"presliding = { ", bristles, " }"}));
+    const std::string of_design = refusal([&] { parse_node(text, "axis.toml"); });
+    EXPECT_NE(of_design.find("[plant.presliding]"), std::string::npos) << bristles << ": " << of_design;
+    EXPECT_EQ(of_design, refusal([&] { scenario::parse_scenario(text, "axis.toml"); }));
+  }
+}
+
 TEST(Certificate, NamesWhatIsSimulatedButNotCertifiedOfFrictionThatBends) {
   expect_refused(bending("6e4"), "bending_is_few_counts");
   const std::string lag = "current_loop_time_constant_s = ";

@@ -169,13 +169,19 @@ struct Truth {
   double force_per_torque_N_per_Nm = 1;
 };
 
+// Of friction that bends before it slides; 0: it holds at once.
+struct Bristles {
+  double stiffness_N_per_m = 0;
+  double damping_Ns_per_m = 0;
+};
+
 // What the file says of the world of an axis, as far as its certificate must know it. A node is not told of it.
 struct Surroundings {
   double force_N = 0;    // constant, on the axis beside the drive's force and friction
   double cogging_N = 0;  // the most of it
   double ripple = 0;     // share of the drive's force by which it varies along the travel
-  double presliding_stiffness_N_per_m = 0, presliding_damping_Ns_per_m = 0;  // of bristles; 0: there are none
-  double gap_m = 0;                                                          // of a backlash between motor and load
+  Bristles bristles{};
+  double gap_m = 0;             // of a backlash between motor and load
   double drift = 0;             // share of itself by which friction swells and falls
   double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
   double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square

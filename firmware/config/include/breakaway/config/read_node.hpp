@@ -48,6 +48,10 @@ Node read_node(const toml::table& document, const std::string& name, const FileR
 // Throws InputError unless [plant.load] has both bounds of its friction, in order, or neither and no law of it.
 void require_load_friction(const Section& load, double lower_N, double upper_N);
 
+// [plant.presliding], for certificate and simulation. Throws InputError as read_node() does, and where the law of Dahl
+// is asked for with damping, which it does not have.
+Bristles read_presliding(const Section& presliding);
+
 // Throws InputError with the figures, and the least period that would do, when the axes do not fit the bus. A node
 // without [loop] or bus fits.
 void require_fitting_bus(const Node& node);
