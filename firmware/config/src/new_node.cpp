@@ -12,15 +12,19 @@
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/drive_config.hpp"
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/config/rounding.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 
 namespace breakaway::config {
 namespace {
 
 constexpr std::string_view name = "the new file";
 constexpr std::uint32_t bit_rate = 1'000'000;
+constexpr double most_speed_m_s = 1e12;  // that a file may state
 
 // What the file is given beside what is known.
 struct Chosen {
@@ -109,16 +113,18 @@ void require_rate(const KnownAxis& known) {
 
 void require_strong_enough(const KnownAxis& known) {
   if (known.max_force_N > known.friction_upper_N) return;
+  const auto [force, friction] = compared(known.max_force_N, known.friction_upper_N);
   throw InputError{
-      fmt::format("the force, {:g} N, does not exceed the upper bound of friction, {:g} N, so that "
+      fmt::format("the force, {} N, does not exceed the upper bound of friction, {} N, so that "
                   "nothing would move; take a stronger drive or a gear",
-                  known.max_force_N, known.friction_upper_N)};
+                  force, friction)};
 }
 
 void require_ordered(const KnownAxis& known) {
   if (known.friction_lower_N < known.friction_upper_N) return;
-  throw InputError{fmt::format("the bounds of friction are {:g} and {:g} N; the lower one must be below the upper",
-                               known.friction_lower_N, known.friction_upper_N)};
+  const auto [lower, upper] = compared(known.friction_lower_N, known.friction_upper_N);
+  throw InputError{
+      fmt::format("the bounds of friction are {} and {} N; the lower one must be below the upper", lower, upper)};
 }
 
 // The drive's force as it is written, of so many digits, and the force of a newton metre of its motor: torques are
@@ -140,6 +146,24 @@ WrittenForce written(double force_N) {
 // The greatest speed of the longest move, half of it with all force and half braking.
 double greatest_speed_m_s(const KnownAxis& known) {
   return std::sqrt(known.longest_move_m * (known.max_force_N - known.friction_upper_N) / known.mass_kg);
+}
+
+void require_allowed(const KnownAxis& known, double speed_m_s) {
+  if (2 * speed_m_s < most_speed_m_s) return;
+  throw InputError{
+      fmt::format("the force, {:g} N, would give the mass, {:g} kg, a speed of {:.2g} m/s; check their units",
+                  known.max_force_N, known.mass_kg, speed_m_s)};
+}
+
+// That an approach must be allowed, however little of it a short move or a weak drive lets the axis reach.
+double approach_speed_m_s(const KnownAxis& known, const Node& node) {
+  const double reached_m_s = greatest_speed_m_s(known);
+  const design::BrakedClass axes = braked_class(node, node.axes.front());
+  const auto design = design::design_braked_kicks<float>(axes);
+  if (!design.possible()) return rounded_up(reached_m_s, 2);
+  const double least_m_s = design::least_approach_speed_m_s(axes, design);
+  require_allowed(known, std::max({reached_m_s, least_m_s, design.peak_speed_m_s}));
+  return rounded_up(std::max(reached_m_s, least_m_s), 2);
 }
 
 std::string file_text(const KnownAxis& known, const Chosen& chosen) {
@@ -241,11 +265,13 @@ void require_possible_so_far(const KnownAxis& known) {
 NewNode new_node(const KnownAxis& known) {
   for (const NumberRange& range : number_ranges) require_in_range(range, known.*range.number);
   require_possible_so_far(known);
-  const double speed_m_s = rounded_up(greatest_speed_m_s(known), 2), half_count_m = known.encoder_resolution_m / 2;
+  const double half_count_m = known.encoder_resolution_m / 2;
   // What the design says of a tolerance that is surely wide enough is enough to choose all numbers.
   const double wide_m = known.longest_move_m;
   const double counted_m = 0.49 * 0x1p31 * known.encoder_resolution_m;
-  Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, speed_m_s, 1e6, 1, std::min(1e9, counted_m)};
+  const double reached_m_s = rounded_up(greatest_speed_m_s(known), 2);
+  Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, reached_m_s, most_speed_m_s, 1, std::min(1e9, counted_m)};
+  chosen.approach_speed_m_s = approach_speed_m_s(known, parse_node(file_text(known, chosen), std::string{name}));
   const NewNode first = examined(known, chosen);
   require_certified(first);
   const design::BrakedPromise& wide = *first.report.braked;
@@ -253,11 +279,11 @@ NewNode new_node(const KnownAxis& known) {
   require_counted(known, chosen.travel_m);
   chosen.tolerance_m = rounded_up(wide.least_tolerance_m, 2);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
-  chosen.speed_limit_m_s = rounded_up(2 * std::max(speed_m_s, wide.peak_speed_m_s), 2);
+  chosen.speed_limit_m_s = rounded_up(2 * std::max(chosen.approach_speed_m_s, wide.peak_speed_m_s), 2);
   chosen.duration_s = 60;
   const NewNode second = examined(known, chosen);
   require_certified(second);
-  chosen.duration_s = rounded_up(1 + 10 * known.longest_move_m / speed_m_s + second.report.braked->kicks_s, 2);
+  chosen.duration_s = rounded_up(1 + 10 * known.longest_move_m / reached_m_s + second.report.braked->kicks_s, 2);
   return examined(known, chosen);
 }
 

@@ -60,7 +60,7 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
   EXPECT_NE(why([](KnownAxis& k) { k.encoder_resolution_m = 2; }).find("the count of the encoder is 2 m, outside"),
             std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.mass_kg = 1e12; }).find("the mass is 1e+12 kg, outside"), std::string::npos);
-  const std::string coarse = why([](KnownAxis& k) { k.encoder_resolution_m = 0.5; });
+  const std::string coarse = why([](KnownAxis& k) { k.encoder_resolution_m = 1; });
   EXPECT_NE(coarse.find("no accuracy can be certified"), std::string::npos) << coarse;
   EXPECT_EQ(coarse.find("the new file"), std::string::npos) << coarse << ": there is none";
   const std::string counts = why([](KnownAxis& k) {
@@ -75,6 +75,11 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
             }).find("32 bits"),
             std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.rate_Hz = 4000; }).find("does not fit a [bus]"), std::string::npos);
+  EXPECT_NE(why([](KnownAxis& k) {
+              k.mass_kg = 1e-9;
+              k.max_force_N = 1e9;
+            }).find("the force, 1e+09 N, would give the mass, 1e-09 kg"),
+            std::string::npos);
 }
 
 // So that whoever types them in one by one hears of it at the number that is wrong.
@@ -120,6 +125,18 @@ TEST(NewNode, WritesAnyForceSoThatItsDriveGivesIt) {
     EXPECT_LE(axis.controller.max_force_N, force_N);
     EXPECT_GE(axis.controller.max_force_N, 0.999 * force_N);
     EXPECT_NEAR(axis.drive->max_force_N(), axis.controller.max_force_N, 1e-9 * force_N);
+  }
+}
+
+// Over a short move, or with a coarse encoder, an axis does not reach the speed that an approach must be allowed.
+TEST(NewNode, AllowsTheSpeedThatIsCertifiedWhateverTheMoveLetsTheAxisReach) {
+  const KnownAxis short_move{12, 15, 28, 2e-6, 2000, 60, 1e-5};
+  const KnownAxis coarse{12, 15, 28, 0.5, 1000, 200, 0.4};
+  const KnownAxis fast{1e-8, 15, 28, 1e-2, 1000, 200, 1e6};
+  for (const KnownAxis& known : {short_move, coarse, fast}) {
+    NewNode made;
+    EXPECT_EQ(refusal([&] { made = new_node(known); }), "") << known.longest_move_m << " m";
+    EXPECT_TRUE(made.report.certified) << known.longest_move_m << " m";
   }
 }
 
