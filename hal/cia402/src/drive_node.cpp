@@ -192,17 +192,25 @@ void DriveNode::on_look(SdoResult result, hal::Time now) noexcept {
   const bool done = result == SdoResult::done;
   bool quiet = false;
   if (looks_at_torque_) {
-    quiet = forced_stop_.shows_no_torque(sdo_, result);
+    quiet = forced_stop_.shows_no_torque(sdo_, result) || refused_for_long(result);
     if (done && !quiet) return force_stop(now);
   } else {
     if (done) on_value_read(object::statusword);
-    quiet = done ? statusword_ && shows_no_force(*statusword_) : ForcedStop::is_refused(sdo_, result);
+    quiet = done ? statusword_ && shows_no_force(*statusword_)
+                 : ForcedStop::is_refused(sdo_, result) || refused_for_long(result);
     if (quiet && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
   }
   if (quiet && looks_wanted_ > 0) --looks_wanted_;
   look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
   if (result != SdoResult::timeout) return;
   if (held() || phase_ == SetupPhase::refused) nmt_command_ = NmtCommand::enter_pre_operational;
+}
+
+// A refusal that may pass is taken for one that does not after the time that a set-up gives it.
+bool DriveNode::refused_for_long(SdoResult result) noexcept {
+  if (result != SdoResult::aborted) return false;
+  if (refused_looks_ < most_refused_looks) ++refused_looks_;
+  return refused_looks_ == most_refused_looks;
 }
 
 void DriveNode::look(std::uint16_t index) noexcept {
@@ -320,6 +328,7 @@ void DriveNode::enter_held(hal::Time now) noexcept {
   heartbeat_.forget_state();
   enter(SetupPhase::held, now);
   looks_wanted_ = quiet_looks;
+  refused_looks_ = 0;
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
 

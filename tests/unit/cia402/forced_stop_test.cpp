@@ -13,6 +13,35 @@ TEST_F(ForcedStopTest, ADriveThatObeysIsToldByPdoOnly) {
   EXPECT_FALSE(feedback.stop_not_obeyed);
 }
 
+// The stop left with the last period, and what the drive did since was not heard.
+TEST_F(ForcedStopTest, ALoopThatStandsStillRightAfterAStopBlamesNoDriveForIt) {
+  for (const Duration pause : {19ms, 21ms, 50ms, 500ms}) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable();
+    step(10.0F);
+    drive.request_stop();
+    step();
+    now += pause;
+    for (int i = 0; i < 100; ++i) {
+      step();
+      ASSERT_FALSE(feedback.stop_not_obeyed) << pause / 1ms << " ms, step " << i;
+    }
+    EXPECT_EQ(feedback.state, DriveState::disabled);
+  }
+}
+
+TEST_F(ForcedStopTest, ADriveThatIgnoresItsStopIsForcedThoughTheLoopIsLateInEveryPeriod) {
+  enable_and_go_deaf();
+  drive.request_stop();
+  int steps = 0;
+  for (; steps < 100 && !feedback.stop_not_obeyed; ++steps) {
+    now += 9ms;
+    step();
+  }
+  EXPECT_LE(steps, 13) << "of which each counts for two periods";
+}
+
 TEST_F(ForcedStopTest, WritesTheControlwordByObjectToADriveWithoutRpdo) {
   enable_and_go_deaf();
   node.commands.clear();

@@ -284,9 +284,10 @@ TEST_F(ControlLoopTest, NamesWhatKeepsAnIdleAxisFromRunningOnlyWhereItIsWanted) 
   EXPECT_EQ(loop.status(axis).fault, AxisFault::enable_timed_out);
 }
 
-// A drive whose answers take their time.
+// A drive whose answers take their time, and whose set-up takes its turns.
 struct SlowDrive : testing::FakeDrive {
   using FakeDrive::FakeDrive;
+  static constexpr int setup_periods = 100;
   static hal::Duration extra_setup_time() noexcept { return 7s; }
 };
 
@@ -295,12 +296,14 @@ TEST(SlowDriveInALoop, HasTheTimeThatItsAnswersTakeBesideThatOfEveryDrive) {
   DriveProbe probe;
   ControlLoop<testing::FakePort, SlowDrive, testing::ProportionalLaw, float> loop{
       port, {.network = {.period = 1ms, .heartbeat_period = 0ms}}};
+  DriveProbe other;
   const auto id = *loop.add_axis({&probe, 1}, {}, testing::moderate_limits()).id;
+  ASSERT_TRUE(loop.add_axis({&other, 2}, {}, testing::moderate_limits()).id);
   probe.feedback.state = hal::DriveState::configuring;
   loop.request_enable(id);
   hal::Time now{};
-  for (const hal::Time end = now + 27s + 1ms; now < end;) loop.step(now += 1ms);
-  EXPECT_EQ(loop.status(id).fault, AxisFault::none) << "20 s, and 7 s for its answers";
+  for (const hal::Time end = now + 27s + 201ms; now < end;) loop.step(now += 1ms);
+  EXPECT_EQ(loop.status(id).fault, AxisFault::none) << "20 s, 7 s for its answers, and 100 periods for each axis";
   loop.step(now += 1ms);
   EXPECT_EQ(loop.status(id).fault, AxisFault::enable_timed_out);
 }

@@ -25,8 +25,15 @@ struct LoopProbe {
   using AxisId = int;
   void set_target_counts(AxisId, std::int32_t counts) { targets.push_back(counts); }
   std::int32_t target_counts(AxisId) const { return targets.back(); }
-  void request_enable(AxisId) { ++enables; }
-  void request_stop(AxisId) { ++stops; }
+  bool wanted = false;
+  void request_enable(AxisId) {
+    ++enables;
+    wanted = true;
+  }
+  void request_stop(AxisId) {
+    ++stops;
+    wanted = false;
+  }
   bool reset_fault(AxisId) {
     ++resets;
     return takes_resets;
@@ -79,6 +86,28 @@ TEST(RemoteControl, KeepsCommandsFromTheLoopAndPassesTheRestOn) {
   EXPECT_FALSE(commanded.take_command(0).has_value()) << "once";
 }
 
+TEST(RemoteControl, AStopIsHeardThoughTheSamePeriodBroughtMore) {
+  for (const bool first : {false, true}) {
+    for (const bool second : {false, true}) {
+      for (const bool third : {false, true}) {
+        ListedPort port;
+        CommandedPort<ListedPort, 1> commanded{port, node};
+        hal::ReceivedFrame received;
+        for (const bool enable : {first, second, third})
+          port.inbox.push_back({encode_command({.enable = enable}, node)});
+        EXPECT_FALSE(commanded.receive(received));
+        const auto command = commanded.take_command(0);
+        ASSERT_TRUE(command);
+        EXPECT_EQ(command->enable, third);
+        EXPECT_EQ(command->stopped, !(first && second));
+        port.inbox = {{encode_command({.enable = true}, node)}};
+        EXPECT_FALSE(commanded.receive(received));
+        EXPECT_FALSE(commanded.take_command(0)->stopped) << "that was said in an earlier period";
+      }
+    }
+  }
+}
+
 TEST(RemoteControl, KeepsTheCommandsOfTwoAxesApart) {
   ListedPort port;
   CommandedPort<ListedPort, 2> commanded{port, node};
@@ -123,6 +152,20 @@ TEST(RemoteControl, ActsOnChangesAndStopsWheneverToldSo) {
   axis.apply(loop, 0, {}, start);
   EXPECT_EQ(loop.stops, 3);
   EXPECT_EQ(loop.targets, (std::vector<std::int32_t>{5, 0}));
+}
+
+TEST(RemoteControl, AStopAndAnEnableInOnePeriodStopTheAxisAndAreAnEdge) {
+  LoopProbe loop;
+  RemoteAxis axis;
+  axis.apply(loop, 0, {.enable = true, .stopped = true}, start);
+  EXPECT_EQ(loop.stops, 1);
+  EXPECT_EQ(loop.enables, 1) << "an edge though nothing was said before";
+  axis.apply(loop, 0, {.enable = true}, start);
+  EXPECT_EQ(loop.stops, 1);
+  axis.apply(loop, 0, {.enable = true, .stopped = true}, start);
+  EXPECT_EQ(loop.stops, 2);
+  EXPECT_EQ(loop.enables, 2);
+  EXPECT_TRUE(loop.wanted);
 }
 
 // A controller that was restarted must not energise because somebody still says so.

@@ -233,9 +233,13 @@ class ControlLoop {
   // To be set up, too: the mode of operation alone may take ten seconds.
   static constexpr hal::Duration set_up_time = std::chrono::seconds{20};
 
-  static hal::Duration time_to_set_up(const Drive& drive) noexcept {
-    if constexpr (requires { drive.extra_setup_time(); }) return set_up_time + drive.extra_setup_time();
-    return set_up_time;
+  // The axes take turns.
+  hal::Duration time_to_set_up(const Drive& drive) const noexcept {
+    hal::Duration time = set_up_time;
+    if constexpr (requires { Drive::setup_periods; })
+      time += Drive::setup_periods * static_cast<int>(count_) * config_.network.period;
+    if constexpr (requires { drive.extra_setup_time(); }) time += drive.extra_setup_time();
+    return time;
   }
 
   static bool homes_against_a_stop(const Drive& drive) noexcept {

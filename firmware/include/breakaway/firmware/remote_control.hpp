@@ -32,13 +32,17 @@ struct MotionCommand {
   bool reset_fault = false;
   bool reference = false;  // the axis stands at the target
   std::int32_t target_counts = 0;
+  bool stopped = false;  // "not enabled" was said before it, in the same period
 };
 
 inline std::optional<MotionCommand> decode_command(const hal::CanFrame& frame, std::uint8_t node_id) noexcept {
   if (frame.id != canopen::rpdo_cob_id(1, node_id) || frame.remote || frame.size != 8) return {};
   const auto target = canopen::load_little_endian<std::int32_t>(frame.payload(), 4);
-  return MotionCommand{frame.data[0], (frame.data[1] & 1U) != 0, (frame.data[1] & 2U) != 0, (frame.data[1] & 4U) != 0,
-                       target};
+  return MotionCommand{.axis = frame.data[0],
+                       .enable = (frame.data[1] & 1U) != 0,
+                       .reset_fault = (frame.data[1] & 2U) != 0,
+                       .reference = (frame.data[1] & 4U) != 0,
+                       .target_counts = target};
 }
 
 inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t node_id) noexcept {
@@ -51,7 +55,7 @@ inline hal::CanFrame encode_command(const MotionCommand& command, std::uint8_t n
 }
 
 // A CanPort that takes the commands for this node out of what another port receives. The newest command for an axis
-// counts.
+// counts, but none hides a stop.
 template <hal::CanPort Port, std::size_t MaxAxes>
 class CommandedPort {
  public:
@@ -62,7 +66,7 @@ class CommandedPort {
     while (port_->receive(received)) {
       const auto command = decode_command(received.frame, node_id_);
       if (!command) return true;
-      if (command->axis < MaxAxes) commands_[command->axis] = command;
+      if (command->axis < MaxAxes) take(*command);
     }
     return false;
   }
@@ -76,6 +80,13 @@ class CommandedPort {
   }
 
  private:
+  void take(const MotionCommand& command) noexcept {
+    std::optional<MotionCommand>& newest = commands_[command.axis];
+    const bool stopped = newest && (newest->stopped || !newest->enable);
+    newest = command;
+    newest->stopped = stopped;
+  }
+
   Port* port_;
   std::uint8_t node_id_;
   std::array<std::optional<MotionCommand>, MaxAxes> commands_{};
@@ -86,7 +97,8 @@ class RemoteAxis {
  public:
   template <class Loop>
   void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command, hal::Time now) noexcept {
-    const bool enables = last_ && command.enable && !last_->enable;
+    const bool stops = command.stopped || !command.enable;
+    const bool enables = command.enable && (command.stopped || (last_ && !last_->enable));
     // A target that somebody wrote while the axis was enabled does not outlast that.
     const bool new_target = !last_ || command.target_counts != last_->target_counts ||
                             (enables && command.target_counts != loop.target_counts(axis));
@@ -95,8 +107,8 @@ class RemoteAxis {
     const bool refused = resets && !loop.reset_fault(axis);
     const bool refers = last_ && command.reference && !last_->reference;
     const bool not_taken = refers && !loop.set_reference_counts(axis, command.target_counts);
+    if (stops) loop.request_stop(axis);
     if (enables) loop.request_enable(axis);
-    if (!command.enable) loop.request_stop(axis);
     last_ = command;
     last_->reset_fault = command.reset_fault && !refused;
     last_->reference = command.reference && !not_taken;

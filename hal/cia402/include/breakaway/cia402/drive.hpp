@@ -54,6 +54,7 @@
 #include "breakaway/cia402/homing.hpp"
 #include "breakaway/cia402/objects.hpp"
 #include "breakaway/cia402/pdo_layout.hpp"
+#include "breakaway/cia402/setup_plan.hpp"
 #include "breakaway/cia402/setup_status.hpp"
 #include "breakaway/cia402/state.hpp"
 #include "breakaway/cia402/state_machine.hpp"
@@ -74,6 +75,8 @@ class Drive {
   // some milliseconds.
   static constexpr hal::Duration stop_time = std::chrono::milliseconds{20};
   static constexpr int stop_periods = 10;  // where the period is longer than 2 ms
+  // Its set-up sends a frame in so many, because the master's heartbeat may take the place in every other one.
+  static constexpr int setup_periods = 2 * static_cast<int>(SetupPlan::most_steps);
 
   // A drive with what check() does not accept is unusable for good and sends nothing.
   // Cold, as all that runs once at the start: where memory for code is short the step shall have it.
@@ -264,7 +267,8 @@ class Drive {
   [[gnu::cold]] void on_reboot() noexcept {
     ever_valid_ = counted_ = false;
     force_.forget();
-    unwished_since_.reset();
+    unwished_for_.reset();
+    force_shown_at_.reset();
     reference_lost_ = !config_.absolute_encoder;
   }
 
@@ -371,19 +375,22 @@ class Drive {
   // quick stop while it says that it is stopping by itself. One that falls silent is seen as it was last, and nobody
   // wishes force of one that is not set up. A statusword without force between others, by whatever sends it, proves
   // nothing: only a drive that shows no force for as long as it has for a stop has obeyed. One that is held has been
-  // told already.
+  // told already. A period that came late is a fault of the loop's: what the drive did in it was not heard, and it had
+  // no SYNC to act at.
   void watch_stop(hal::Time now) noexcept {
-    const bool wished = node_.ready() && machine_.enable_wished();
+    const hal::Duration passed = std::min<hal::Duration>(now - watched_at_, 2 * period_);
+    watched_at_ = now;
     if (may_have_force() || node_.forcing_stop()) force_shown_at_ = now;
-    if (wished || node_.forcing_stop()) return unwished_since_.reset();
-    if (now - force_shown_at_ > obeys_within()) unwished_since_.reset();
+    const bool wished = node_.ready() && machine_.enable_wished();
+    if (wished || node_.forcing_stop() || !force_shown_at_ || now - *force_shown_at_ > obeys_within())
+      return unwished_for_.reset();
+    unwished_for_ = unwished_for_ ? *unwished_for_ + passed : hal::Duration{};
     if (!may_have_force()) return;
-    if (!unwished_since_) unwished_since_ = now;
     const bool stops_by_itself =
         machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
     const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{};
-    if (!node_.held() && now - *unwished_since_ <= obeys_within() + quick_stop) return;
-    unwished_since_.reset();
+    if (!node_.held() && *unwished_for_ <= obeys_within() + quick_stop) return;
+    unwished_for_.reset();
     forget_commands();
     node_.force_stop(now);
   }
@@ -416,7 +423,7 @@ class Drive {
         break;
     }
     if (wished) return hal::DriveState::enabling;
-    return may_have_force() || unwished_since_ ? hal::DriveState::stopping : hal::DriveState::disabled;
+    return may_have_force() || unwished_for_ ? hal::DriveState::stopping : hal::DriveState::disabled;
   }
 
   std::uint16_t fault_code() const noexcept {
@@ -462,8 +469,9 @@ class Drive {
   std::optional<hal::Time> answered_at_;
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
-  std::optional<hal::Time> unwished_since_;  // since when the drive is energised and nobody here wishes it
-  hal::Time force_shown_at_{};
+  std::optional<hal::Duration> unwished_for_;  // so long the drive has shown force that nobody here wishes
+  std::optional<hal::Time> force_shown_at_;    // since it booted
+  hal::Time watched_at_{};
   hal::Time sample_time_{};
 };
 

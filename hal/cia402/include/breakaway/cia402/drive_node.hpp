@@ -84,6 +84,8 @@ class DriveNode {
   static constexpr hal::Duration poll_time = std::chrono::milliseconds{20};
   static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
   static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};
+  // So many looks at a held node may be refused with codes that may pass, which is as long as a set-up waits.
+  static constexpr unsigned most_refused_looks = most_refusals * (refusal_pause / poll_time);
 
   // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
@@ -199,6 +201,7 @@ class DriveNode {
   bool is_looking(hal::Time now) noexcept;
   void look(std::uint16_t index) noexcept;
   void on_look(canopen::SdoResult result, hal::Time now) noexcept;
+  bool refused_for_long(canopen::SdoResult result) noexcept;
   void look_now_and_then(hal::Time now) noexcept;
   void hold(hal::Time now) noexcept;
   void enter_held(hal::Time now) noexcept;
@@ -237,6 +240,7 @@ class DriveNode {
   std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
   unsigned attempts_ = 0;
   unsigned looks_wanted_ = 0;            // until it is quiet
+  unsigned refused_looks_ = 0;           // since it is held, with codes that may pass
   hal::Duration look_patience_{};        // for a statusword beside the plan
   hal::Duration boot_time_ = boot_time;  // that a silent node is given
   unsigned refusals_ = 0;                // that may pass, in this set-up

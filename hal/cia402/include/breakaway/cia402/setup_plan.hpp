@@ -41,6 +41,8 @@ class SetupPlan {
     add_mode();
   }
 
+  static constexpr std::size_t most_steps = 80;
+
   std::span<const SetupStep> steps() const noexcept { return std::span{steps_}.first(count_); }
 
  private:
@@ -60,7 +62,7 @@ class SetupPlan {
   void read_back(SetupStep::Kind kind) noexcept;
   void add(const SetupStep& step) noexcept;
 
-  std::array<SetupStep, 80> steps_{};
+  std::array<SetupStep, most_steps> steps_{};
   std::size_t count_ = 0;
 };
 
