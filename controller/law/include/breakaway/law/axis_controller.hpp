@@ -5,9 +5,10 @@
 // certified from counts; with period 0 and resolution 0 the same class is the ideal law: an impulse at each instant of
 // exact rest.
 //
-// With Coast::brake the kicks come from another table and end under a brake, as KickCycle says, and ApproachPlan brings
-// the axis near its target; modes, holding and faults are the same. With Coast::work, for a load on a spring, WorkCycle
-// and ShapedMove stand in their places; which of the two an axis has is the compiler's choice.
+// Under Coast::pd it slides, rests and is kicked as PdCycle says. With Coast::brake the kicks come from another table
+// and end under a brake, as KickCycle says, and ApproachPlan brings the axis near its target; modes, holding and faults
+// are the same. With Coast::work, for a load on a spring, WorkCycle and ShapedMove stand in their places; which of the
+// two an axis has is the compiler's choice.
 //
 // Two departures from (5), for axes whose friction or force gain is not what was stated: an axis certified at rest is
 // kicked wherever it stands, not only inside the maximal stick set; and a coast that outlasts its longest lawful time
@@ -27,10 +28,8 @@
 #include "breakaway/law/held_axis.hpp"
 #include "breakaway/law/k3_table.hpp"
 #include "breakaway/law/kick_judge.hpp"
-#include "breakaway/law/kick_shaper.hpp"
-#include "breakaway/law/rest_detector.hpp"
+#include "breakaway/law/pd_cycle.hpp"
 #include "breakaway/law/spring_stage.hpp"
-#include "breakaway/law/velocity_estimator.hpp"
 
 namespace breakaway::law {
 
@@ -43,14 +42,7 @@ class AxisController {
   // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
   // outlive the controller.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept
-      : p_{parameters}, table_{&table} {
-    if (!ideal()) {
-      velocity_ = {p_.period_s, p_.encoder_resolution_m, p_.kick_damping_Ns_per_m, p_.friction.lower_N};
-      rest_ = {p_.mass_kg, p_.friction.lower_N, p_.encoder_resolution_m, p_.period_s};
-      shaper_ = {p_, velocity_.weight()};
-      creep_radius_m_ = 20 * p_.accuracy_floor_m() + 4 * p_.encoder_resolution_m;
-    }
-  }
+      : p_{parameters}, pd_{parameters, table} {}
 
   // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
   // the controller as well.
@@ -73,15 +65,15 @@ class AxisController {
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     const Scalar x = z.position_error_m;
     if (braked_ != nullptr) return flow_braked(x);
-    const Scalar v = exact() ? z.velocity_m_s : velocity_.update(x);
+    const Scalar v = pd_.see(p_, z);
     if (!(std::abs(v) <= largest)) return fail(ControlFault::not_a_number);
-    return mode_ == Mode::kick ? continue_kick(x, v) : flow(x, v);
+    return mode_ == Mode::kick ? pulse(pd_.feedback_N(p_, x, v)) : flow(x, v);
   }
 
   // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach; a move
   // that is under way goes on from where it is.
   void shift_target(Scalar shift_m) noexcept {
-    velocity_.shift_origin(shift_m);
+    pd_.shift_origin(shift_m);
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && goes_on_when_moved();
@@ -106,13 +98,13 @@ class AxisController {
     if (!(left_N < p_.max_force_N)) return;
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
     p_.max_force_N = left_N;
-    shaper_.limit_force(left_N);
+    pd_.limit_force(left_N);
     if (braked_ != nullptr) cycle_.limit_force(left_N);
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
   void reset() noexcept {
-    velocity_.reset();
+    pd_.reset();
     cycle_.forget_force();
     last_force_N_ = 0;
     fault_ = ControlFault::none;
@@ -128,7 +120,7 @@ class AxisController {
   ControlFault fault() const noexcept { return fault_; }
   // Under the brake, when the approach is over, the mean between the last two readings.
   Scalar velocity_m_s() const noexcept {
-    if (braked_ == nullptr) return velocity_.velocity_m_s();
+    if (braked_ == nullptr) return pd_.velocity_m_s();
     return mode_ == Mode::approach ? plan_.velocity_m_s() : (newest_m_ - before_m_) / p_.period_s;
   }
   std::uint32_t kicks() const noexcept { return judge_.kicks(); }
@@ -155,9 +147,6 @@ class AxisController {
   // Under the coast "pd"; under the brake it is longer, because a proof of rest may take longer there.
   static constexpr std::int32_t long_hold_periods = 400;
 
-  bool exact() const noexcept { return !(p_.encoder_resolution_m > 0); }
-  bool ideal() const noexcept { return !(p_.period_s > 0); }
-
   // The first fault is the one to know.
   ControlOutput<Scalar> fail(ControlFault fault) noexcept {
     if (mode_ != Mode::fault) fault_ = fault;
@@ -170,26 +159,27 @@ class AxisController {
   ControlOutput<Scalar> without_sample() noexcept {
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     if (braked_ != nullptr) return braked_without_sample();
-    velocity_.skip();
-    return mode_ == Mode::kick ? pulse(last_force_N_ - kick_force_N_) : output(last_force_N_);
+    pd_.skip();
+    return mode_ == Mode::kick ? pulse(last_force_N_ - pd_.pulse_N()) : output(last_force_N_);
   }
 
+  // One period of the coast "pd" outside of a pulse.
   ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
-    if (sighted_ < 100) ++sighted_;
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) {
         note_holding(long_hold_periods);
-        return output(feedback(x, v));
+        return output(pd_.feedback_N(p_, x, v));
       }
       mode_ = std::abs(x) > p_.stick_radius_upper_m() ? Mode::approach : Mode::coast;
-      sighted_ = 0;
+      pd_.lose_sight();
     }
-    if (at_rest(x, v)) {
+    if (pd_.at_rest(p_, x, v, std::max(std::abs(last_force_N_), std::abs(force_before_N_)))) {
       if (!(std::abs(x) > p_.position_tolerance_m)) return enter_hold(x, v);
-      return start_kick(x, Scalar{0}, std::abs(table_->impulse_Ns(x)));
+      return start_kick(x, Scalar{0}, pd_.impulse_Ns(x));
     }
-    const Scalar impulse_Ns = impulse_against_creeping_Ns(x, v);
-    return impulse_Ns > 0 ? start_kick(x, v, impulse_Ns) : output(feedback(x, v));
+    const Scalar impulse_Ns = pd_.impulse_against_creeping_Ns(p_, x, v);
+    if (impulse_Ns > 0) return start_kick(x, v, impulse_Ns);
+    return output(mode_ == Mode::approach ? pd_.approach_N(p_, x, v) : pd_.feedback_N(p_, x, v));
   }
 
   // One period of the coast "brake".
@@ -352,26 +342,6 @@ class AxisController {
     return out;
   }
 
-  // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
-  // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper
-  // counts the speed in. Near the target, where a few counts of speed error matter, only certified rest will do.
-  // Returns |k3(x)| for an axis that creeps, else zero.
-  Scalar impulse_against_creeping_Ns(Scalar x, Scalar v) const noexcept {
-    const Scalar distance = std::abs(x);
-    if (exact() || sighted_ <= p_.latency_periods + 1 || distance > p_.stick_radius_upper_m() ||
-        distance < creep_radius_m_)
-      return 0;
-    const Scalar closing = x > 0 ? -v : v;
-    if (!(closing >= 0)) return 0;
-    const Scalar impulse_Ns = std::abs(table_->impulse_Ns(x));
-    return closing * p_.mass_kg < creep_share * impulse_Ns ? impulse_Ns : Scalar{0};
-  }
-
-  bool at_rest(Scalar x, Scalar v) noexcept {
-    if (exact()) return !(v < 0 || v > 0) && std::abs(x) <= p_.stick_radius_upper_m();
-    return rest_.update(x, std::max(std::abs(last_force_N_), std::abs(force_before_N_)));
-  }
-
   // Leaving hold needs one count more than entering it, so that a reading between two counts does not toggle the mode.
   bool beyond_tolerance(Scalar x) const noexcept {
     return std::abs(x) > fine_.tolerance_m() + p_.unseen_m() * Scalar(1.5);
@@ -381,26 +351,21 @@ class AxisController {
     if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
     mode_ = Mode::hold;
     held_ = 0;
-    return output(feedback(x, v));
+    return output(pd_.feedback_N(p_, x, v));
   }
 
   // impulse_Ns: |k3(x)|.
   ControlOutput<Scalar> start_kick(Scalar x, Scalar v, Scalar impulse_Ns) noexcept {
     if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
     judge_.kicked(x);
-    if (ideal()) {
+    if (p_.ideal()) {
       mode_ = Mode::coast;
       ControlOutput<Scalar> kick = output(-p_.stiffness_N_per_m * x);
       kick.impulse_Ns = x > 0 ? -impulse_Ns : impulse_Ns;
       kick.kicked = true;
       return kick;
     }
-    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
-    const Scalar least_N =
-        judge_.futile() > 0 ? p_.friction.upper_N * (1 + escalation * static_cast<Scalar>(judge_.futile())) : Scalar{0};
-    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
-    kick_force_N_ = kick.force_N * towards;
-    periods_left_ = kick.periods;
+    pd_.begin_pulse(p_, x, v, impulse_Ns, judge_.futile());
     mode_ = Mode::kick;
     // The feedback at the start is that of rest: the shaper's response counts from there.
     ControlOutput<Scalar> first = pulse(-p_.stiffness_N_per_m * x);
@@ -408,28 +373,11 @@ class AxisController {
     return first;
   }
 
-  ControlOutput<Scalar> continue_kick(Scalar x, Scalar v) noexcept {
-    return pulse(-p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v);
-  }
-
-  // Gives one period of the pulse. After the last one the coast begins, which is blind for as long as samples show the
-  // time before the end of the pulse.
+  // One period of a pulse of the coast "pd".
   ControlOutput<Scalar> pulse(Scalar feedback_N) noexcept {
-    const ControlOutput<Scalar> now = output(kick_force_N_ + feedback_N);
-    if (--periods_left_ == 0) {
-      mode_ = Mode::coast;
-      sighted_ = 0;
-      rest_.restart(p_.latency_periods);
-    }
+    const ControlOutput<Scalar> now = output(pd_.pulse_N() + feedback_N);
+    if (pd_.pulse_ends(p_)) mode_ = Mode::coast;
     return now;
-  }
-
-  // u of (16). Far away the spring pulls only as hard as keeps the speed within its limit; within that distance this is
-  // (16).
-  Scalar feedback(Scalar x, Scalar v) const noexcept {
-    if (mode_ != Mode::approach) return -p_.stiffness_N_per_m * x - p_.kick_damping_Ns_per_m * v;
-    const Scalar spring_limit_N = p_.approach_damping_Ns_per_m * p_.max_approach_speed_m_s;
-    return limited(-p_.stiffness_N_per_m * x, spring_limit_N) - p_.approach_damping_Ns_per_m * v;
   }
 
   ControlOutput<Scalar> output(Scalar force_N) noexcept {
@@ -440,7 +388,7 @@ class AxisController {
   }
 
   // What is read exactly shows the least motion, and the ideal law is proved to reach its target.
-  ControlFault judge_unless_exact(Scalar x) noexcept { return exact() ? ControlFault::none : judge_.judge(p_, x); }
+  ControlFault judge_unless_exact(Scalar x) noexcept { return p_.exact() ? ControlFault::none : judge_.judge(p_, x); }
 
   void restart() noexcept {
     judge_.forget();
@@ -454,23 +402,11 @@ class AxisController {
     progress_.restart();
     mode_ = fault_ == ControlFault::none ? Mode::approach : Mode::fault;
     judge_.forget_last();
-    if (braked_ != nullptr) return;
-    rest_.restart(p_.latency_periods);
-    periods_left_ = 0;
-    sighted_ = 0;
+    if (braked_ == nullptr) pd_.restart(p_);
   }
 
-  static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping
-
-  // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
-  // each before.
-  static constexpr Scalar escalation = Scalar(0.02);
-
   Parameters p_{};
-  const K3Table<Scalar>* table_ = nullptr;
-  VelocityEstimator<Scalar> velocity_{};
-  RestDetector<Scalar> rest_{};
-  KickShaper<Scalar> shaper_{};
+  PdCycle<Scalar> pd_;
   const Kicks* braked_ = nullptr;  // not of Coast::pd
   typename Parts::Cycle cycle_{};
   SpringStage<Scalar> spring_{};
@@ -479,17 +415,13 @@ class AxisController {
   KickJudge<Scalar> judge_{};
   Scalar last_force_N_{};
   Scalar force_before_N_{};
-  Scalar kick_force_N_{};
-  Scalar creep_radius_m_{};
   Scalar newest_m_{};  // readings under the brake, and the one before
   Scalar before_m_{};
   Scalar kicks_begin_m_ = largest;
   ApproachProgress<Scalar> progress_{};
-  std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
-  std::int32_t held_ = 0;     // periods
+  std::int32_t held_ = 0;  // periods
   Mode mode_ = Mode::approach;
   ControlFault fault_ = ControlFault::none;
-  std::uint8_t periods_left_ = 0;
 };
 
 }  // namespace breakaway::law

@@ -42,6 +42,9 @@ struct AxisParameters {
   Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; under any coast but pd
   Scalar feedforward_N{};    // given beside max_force_N while there is no fault, against a known constant force
 
+  constexpr bool exact() const noexcept { return !(encoder_resolution_m > 0); }
+  constexpr bool ideal() const noexcept { return !(period_s > 0); }
+
   // Of all that the drive is asked for.
   constexpr Scalar total_force_N() const noexcept {
     return max_force_N + (feedforward_N < 0 ? -feedforward_N : feedforward_N);

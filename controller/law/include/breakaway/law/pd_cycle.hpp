@@ -1,0 +1,124 @@
+// PdCycle: how an axis slides, rests and is kicked under the coast "pd" of [I].
+//
+// Feedback (16) with the damping k21 on the way to the target and k22 from then on, an axis that is certified at rest
+// by its counts, or exactly, and kicks (5) and (15) as pulses of whole periods, each followed by a coast. What they are
+// for, and when one is due, the controller says. It keeps no parameters: each call gets those of the axis.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "breakaway/law/axis_parameters.hpp"
+#include "breakaway/law/control_types.hpp"
+#include "breakaway/law/k3_table.hpp"
+#include "breakaway/law/kick_shaper.hpp"
+#include "breakaway/law/rest_detector.hpp"
+#include "breakaway/law/velocity_estimator.hpp"
+
+namespace breakaway::law {
+
+template <class Scalar>
+class PdCycle {
+ public:
+  using Parameters = AxisParameters<Scalar>;
+
+  // The parameters must be valid; the table must be theirs and must outlive this.
+  [[gnu::cold]] PdCycle(const Parameters& p, const K3Table<Scalar>& table) noexcept : table_{&table} {
+    if (p.ideal()) return;
+    velocity_ = {p.period_s, p.encoder_resolution_m, p.kick_damping_Ns_per_m, p.friction.lower_N};
+    rest_ = {p.mass_kg, p.friction.lower_N, p.encoder_resolution_m, p.period_s};
+    shaper_ = {p, velocity_.weight()};
+    creep_radius_m_ = 20 * p.accuracy_floor_m() + 4 * p.encoder_resolution_m;
+  }
+
+  // Once a period: takes a sample, or that there is none. Returns the velocity.
+  Scalar see(const Parameters& p, const Measurement<Scalar>& z) noexcept {
+    if (sighted_ < 100) ++sighted_;
+    return p.exact() ? z.velocity_m_s : velocity_.update(z.position_error_m);
+  }
+  void skip() noexcept { velocity_.skip(); }
+  Scalar velocity_m_s() const noexcept { return velocity_.velocity_m_s(); }
+  // The target moved by shift_m.
+  void shift_origin(Scalar shift_m) noexcept { velocity_.shift_origin(shift_m); }
+
+  // u of (16).
+  static Scalar feedback_N(const Parameters& p, Scalar x, Scalar v) noexcept {
+    return -p.stiffness_N_per_m * x - p.kick_damping_Ns_per_m * v;
+  }
+  // The same on the way to the target. Far away the spring pulls only as hard as keeps the speed within its limit;
+  // within that distance this is (16).
+  static Scalar approach_N(const Parameters& p, Scalar x, Scalar v) noexcept {
+    const Scalar spring_limit_N = p.approach_damping_Ns_per_m * p.max_approach_speed_m_s;
+    return limited(-p.stiffness_N_per_m * x, spring_limit_N) - p.approach_damping_Ns_per_m * v;
+  }
+
+  // Once a period outside of a pulse. force_N: the greatest that the newest sample may have been taken under.
+  bool at_rest(const Parameters& p, Scalar x, Scalar v, Scalar force_N) noexcept {
+    if (p.exact()) return !(v < 0 || v > 0) && std::abs(x) <= p.stick_radius_upper_m();
+    return rest_.update(x, force_N);
+  }
+
+  // |k3(x)|.
+  Scalar impulse_Ns(Scalar x) const noexcept { return std::abs(table_->impulse_Ns(x)); }
+
+  // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
+  // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper
+  // counts the speed in. Near the target, where a few counts of speed error matter, only certified rest will do.
+  // Once a period. Returns |k3(x)| for an axis that creeps, else zero.
+  Scalar impulse_against_creeping_Ns(const Parameters& p, Scalar x, Scalar v) const noexcept {
+    const Scalar distance = std::abs(x);
+    if (p.exact() || sighted_ <= p.latency_periods + 1 || distance > p.stick_radius_upper_m() ||
+        distance < creep_radius_m_)
+      return 0;
+    const Scalar closing = x > 0 ? -v : v;
+    if (!(closing >= 0)) return 0;
+    const Scalar impulse = impulse_Ns(x);
+    return closing * p.mass_kg < creep_share * impulse ? impulse : Scalar{0};
+  }
+
+  // impulse_Ns: |k3(x)|; futile: kicks in a row that did not move the axis.
+  void begin_pulse(const Parameters& p, Scalar x, Scalar v, Scalar impulse_Ns, std::uint8_t futile) noexcept {
+    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
+    const Scalar least_N = futile > 0 ? p.friction.upper_N * (1 + escalation * static_cast<Scalar>(futile)) : Scalar{0};
+    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
+    pulse_N_ = kick.force_N * towards;
+    periods_left_ = kick.periods;
+  }
+  Scalar pulse_N() const noexcept { return pulse_N_; }  // to add to the feedback
+  // Once a period of a pulse, when its force was given. Returns true with the last one; then the coast begins, which is
+  // blind for as long as samples show the time before the end of the pulse.
+  bool pulse_ends(const Parameters& p) noexcept {
+    if (--periods_left_ != 0) return false;
+    lose_sight();
+    rest_.restart(p.latency_periods);
+    return true;
+  }
+
+  // What follows in the next samples is another motion.
+  void lose_sight() noexcept { sighted_ = 0; }
+  void restart(const Parameters& p) noexcept {
+    rest_.restart(p.latency_periods);
+    lose_sight();
+  }
+  void reset() noexcept { velocity_.reset(); }
+  void limit_force(Scalar force_N) noexcept { shaper_.limit_force(force_N); }
+
+ private:
+  static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping
+
+  // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
+  // each before.
+  static constexpr Scalar escalation = Scalar(0.02);
+
+  const K3Table<Scalar>* table_;
+  VelocityEstimator<Scalar> velocity_{};
+  RestDetector<Scalar> rest_{};
+  KickShaper<Scalar> shaper_{};
+  Scalar pulse_N_{};
+  Scalar creep_radius_m_{};
+  std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
+  std::uint8_t periods_left_ = 0;
+};
+
+}  // namespace breakaway::law
