@@ -95,8 +95,10 @@ class CommandedPort {
 // Carries the commands for one axis out on a ControlLoop.
 class RemoteAxis {
  public:
+  // Cold: a commander speaks once in many periods, and where memory for code is short the step shall have it.
   template <class Loop>
-  void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command, hal::Time now) noexcept {
+  [[gnu::cold]] void apply(Loop& loop, typename Loop::AxisId axis, const MotionCommand& command,
+                           hal::Time now) noexcept {
     const bool stops = command.stopped || !command.enable;
     const bool enables = command.enable && (command.stopped || (last_ && !last_->enable));
     // A target that somebody wrote while the axis was enabled does not outlast that.
