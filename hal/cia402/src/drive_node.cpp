@@ -71,9 +71,15 @@ void DriveNode::update(hal::Time now) noexcept {
   }
 }
 
-void DriveNode::on_boot_up(hal::Time now) noexcept {
+// What it was set up with is gone.
+void DriveNode::on_boot() noexcept {
   if (known_) ++reboots_;
   rating_ = {};
+  recalls_ = false;
+}
+
+void DriveNode::on_boot_up(hal::Time now) noexcept {
+  on_boot();
   if (held() || forcing_stop())
     enter_held(now);
   else
@@ -154,7 +160,6 @@ void DriveNode::ask_again(hal::Time now) noexcept {
 
 void DriveNode::begin_start(hal::Time now) noexcept {
   enter(SetupPhase::starting, now);
-  restarts_ = false;
   mode_ = Mode::cyclic_torque;
   status_ = SetupStatus::in_progress;
   setup_object_ = {};
@@ -192,25 +197,20 @@ void DriveNode::on_look(SdoResult result, hal::Time now) noexcept {
   const bool done = result == SdoResult::done;
   bool quiet = false;
   if (looks_at_torque_) {
-    quiet = forced_stop_.shows_no_torque(sdo_, result) || refused_for_long(result);
+    quiet = forced_stop_.shows_no_torque(sdo_, result, now);
     if (done && !quiet) return force_stop(now);
+    quiet = quiet && quiet_state_;
   } else {
     if (done) on_value_read(object::statusword);
-    quiet = done ? statusword_ && shows_no_force(*statusword_)
-                 : ForcedStop::is_refused(sdo_, result) || refused_for_long(result);
-    if (quiet && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
+    quiet = done ? statusword_ && shows_no_force(*statusword_) : forced_stop_.is_refused(sdo_, result, now);
+    quiet_state_ = quiet;
+    const bool says_nothing_else = quiet || result == SdoResult::aborted;
+    if (says_nothing_else && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
   }
   if (quiet && looks_wanted_ > 0) --looks_wanted_;
   look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
   if (result != SdoResult::timeout) return;
   if (held() || phase_ == SetupPhase::refused) nmt_command_ = NmtCommand::enter_pre_operational;
-}
-
-// A refusal that may pass is taken for one that does not after the time that a set-up gives it.
-bool DriveNode::refused_for_long(SdoResult result) noexcept {
-  if (result != SdoResult::aborted) return false;
-  if (refused_looks_ < most_refused_looks) ++refused_looks_;
-  return refused_looks_ == most_refused_looks;
 }
 
 void DriveNode::look(std::uint16_t index) noexcept {
@@ -235,11 +235,12 @@ void DriveNode::look_now_and_then(hal::Time now) noexcept {
   look(object::statusword);
 }
 
+// It may have booted unheard. In NMT Stopped it could not be asked.
 bool DriveNode::stopped_operating(hal::Time now) noexcept {
   if (heartbeat_.state() == NmtState::operational) return false;
-  drop_transfer();
-  begin_start(now);
+  begin_configuration(now);
   restarts_ = true;
+  nmt_command_ = NmtCommand::enter_pre_operational;
   return true;
 }
 
@@ -253,7 +254,7 @@ void DriveNode::verify_mode(hal::Time now) noexcept {
   }
   if (last_poll_ && now - *last_poll_ < poll_time) return;
   last_poll_ = now;
-  mode_write_ = now - last_mode_request_ >= mode_request_time;
+  mode_write_ = !mode_write_ && now - last_mode_request_ >= mode_request_time;
   if (mode_write_) last_mode_request_ = now;
   start_transfer(mode_write_ ? write_mode(mode_) : read_mode);
 }
@@ -265,7 +266,7 @@ void DriveNode::on_mode_transfer(SdoResult result, hal::Time now) noexcept {
     status_ = SetupStatus::ready;
     setup_object_ = {};
     looks_wanted_ = 0;
-  } else if (now - *since_ > mode_timeout) {
+  } else if (!mode_write_ && now - *since_ > mode_timeout) {
     setup_object_ = {object::mode_display, 0};
     refuse(mode_ == Mode::homing ? SetupStatus::no_homing_mode : SetupStatus::mode_refused);
   }
@@ -328,7 +329,6 @@ void DriveNode::enter_held(hal::Time now) noexcept {
   heartbeat_.forget_state();
   enter(SetupPhase::held, now);
   looks_wanted_ = quiet_looks;
-  refused_looks_ = 0;
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
 

@@ -36,8 +36,8 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   nmt_command_.reset();
   error_code_wanted_ = false;
   error_code_ = 0;
+  restarts_ = false;
   position_factor_ = {};
-  rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
   step_ = 0;
   fixed_mapping_ = 0;
   attempts_ = 0;
@@ -96,6 +96,8 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
   is_slow_ = is_slow_ || patience_ > sdo_timeout_;
   if (step.kind == SetupStep::Kind::write) write_taken_ = answered;
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
+  if (step.kind == SetupStep::Kind::note) recalls_ = answered && shows_value_of(step);
+  if (step.kind == SetupStep::Kind::recall && on_recalled(answered, shows_value_of(step), now)) return begin_start(now);
   if (step.index == object::feed_constant && step.subindex == 2) judge_position_factor();
   if (answered && !holds(step)) refuse(SetupStatus::value_not_kept);
   if (phase_ == SetupPhase::refused) return;
@@ -111,8 +113,24 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
   refuse(SetupStatus::torque_base_differs);
 }
 
+// A drive that lost what it was set up with has booted, though nobody heard that. Returns true where all that it needs
+// is to be started again.
+bool DriveNode::on_recalled(bool answered, bool as_it_was, hal::Time now) noexcept {
+  const bool has_it = recalls_ && answered && as_it_was;
+  if (recalls_ && !has_it) on_boot();
+  restarts_ = restarts_ && has_it;
+  if (restarts_)
+    heartbeat_.start(now);
+  else
+    rating_ = {.found_max_torque_per_mille = rating_.found_max_torque_per_mille};
+  return restarts_;
+}
+
 bool DriveNode::holds(const SetupStep& step) const noexcept {
-  if (step.kind != SetupStep::Kind::check && step.kind != SetupStep::Kind::confirm) return true;
+  return (step.kind != SetupStep::Kind::check && step.kind != SetupStep::Kind::confirm) || shows_value_of(step);
+}
+
+bool DriveNode::shows_value_of(const SetupStep& step) const noexcept {
   const auto value = canopen::load_little_endian<std::uint32_t>(sdo_.data());
   return ((value ^ step.value) & meant_bits(step.index)) == 0;
 }

@@ -60,7 +60,7 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
   last_ = now;
   const canopen::SdoResult result = sdo.poll(now);
   if (result != canopen::SdoResult::busy) {
-    const Transfer next = after(sdo, std::exchange(transfer_, Transfer::none), result);
+    const Transfer next = after(sdo, std::exchange(transfer_, Transfer::none), result, now);
     if (next == Transfer::write_controlword && quiet_) return true;
     start(sdo, next);
   }
@@ -70,23 +70,26 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
 }
 
 // A drive that has no 6077h to be read is believed for its state, and one that does not know it is asked once.
-bool ForcedStop::shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept {
+bool ForcedStop::shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result, hal::Time now) noexcept {
   if (result == canopen::SdoResult::done) return read_no_torque(sdo);
-  if (!is_refused(sdo, result)) return false;
+  if (!is_refused(sdo, result, now)) return false;
   if (sdo.abort_code() == canopen::SdoAbort::no_such_object) reads_torque_ = false;
   return true;
 }
 
-bool ForcedStop::is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept {
-  return result == canopen::SdoResult::aborted && !may_pass(sdo.abort_code());
+bool ForcedStop::is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result, hal::Time now) noexcept {
+  if (result != canopen::SdoResult::aborted) return false;
+  if (!may_pass(sdo.abort_code())) return true;
+  if (!refused_since_) refused_since_ = now;
+  return now - *refused_since_ > refusal_time;
 }
 
 // A drive that refuses the controlword is asked for its state all the same.
-ForcedStop::Transfer ForcedStop::after(const canopen::SdoClient& sdo, Transfer finished,
-                                       canopen::SdoResult result) noexcept {
+ForcedStop::Transfer ForcedStop::after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result,
+                                       hal::Time now) noexcept {
   if (finished == Transfer::write_controlword) return Transfer::read_statusword;
   if (finished == Transfer::read_torque) {
-    quiet_ = shows_no_torque(sdo, result);
+    quiet_ = shows_no_torque(sdo, result, now);
     return Transfer::write_controlword;
   }
   quiet_ = finished == Transfer::read_statusword && result == canopen::SdoResult::done && read_no_force(sdo);

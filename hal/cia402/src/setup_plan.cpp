@@ -20,14 +20,18 @@ std::uint32_t whole_milliseconds(hal::Duration duration) noexcept {
 
 SetupPlan::SetupPlan(std::uint8_t node_id, hal::Duration heartbeat_period, hal::Duration heartbeat_timeout,
                      const hal::NetworkConfig& network) noexcept {
+  const std::uint32_t master = static_cast<std::uint32_t>(network.node_id) << 16;
+  const std::uint32_t consumer_heartbeat = master | whole_milliseconds(heartbeat_timeout);
   take_force_off();
+  // Who its master is and for how long it may be silent a drive knows from its set-up alone, unless somebody saved it.
+  read_again(SetupStep::Kind::recall, consumer_heartbeat);
   read_rating();
   look();
   bound_force();
   look();
 
-  const std::uint32_t master = static_cast<std::uint32_t>(network.node_id) << 16;
-  write(object::consumer_heartbeat, 1, 4, master | whole_milliseconds(heartbeat_timeout), may_be_missing);
+  write(object::consumer_heartbeat, 1, 4, consumer_heartbeat, may_be_missing);
+  read_again(SetupStep::Kind::note, consumer_heartbeat);
   write(object::producer_heartbeat, 0, 2, whole_milliseconds(heartbeat_period), must_exist);
   add_clock(network);
 
@@ -68,6 +72,14 @@ void SetupPlan::take_force_off() noexcept {
   write(object::controlword, 0, 2, control::disable_voltage, may_be_missing);
   write(object::target_torque, 0, 2, 0, may_be_missing);
   look();
+}
+
+void SetupPlan::read_again(SetupStep::Kind kind, std::uint32_t consumer_heartbeat) noexcept {
+  add({.kind = kind,
+       .optional = may_be_missing,
+       .index = object::consumer_heartbeat,
+       .subindex = 1,
+       .value = consumer_heartbeat});
 }
 
 void SetupPlan::read_rating() noexcept {

@@ -232,6 +232,51 @@ TEST_F(DriveTest, NodeThatLeavesOperationalIsStartedAgainButNotEnabled) {
   EXPECT_EQ(drive.reboots(), 0U);
 }
 
+// It says its heartbeat without being told to, and its boot-up was lost.
+TEST_F(DriveTest, OneThatRebootsUnheardAndSaysSoByItsHeartbeatOnlyHasLostItsReference) {
+  for (const bool enabled : {false, true}) {
+    for (const Duration silence : {0ms, 20ms, 1000ms}) {
+      drive = Drive<float>{config, network, scale};
+      node = ScriptedDrive{node_id};
+      node.saves_its_heartbeat = true;
+      enabled ? enable() : set_up();
+      node.silent = true;
+      node.boots_silently = true;
+      node.boot();
+      run_for(silence);
+      ASSERT_FALSE(drive.reference_lost());
+      node.silent = false;
+      run_until([&] { return drive.reference_lost(); });
+      EXPECT_EQ(drive.reboots(), 1U);
+      node.boots_silently = false;
+      run_until_state(DriveState::disabled);
+      EXPECT_EQ(drive.reboots(), 1U) << enabled << ", silent for " << silence / 1ms << " ms";
+      EXPECT_EQ(node.objects.at(ScriptedDrive::key(0x1016, 1)), 0x7F00FAU) << "it was set up again";
+    }
+  }
+}
+
+TEST_F(DriveTest, OneThatCannotShowWhoItsMasterIsIsNotTakenForRebooted) {
+  for (const bool has_another : {false, true}) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    if (has_another)
+      node.kept[ScriptedDrive::key(0x1016, 1)] = 0x7E0064;
+    else
+      node.refused[ScriptedDrive::key(0x1016, 1)] = SdoAbort::no_such_object;
+    enable();
+    node.written.clear();
+    node.nmt = NmtState::pre_operational;
+    node.state = State::switch_on_disabled;
+    run_until_state(DriveState::configuring);
+    run_until_state(DriveState::disabled);
+    EXPECT_EQ(drive.reboots(), 0U);
+    EXPECT_GT(node.written.size(), 20U) << "but it is set up anew, because nobody knows";
+    drive.request_enable();
+    run_until_state(DriveState::enabled);
+  }
+}
+
 // Its boot-up was lost, and it produces no heartbeat before it is told to.
 TEST_F(DriveTest, OneThatRebootsUnheardWhileItStandsDisabledIsSetUpAnew) {
   set_up();

@@ -13,6 +13,58 @@ TEST_F(ForcedStopTest, ADriveThatObeysIsToldByPdoOnly) {
   EXPECT_FALSE(feedback.stop_not_obeyed);
 }
 
+// Another node says so with the drive's own identifier, behind its own sample.
+TEST_F(ForcedStopTest, AForeignStatuswordThatSaysTheDriveStopsByItselfGivesItNoMoreTime) {
+  for (const State lie : {State::quick_stop_active, State::fault_reaction_active, State::fault}) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable_and_go_deaf();
+    CanFrame frame{.id = tpdo_cob_id(1, node_id), .size = 8};
+    canopen::store_little_endian(frame.data, cia402::status_bits(lie), 0);
+    drive.request_stop();
+    const Time begin = now;
+    while (!feedback.stop_not_obeyed) {
+      ASSERT_LT(now - begin, 30ms);
+      step(10.0F);
+      drive.on_frame({.frame = frame, .time = now + 400us});
+      ASSERT_TRUE(feedback.state == DriveState::stopping || now - begin <= 1ms) << "a reset would be taken";
+    }
+  }
+}
+
+// What it said in the period before was Operation enabled.
+TEST_F(ForcedStopTest, ADriveThatTripsMayNotBeResetBeforeItHasShownNoForceForAsLongAsAStopTakes) {
+  enable();
+  node.state = State::fault;
+  run_until([&] { return feedback.faulty; });
+  for (int i = 0; i < 19; ++i) {
+    ASSERT_EQ(feedback.state, DriveState::stopping) << i;
+    step();
+  }
+  EXPECT_EQ(feedback.fault_code, 0x2310) << "why is told meanwhile";
+  run_for(2ms);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+}
+
+// A sample that shows no force, and then the loop is late.
+TEST_F(ForcedStopTest, ALatePeriodIsNoTimeInWhichTheDriveShowedNoForce) {
+  for (const Duration late : {0ms, 15ms, 21ms, 100ms}) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable_and_go_deaf();
+    drive.request_stop();
+    const Time begin = now;
+    for (int i = 0; !feedback.stop_not_obeyed; ++i) {
+      ASSERT_LT(i, 40) << late / 1ms;
+      node.state = i % 10 == 9 ? State::switch_on_disabled : State::operation_enabled;
+      if (i % 10 == 0) now += late;
+      step();
+      ASSERT_EQ(feedback.state, DriveState::stopping) << late / 1ms << " ms, period " << i;
+    }
+    EXPECT_GT(now - begin, 20ms);
+  }
+}
+
 // The stop left with the last period, and what the drive did since was not heard.
 TEST_F(ForcedStopTest, ALoopThatStandsStillRightAfterAStopBlamesNoDriveForIt) {
   for (const Duration pause : {19ms, 21ms, 50ms, 500ms}) {

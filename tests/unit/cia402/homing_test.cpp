@@ -165,7 +165,8 @@ TEST_F(HomingTest, AFaultOfTheDriveEndsIt) {
   seek();
   node.state = State::fault;
   run_until([&] { return feedback.homing_failed; }, 100ms);
-  EXPECT_EQ(feedback.state, DriveState::fault);
+  EXPECT_TRUE(feedback.faulty);
+  EXPECT_EQ(feedback.state, DriveState::stopping) << "it had force a moment ago";
   run_for(1s);
   EXPECT_EQ(feedback.state, DriveState::fault);
   EXPECT_EQ(mode(), 10U);

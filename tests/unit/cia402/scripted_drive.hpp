@@ -39,7 +39,8 @@ class ScriptedDrive {
   bool follows_controlword = true;  // of the RPDO
   unsigned sdo_requests_lost = 0;   // so many more are not heard
   bool boots_silently = false;      // says no boot-up
-  bool ignores_start = false;       // stays in Pre-operational
+  bool saves_its_heartbeat = false;
+  bool ignores_start = false;  // stays in Pre-operational
   bool sends_tpdo = true;
   bool follows_sdo_controlword = true;    // written to 6040h
   bool stops_in_pre_operational = false;  // by itself
@@ -56,7 +57,8 @@ class ScriptedDrive {
   }
 
   void boot() {
-    objects[key(0x1017, 0)] = 0;
+    objects[key(0x1016, 1)] = 0;
+    if (!saves_its_heartbeat) objects[key(0x1017, 0)] = 0;
     state = cia402::State::switch_on_disabled;
     if (!boots_silently) send(canopen::heartbeat_frame(canopen::NmtState::boot_up, node_));
     nmt = canopen::NmtState::pre_operational;

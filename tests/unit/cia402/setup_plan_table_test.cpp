@@ -1,6 +1,8 @@
 // The whole plan, step by step.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -12,14 +14,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// "w? 6071:00 2 0": what is done (w write, r read, c check, C confirm), whether the drive may refuse it, where, and of
-// a write the bytes and the value.
+// "w? 6071:00 2 0": what is done (r read, w write, n note, R recall, c check, C confirm), whether the drive may refuse
+// it, where, and of a write the bytes and the value.
 std::string line_of(const SetupStep& step) {
-  constexpr char kinds[] = {'r', 'w', 'c', 'C'};
-  const char kind = step.kind == SetupStep::Kind::read    ? kinds[0]
-                    : step.kind == SetupStep::Kind::write ? kinds[1]
-                    : step.kind == SetupStep::Kind::check ? kinds[2]
-                                                          : kinds[3];
+  constexpr std::array<char, 6> kinds{'r', 'w', 'n', 'R', 'c', 'C'};  // as the enumerators stand
+  const char kind = kinds[static_cast<std::size_t>(step.kind)];
   char text[48];
   std::snprintf(text, sizeof text, "%c%c %04X:%02X %u %X", kind, step.optional ? '?' : '!',
                 static_cast<unsigned>(step.index), static_cast<unsigned>(step.subindex),
@@ -35,7 +34,7 @@ std::string lines_of(const DriveConfig<float>& drive, const hal::NetworkConfig& 
 }
 
 constexpr char force_off_and_rating[] =
-    "w? 6040:00 2 0\nw? 6071:00 2 0\nr? 6041:00 0 0\n"
+    "w? 6040:00 2 0\nw? 6071:00 2 0\nr? 6041:00 0 0\nR? 1016:01 0 7F00FA\n"
     "r! 1000:00 0 0\nr! 6502:00 0 0\nr? 6075:00 0 0\nr! 6076:00 0 0\nr? 6072:00 0 0\nr? 607E:00 0 0\n"
     "r? 607B:01 0 0\nr? 607B:02 0 0\nr? 608F:01 0 0\nr? 608F:02 0 0\nr? 6091:01 0 0\nr? 6091:02 0 0\n"
     "r? 6092:01 0 0\nr? 6092:02 0 0\nr? 6041:00 0 0\n";
@@ -44,7 +43,7 @@ constexpr char bounds_of_force[] =
     "w? 605A:00 2 0\nC? 605A:00 2 0\nw? 605B:00 2 0\nC? 605B:00 2 0\n"
     "w? 605C:00 2 0\nC? 605C:00 2 0\nw? 605E:00 2 0\nC? 605E:00 2 0\nr? 6041:00 0 0\n";
 constexpr char clock_of_1_ms[] =
-    "w? 1016:01 4 7F00FA\nw! 1017:00 2 64\n"
+    "w? 1016:01 4 7F00FA\nn? 1016:01 0 7F00FA\nw! 1017:00 2 64\n"
     "w? 1005:00 4 80\nc? 1005:00 4 80\nw? 1006:00 4 3E8\nw? 1007:00 4 0\nw? 60C2:01 1 1\nw? 60C2:02 1 FD\n";
 constexpr char pdos_of_node_3[] =
     "w! 1400:01 4 80000203\nw! 1600:00 1 0\nw! 1600:01 4 60400010\nw! 1600:02 4 60710010\nw! 1600:00 1 2\n"

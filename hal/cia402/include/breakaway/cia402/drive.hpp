@@ -119,9 +119,9 @@ class Drive {
     if (node_.ready() && node_.heartbeat_lost() && !may_have_force()) set_up_anew(now);
     if (reset_asked_) begin_reset(now);
     if (!was_ready && node_.ready()) adopt_rating();
-    watch_stop(now);
     if (homing_.active()) lead_home(now);
     if (node_.ready() && pdo_seen_) follow(now);
+    watch_stop(now);  // by what is wished now
   }
 
   // Returns true and fills `frame` when an NMT command or an SDO frame is to be sent now, at most one a call. The frame
@@ -268,7 +268,7 @@ class Drive {
     ever_valid_ = counted_ = false;
     force_.forget();
     unwished_for_.reset();
-    force_shown_at_.reset();
+    doubt_ = {};
     reference_lost_ = !config_.absolute_encoder;
   }
 
@@ -380,14 +380,14 @@ class Drive {
   void watch_stop(hal::Time now) noexcept {
     const hal::Duration passed = std::min<hal::Duration>(now - watched_at_, 2 * period_);
     watched_at_ = now;
-    if (may_have_force() || node_.forcing_stop()) force_shown_at_ = now;
+    const bool shown = may_have_force() || node_.forcing_stop();
+    doubt_ = shown ? obeys_within() : std::max<hal::Duration>(doubt_ - passed, {});
     const bool wished = node_.ready() && machine_.enable_wished();
-    if (wished || node_.forcing_stop() || !force_shown_at_ || now - *force_shown_at_ > obeys_within())
-      return unwished_for_.reset();
+    if (wished || node_.forcing_stop() || doubt_ == hal::Duration{}) return unwished_for_.reset();
     unwished_for_ = unwished_for_ ? *unwished_for_ + passed : hal::Duration{};
     if (!may_have_force()) return;
-    const bool stops_by_itself =
-        machine_.state() == State::quick_stop_active || machine_.state() == State::fault_reaction_active;
+    const bool stops_by_itself = !force_.is_enabled() && (machine_.state() == State::quick_stop_active ||
+                                                          machine_.state() == State::fault_reaction_active);
     const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{};
     if (!node_.held() && *unwished_for_ <= obeys_within() + quick_stop) return;
     unwished_for_.reset();
@@ -403,10 +403,10 @@ class Drive {
 
   hal::DriveState state() const noexcept {
     if (node_.forcing_stop()) return hal::DriveState::stopping;
-    const bool watched = may_have_force() || node_.quietens();
-    if (!usable()) return watched ? hal::DriveState::stopping : hal::DriveState::unusable;
-    if (homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
-    if (!node_.ready() || !machine_.state()) return watched ? hal::DriveState::stopping : hal::DriveState::configuring;
+    if (usable() && homing_.active() && machine_.state() != State::fault) return hal::DriveState::homing;
+    if (unwished_for_ || node_.quietens()) return hal::DriveState::stopping;
+    if (!usable()) return hal::DriveState::unusable;
+    if (!node_.ready() || !machine_.state()) return hal::DriveState::configuring;
     const bool wished = machine_.enable_wished();
     switch (*machine_.state()) {
       case State::operation_enabled:
@@ -422,12 +422,11 @@ class Drive {
       case State::switched_on:
         break;
     }
-    if (wished) return hal::DriveState::enabling;
-    return may_have_force() || unwished_for_ ? hal::DriveState::stopping : hal::DriveState::disabled;
+    return wished ? hal::DriveState::enabling : hal::DriveState::disabled;
   }
 
   std::uint16_t fault_code() const noexcept {
-    if (state() != hal::DriveState::fault) return 0;
+    if (machine_.state() != State::fault) return 0;
     return node_.emcy().active() ? last_error_code() : node_.error_code();
   }
 
@@ -470,7 +469,7 @@ class Drive {
   bool reset_pending_ = false;  // the fault is reset once the drive is set up
   std::optional<hal::Time> sync_time_;
   std::optional<hal::Duration> unwished_for_;  // so long the drive has shown force that nobody here wishes
-  std::optional<hal::Time> force_shown_at_;    // since it booted
+  hal::Duration doubt_{};                      // so long what was shown says that it may still have force
   hal::Time watched_at_{};
   hal::Time sample_time_{};
 };

@@ -9,8 +9,9 @@
 // somebody left them with force. Then it sets the node up by SDO beside the cyclic traffic (setup_plan.hpp), starts it,
 // and asks until 6061h shows cyclic synchronous torque. Until PDOs pass it looks at the statusword by SDO and hands out
 // what it saw; a node that is seen with force is looked at until it has none. From then on it watches heartbeat,
-// NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; one that leaves NMT operational by
-// itself is started again; one that stops answering is waited for, and told to say its boot-up. A node that cannot be
+// NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; so is one that lost an object of
+// its set-up, which rebooted unheard. One that leaves NMT operational by itself and did not is started again; one that
+// stops answering is waited for, and told to say its boot-up. A node that cannot be
 // used is refused until it reboots or is set up anew, and status() says why. One that does not obey a stop is forced to
 // it (forced_stop.hpp), from whatever phase, and then held in Pre-operational, where no PDO reaches it, until it is set
 // up anew: whoever else led it would lead it again.
@@ -78,14 +79,12 @@ class DriveNode {
   // A refusal that may pass, such as by a drive that still starts, is asked again at this interval, so often in a
   // set-up.
   static constexpr hal::Duration refusal_pause = std::chrono::milliseconds{100};
-  static constexpr unsigned most_refusals = 30;
+  static constexpr unsigned most_refusals = ForcedStop::refusal_time / refusal_pause;
   // 6061h is asked for at this interval, and 6060h written again at the longer one, until the time is over. Drives were
   // seen to take seconds.
   static constexpr hal::Duration poll_time = std::chrono::milliseconds{20};
   static constexpr hal::Duration mode_request_time = std::chrono::milliseconds{500};
   static constexpr hal::Duration mode_timeout = std::chrono::seconds{10};
-  // So many looks at a held node may be refused with codes that may pass, which is as long as a set-up waits.
-  static constexpr unsigned most_refused_looks = most_refusals * (refusal_pause / poll_time);
 
   // A node with what check() does not accept is refused for good and sends nothing.
   template <class Scalar>
@@ -152,7 +151,9 @@ class DriveNode {
            (forcing_stop() && forced_while_operational_ && forced_stop_.means() == ForcedStop::Means::controlword);
   }
   // It said that it is no longer operational, was told to start again, and may still be where it was.
-  bool restarts() const noexcept { return phase_ == SetupPhase::starting && restarts_; }
+  bool restarts() const noexcept {
+    return restarts_ && (phase_ == SetupPhase::starting || phase_ == SetupPhase::configuring);
+  }
   // Returns the statusword that was read by SDO since the last call, if one was.
   std::optional<std::uint16_t> take_statusword() noexcept { return std::exchange(statusword_, std::nullopt); }
 
@@ -179,6 +180,7 @@ class DriveNode {
   void tell_while_waiting(canopen::NmtCommand command, hal::Time now) noexcept;
   void switch_off() noexcept;
   void ask_again(hal::Time now) noexcept;
+  void on_boot() noexcept;
   void on_boot_up(hal::Time now) noexcept;
   void begin_configuration(hal::Time now) noexcept;
   void configure(hal::Time now) noexcept;
@@ -186,7 +188,9 @@ class DriveNode {
   static bool clears_mapping(const SetupStep& step) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
+  bool on_recalled(bool answered, bool as_it_was, hal::Time now) noexcept;
   bool holds(const SetupStep& step) const noexcept;
+  bool shows_value_of(const SetupStep& step) const noexcept;
   bool is_needless(const SetupStep& step) const noexcept;
   void be_patient() noexcept;
   void on_step_failed(canopen::SdoResult result, hal::Time now) noexcept;
@@ -201,7 +205,6 @@ class DriveNode {
   bool is_looking(hal::Time now) noexcept;
   void look(std::uint16_t index) noexcept;
   void on_look(canopen::SdoResult result, hal::Time now) noexcept;
-  bool refused_for_long(canopen::SdoResult result) noexcept;
   void look_now_and_then(hal::Time now) noexcept;
   void hold(hal::Time now) noexcept;
   void enter_held(hal::Time now) noexcept;
@@ -240,7 +243,6 @@ class DriveNode {
   std::uint16_t fixed_mapping_ = 0;  // 1600h or 1A00h, whichever the drive refused to clear last; 0: neither
   unsigned attempts_ = 0;
   unsigned looks_wanted_ = 0;            // until it is quiet
-  unsigned refused_looks_ = 0;           // since it is held, with codes that may pass
   hal::Duration look_patience_{};        // for a statusword beside the plan
   hal::Duration boot_time_ = boot_time;  // that a silent node is given
   unsigned refusals_ = 0;                // that may pass, in this set-up
@@ -262,7 +264,9 @@ class DriveNode {
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
   bool looks_at_torque_ = false;            // in the running look
-  bool restarts_ = false;                   // in `starting`
+  bool restarts_ = false;                   // in `configuring` and `starting`: it was ready
+  bool recalls_ = false;                    // it has of its set-up what a boot would take
+  bool quiet_state_ = false;                // by the look at its statusword
   bool write_taken_ = false;                // the last one of the plan
   bool forced_while_operational_ = false;   // the forced stop began while PDOs passed
   std::optional<SetupStatus> refused_for_;  // by a drive that was refused before it was forced to stop

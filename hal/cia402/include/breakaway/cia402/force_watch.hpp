@@ -21,6 +21,7 @@ class ForceWatch {
  public:
   void on_statusword(std::uint16_t statusword) noexcept {
     if (shows_force(statusword)) has_force_ = shown_ = true;
+    if (state_of(statusword) == State::operation_enabled) enabled_shown_ = true;
     if (shows_no_force(statusword)) has_force_ = false;
   }
   // 6077h, per mille of the rated torque, beside a statusword that was given before. That the torque is gone is for
@@ -32,7 +33,10 @@ class ForceWatch {
     if (now - *idle_torque_since_ > StateMachine::quick_stop_time) torque_stays_ = true;
   }
   // Once a period, after what it brought.
-  void update() noexcept { may_have_force_ = std::exchange(shown_, false) || has_force_ || torque_stays_; }
+  void update() noexcept {
+    may_have_force_ = std::exchange(shown_, false) || has_force_ || torque_stays_;
+    enabled_ = std::exchange(enabled_shown_, false);
+  }
   // The drive booted, or proved to be without force.
   void forget() noexcept {
     has_force_ = shown_ = false;
@@ -40,6 +44,8 @@ class ForceWatch {
   }
 
   bool may_have_force() const noexcept { return may_have_force_; }  // in this period
+  // One of its statuswords said Operation enabled, whatever others said.
+  bool is_enabled() const noexcept { return enabled_; }
 
  private:
   void forget_torque() noexcept {
@@ -51,6 +57,8 @@ class ForceWatch {
   bool shown_ = false;      // by any statusword since the last period
   bool torque_stays_ = false;
   bool may_have_force_ = false;
+  bool enabled_shown_ = false;
+  bool enabled_ = false;
   std::optional<hal::Time> idle_torque_since_;
 };
 

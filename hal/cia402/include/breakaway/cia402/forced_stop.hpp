@@ -34,6 +34,9 @@ class ForcedStop {
   static constexpr hal::Duration longest_reset_time = std::chrono::seconds{16};
   static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
 
+  // So long after the first of them since begin(), refusals that may pass are no reason to wait any more.
+  static constexpr hal::Duration refusal_time = std::chrono::seconds{3};
+
   // A twentieth of the rated torque, in per mille, may be an offset of a current measurement where no current flows.
   static constexpr int most_idle_torque = 50;
 
@@ -50,15 +53,15 @@ class ForcedStop {
   Means means() const noexcept { return means_; }
   // Whether 6077h is to be read beside a state without force; not of a drive that said since begin() that it has none.
   bool reads_torque() const noexcept { return reads_torque_; }
-  // Returns true where the read that ended so was refused, and would be again.
-  static bool is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept;
+  // Returns true where the read that ended so was refused, and would be again: what may pass is waited for.
+  bool is_refused(const canopen::SdoClient& sdo, canopen::SdoResult result, hal::Time now) noexcept;
   // Returns true where the read of 6077h that ended so shows no torque, or can show none.
-  bool shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result) noexcept;
+  bool shows_no_torque(const canopen::SdoClient& sdo, canopen::SdoResult result, hal::Time now) noexcept;
 
  private:
   enum class Transfer : std::uint8_t { none, write_controlword, read_statusword, read_torque };
 
-  Transfer after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result) noexcept;
+  Transfer after(const canopen::SdoClient& sdo, Transfer finished, canopen::SdoResult result, hal::Time now) noexcept;
   void escalate(canopen::SdoClient& sdo, hal::Time now) noexcept;
   void start(canopen::SdoClient& sdo, Transfer transfer) noexcept;
   hal::Duration time_of(Means means) const noexcept;
@@ -69,6 +72,7 @@ class ForcedStop {
   hal::Duration patience_{};
   hal::Duration reset_time_ = reset_time;  // in this round
   Transfer transfer_ = Transfer::none;
+  std::optional<hal::Time> refused_since_;  // with codes that may pass
   bool reads_torque_ = true;
   bool quiet_ = false;  // by the newest answers
   std::optional<canopen::NmtCommand> command_;

@@ -20,6 +20,8 @@ struct SetupStep {
   enum class Kind : std::uint8_t {
     read,
     write,
+    note,     // read whether it is `value`, which the drive loses when it boots
+    recall,   // read whether it still is
     check,    // read, and it must be `value`
     confirm,  // the same, where the drive took the write before it
   };
@@ -50,6 +52,7 @@ class SetupPlan {
             const hal::NetworkConfig& network) noexcept;
 
   void take_force_off() noexcept;
+  void read_again(SetupStep::Kind kind, std::uint32_t consumer_heartbeat) noexcept;
   void read_rating() noexcept;
   void bound_force() noexcept;
   void add_clock(const hal::NetworkConfig& network) noexcept;
