@@ -43,10 +43,47 @@ TEST(RecordCsv, TakesItsColumnsWhereverTheyStandAndOneAxisOfSeveral) {
   EXPECT_EQ(record.readings[1].command_N, 2);
 }
 
-TEST(RecordCsv, TakesTheLastOfSeveralRuns) {
-  const Record record = record_of_csv("time_s,position_m,command_N\n1,5,0\n1.001,5,0\n900,6,0\n", units);
-  ASSERT_EQ(record.readings.size(), 1000U);
-  EXPECT_EQ(record.readings.back().position_m, 6);
+TEST(RecordCsv, RefusesTwoRunsAndNamesTheLineWhereTheSecondBegins) {
+  const std::string two_runs = "time_s,position_m,command_N\n1,5,0\n1.001,5,0\n1.002,5,0\n900,6,0\n";
+  EXPECT_NE(refusal(two_runs).find("line 5: time_s jumps by 899 s"), std::string::npos) << refusal(two_runs);
+  EXPECT_NE(refusal(two_runs).find("give one run"), std::string::npos);
+  const Record record = record_of_csv("time_s,position_m,command_N\n1,5,0\n1.001,5,0\n2.001,6,0\n", units);
+  EXPECT_EQ(record.readings.size(), 1002U) << "a gap of a thousand periods is filled up";
+}
+
+TEST(RecordCsv, TakesAByteOrderMarkBlanksAndPlusSigns) {
+  const Record record =
+      record_of_csv("\xEF\xBB\xBFtime_s, position_m ,command_N\n+0, +1 ,\t2\n0.001 ,-1,+2e-3\t\r\n", units);
+  ASSERT_EQ(record.readings.size(), 2U);
+  EXPECT_EQ(record.readings[0].position_m, 1);
+  EXPECT_EQ(record.readings[0].command_N, 2);
+  EXPECT_EQ(record.readings[1].position_m, -1);
+  EXPECT_EQ(record.readings[1].command_N, 2e-3);
+}
+
+TEST(RecordCsv, RefusesWhatIsMoreThanANumber) {
+  const auto said = [](const std::string& row) { return refusal("time_s,position_m,command_N\n" + row + "\n"); };
+  EXPECT_NE(said("0.001s,-0.4,12").find("line 2: column 1 is not a number alone"), std::string::npos);
+  EXPECT_NE(said("0.001,-0.4 m,12").find("line 2: column 2 is not a number alone"), std::string::npos);
+  EXPECT_NE(said("0.001,-0.4,12N").find("line 2: column 3 is not a number alone"), std::string::npos);
+  for (const char* field : {"+-1", "++1", "1 2", "nan", "inf", "", "+"})
+    EXPECT_NE(said("0," + std::string{field} + ",0").find("line 2: column 2"), std::string::npos) << field;
+}
+
+TEST(RecordCsv, RefusesAPositionThatNoEncoderOf32BitsReads) {
+  const auto said = [](const std::string& position_m) {
+    return refusal("time_s,position_m,command_N\n0," + position_m + ",0\n");
+  };
+  EXPECT_EQ(said("-4294.9"), "");
+  EXPECT_NE(said("-4295").find("line 2: column 2 is -4295 m"), std::string::npos) << said("-4295");
+  EXPECT_NE(said("1e300").find("check [drive] encoder_resolution_m"), std::string::npos) << said("1e300");
+}
+
+TEST(RecordCsv, SaysWhichAxesThereAreWhereTheWantedOneIsNotAmongThem) {
+  const std::string said = refusal("time_s,position_m,command_N,axis\n0,0,0,a\n0,0,0,b\n0.001,0,0,a\n");
+  EXPECT_NE(said.find("no line has x in its column axis, which names a, b:"), std::string::npos) << said;
+  const std::string control = refusal("time_s,position_m,command_N,axis\n0,0,0,a\rb\n");
+  EXPECT_NE(control.find("names a?b:"), std::string::npos) << control;
 }
 
 TEST(RecordCsv, PassesOverEmptyLines) {

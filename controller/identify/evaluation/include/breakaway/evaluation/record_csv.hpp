@@ -14,8 +14,8 @@ struct RecordUnits {
   std::string axis{};  // only the lines with this name in a column `axis`, where there is one
 };
 
-// Reads the columns time_s, position_m and command_N, in any order and beside others. Periods that are missing in
-// time_s become readings that are not fresh. Throws InputError naming the line.
+// Reads the columns time_s, position_m and command_N, in any order and beside others. Up to 1000 periods that are
+// missing in time_s become readings that are not fresh. Throws InputError naming the line.
 Record record_of_csv(std::string_view text, const RecordUnits& units);
 
 std::string to_csv(const Record& record);
