@@ -51,6 +51,31 @@ TEST(RecordCsv, RefusesTwoRunsAndNamesTheLineWhereTheSecondBegins) {
   EXPECT_EQ(record.readings.size(), 1002U) << "a gap of a thousand periods is filled up";
 }
 
+// Lines that are a period apart, but for a share of them that is lost.
+std::string lines_at(double period_s, int share_lost_of_ten = 0) {
+  std::string text = "time_s,position_m,command_N\n";
+  for (int i = 0; i < 300; ++i)
+    if (i * 7 % 10 >= share_lost_of_ten) text += std::to_string(i * period_s) + ",0,0\n";
+  return text;
+}
+
+TEST(RecordCsv, RefusesARecordOfAnotherPeriodThanTheFileHas) {
+  for (const double period_s : {1e-4, 0.5e-3, 0.97e-3, 1.03e-3, 1.4e-3, 2e-3, 1.0}) {
+    const std::string said = refusal(lines_at(period_s));
+    EXPECT_NE(said.find("s apart and [loop] period_s is 0.001: set period_s to"), std::string::npos) << said;
+  }
+  EXPECT_NE(refusal(lines_at(0.5e-3)).find("the lines are 0.0005 s apart"), std::string::npos);
+}
+
+TEST(RecordCsv, TakesARecordWhoseClockIsOffByLittleOrWhoseSamplesWereLost) {
+  EXPECT_EQ(refusal(lines_at(0.99e-3)), "");
+  EXPECT_EQ(refusal(lines_at(1.01e-3)), "");
+  EXPECT_EQ(refusal(lines_at(1e-3, 3)), "");
+  RecordUnits fast = units;
+  fast.period_s = 1.0 / 64000;
+  EXPECT_EQ(record_of_csv(lines_at(fast.period_s), fast).readings.size(), 300U) << "times are whole microseconds";
+}
+
 TEST(RecordCsv, TakesAByteOrderMarkBlanksAndPlusSigns) {
   const Record record =
       record_of_csv("\xEF\xBB\xBFtime_s, position_m ,command_N\n+0, +1 ,\t2\n0.001 ,-1,+2e-3\t\r\n", units);

@@ -146,6 +146,22 @@ class Reader {
   std::vector<std::string> others_;  // axes that lines name
 };
 
+// Accelerations go with the square of the period, so that a record of half the period would make the mass four times as
+// great. Most lines follow one another by one period, whatever was lost.
+void require_period(const std::vector<Row>& rows, double period_s) {
+  constexpr double most_off = 0.02, rounding_s = 0.5e-6;  // times are written to whole microseconds
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < rows.size(); ++i) steps_s.push_back(rows[i].time_s - rows[i - 1].time_s);
+  if (steps_s.empty()) return;
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>((steps_s.size() - 1) / 2);
+  std::ranges::nth_element(steps_s, middle);
+  if (std::abs(*middle - period_s) <= most_off * period_s + rounding_s) return;
+  throw InputError{
+      fmt::format("the lines are {:.4g} s apart and [loop] period_s is {:g}: set period_s to what the record was made "
+                  "at, or record every period at that of the file; time_s is in seconds",
+                  *middle, period_s)};
+}
+
 // Fills up the periods that the time jumps over. So many in a row are no samples that were lost.
 void append(Record& record, double passed_s, const Row& row) {
   constexpr double longest_gap = 1000;
@@ -172,6 +188,7 @@ Record record_of_csv(std::string_view text, const RecordUnits& units) {
   Reader reader{columns, units};
   for (std::size_t line = 2; !text.empty(); ++line) reader.read(next_of(text, '\n'), line);
   const std::vector<Row>& rows = reader.rows();
+  require_period(rows, units.period_s);
   Record record{units.period_s, units.resolution_m, units.force_step_N, {}};
   for (std::size_t i = 0; i < rows.size(); ++i)
     append(record, i > 0 ? rows[i].time_s - rows[i - 1].time_s : units.period_s, rows[i]);

@@ -15,7 +15,8 @@ struct RecordUnits {
 };
 
 // Reads the columns time_s, position_m and command_N, in any order and beside others. Up to 1000 periods that are
-// missing in time_s become readings that are not fresh. Throws InputError naming the line.
+// missing in time_s become readings that are not fresh. Throws InputError naming the line, and where the record is of
+// another period than units has.
 Record record_of_csv(std::string_view text, const RecordUnits& units);
 
 std::string to_csv(const Record& record);
