@@ -220,6 +220,45 @@ TEST(Switches, AreNoneWhereTheMotionDoesNotShowTheForce) {
   EXPECT_TRUE(switches_in(too_coarse, stretches_of(too_coarse), {}).empty());
 }
 
+// A switch from -change_N / 2 to change_N / 2 that shows this mass.
+Switch switch_of(double change_N, double mass_kg, double residual_m = 0.3 * count_m) {
+  Switch one;
+  one.change_N = change_N;
+  one.before.acceleration_m_s2 = -change_N / 2 / mass_kg, one.after.acceleration_m_s2 = change_N / 2 / mass_kg;
+  one.after.residual_m = residual_m;
+  return one;
+}
+
+TEST(MassOfSwitches, IsOfSixAtLeastWhereOneIsMuchGreaterThanAllOthers) {
+  std::vector<Switch> switches(8, switch_of(10, 2));
+  switches.push_back(switch_of(40, 1.93));
+  const MassEstimate mass = mass_of(switches, empty_record());
+  EXPECT_EQ(mass.switches, 9U);
+  EXPECT_DOUBLE_EQ(mass.mass_kg, 2);
+  EXPECT_NEAR(mass.spread, 0.035, 1e-9) << "it says how far one is off, though most agree";
+}
+
+TEST(MassOfSwitches, CountsNoneInWhichTheForceStepsWithinAParabola) {
+  std::vector<Switch> switches(8, switch_of(40, 2));
+  for (int i = 0; i < 3; ++i) switches.push_back(switch_of(60, 2.5, 20 * count_m));
+  const MassEstimate mass = mass_of(switches, empty_record());
+  EXPECT_EQ(mass.switches, 8U);
+  EXPECT_EQ(mass.spread, 0);
+  for (Switch& one : switches) one.after.residual_m = 20 * count_m;
+  EXPECT_GT(mass_of(switches, empty_record()).spread, 0.2) << "where all are off alike, none is left out";
+}
+
+// Great ones at one place say nothing of the others, where friction or the drive may differ.
+TEST(MassOfSwitches, IsAsUncertainAsSmallerOnesAreOffInProportionToTheirForce) {
+  std::vector<Switch> switches(8, switch_of(100, 2));
+  switches.push_back(switch_of(35, 2.2));
+  const MassEstimate mass = mass_of(switches, empty_record());
+  EXPECT_EQ(mass.switches, 8U);
+  EXPECT_DOUBLE_EQ(mass.mass_kg, 2);
+  EXPECT_EQ(mass.spread_of_greatest(), 0);
+  EXPECT_NEAR(mass.spread, 0.05, 1e-9) << "0.1 of half the change that counts as great";
+}
+
 // Fits of a swing
 
 TEST(SwingFit, IsNoneWhereTheReadingsDoNotTellItsCoefficients) {
@@ -273,6 +312,19 @@ TEST(Totals, CountAMotionFromEachRestTurnAndWayBack) {
   EXPECT_EQ(found.motions, 4U);
 }
 
+TEST(Totals, TakeTheUncertaintyOfTheMassFromTwiceTheSpreadOrSmallerSwitchesAndTheMarginAtLeast) {
+  Identification found;
+  found.friction = {sample(0, 1, 1)};
+  const auto uncertainty = [&](double least_kg, double spread) {
+    found.mass_uncertainty = 0, found.mass = {1, {least_kg, 1}, 8, spread};
+    sum_up(found, {});
+    return found.mass_uncertainty;
+  };
+  EXPECT_NEAR(uncertainty(0.97, 0.03), 0.06, 1e-12);
+  EXPECT_NEAR(uncertainty(0.97, 0.08), 0.08, 1e-12) << "smaller switches are further off, in proportion";
+  EXPECT_DOUBLE_EQ(uncertainty(0.999, 0.001), 0.01);
+}
+
 TEST(Totals, RefuseAFrictionThatPushes) {
   Identification found;
   found.mass = {1, {1, 1}, 3};
@@ -287,6 +339,17 @@ TEST(Totals, RefuseAFrictionThatPushes) {
 }
 
 // What is said
+
+TEST(Summary, NamesSmallerSwitchesWhereTheyDecideHowSureTheMassIs) {
+  Identification found;
+  found.mass = {1, {0.99, 1.01}, 8, 0.01};
+  EXPECT_NE(summary(found).find("the uncertainty is twice their spread"), std::string::npos) << summary(found);
+  found.mass.spread = 0.03;
+  EXPECT_NE(summary(found).find("the uncertainty is what smaller ones are off in proportion"), std::string::npos)
+      << summary(found);
+  found.mass = {1, {1, 1}, 8, 0.004};
+  EXPECT_NE(summary(found).find("twice their spread, and 1 % at least"), std::string::npos) << "the least decides";
+}
 
 TEST(Summary, SaysOfLatencyLagAndBendingWhatWasSeen) {
   Identification found;

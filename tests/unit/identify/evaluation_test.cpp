@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -79,6 +80,48 @@ TEST(Evaluation, SaysWhatARecordDoesNotShow) {
   for (Reading& reading : record.readings)
     if (std::abs(reading.command_N) < 1.3 * UnknownAxis{}.friction_N) reading.command_N = 0;
   EXPECT_NE(refusal(record).find("friction at rest"), std::string::npos) << refusal(record);
+}
+
+// What comes after the fifth switch of the force in motion is cut off.
+TEST(Evaluation, RefusesARecordOfFewSwitchesSinceTheirSpreadSaysLittle) {
+  const Record whole = run_experiment(UnknownAxis{}).record;
+  const std::string_view said_of_few = "switches of the force in motion 5 tell the mass, and 6 are needed";
+  Record record = whole;
+  std::string said;
+  for (std::size_t size = 300; size <= whole.readings.size(); size += 20) {
+    record.readings.assign(whole.readings.begin(), whole.readings.begin() + static_cast<std::ptrdiff_t>(size));
+    said = refusal(record);
+    if (said.find(said_of_few) != said.npos) break;
+  }
+  EXPECT_NE(said.find(said_of_few), std::string::npos) << said;
+  EXPECT_NE(said.find("accelerate and brake 6 times or more"), std::string::npos) << said;
+}
+
+// Only one switch is much greater than all others, and friction steps within its second parabola.
+TEST(Evaluation, IsNotMisledByAFrictionThatStepsFromPlaceToPlace) {
+  UnknownAxis axis;
+  axis.mass_kg = 3.678, axis.max_force_N = 238.9, axis.force_step_N = 0.11945, axis.period_s = 2e-3;
+  axis.resolution_m = 1.12e-7, axis.lowest_m = -0.5, axis.highest_m = 0.5;
+  const auto friction_N = [](const testing::Moment& now) {
+    const double x = now.position_m;
+    return x < -0.195 ? 7.636 : x < -0.045 ? 13.06 : x < 0.105 ? 8.992 : x < 0.305 ? 11.026 : 6.28;
+  };
+  testing::Slider slider{{.mass_kg = axis.mass_kg}, friction_N, 0, 0};
+  const Identification found = evaluate(testing::run_experiment_on(slider, testing::told<double>(axis), 1).record);
+  EXPECT_NEAR(found.mass.mass_kg, axis.mass_kg, 0.01 * axis.mass_kg);
+  EXPECT_LE(std::abs(found.mass.mass_kg / axis.mass_kg - 1), found.mass_uncertainty);
+  EXPECT_GE(found.mass.switches, 6U);
+  EXPECT_EQ(found.latency.periods, 1);
+}
+
+// The greatest switches are all about one place.
+TEST(Evaluation, IsAsSureOfTheMassAsFrictionThatVariesWithPlaceAllows) {
+  for (const double phase : {0.0, 2.0, 4.0, 6.0}) {
+    UnknownAxis axis;
+    axis.wave = 0.35, axis.wave_length_m = 0.05, axis.phase = phase;
+    const Identification found = evaluate(run_experiment(axis).record);
+    EXPECT_LE(std::abs(found.mass.mass_kg / axis.mass_kg - 1), found.mass_uncertainty) << phase;
+  }
 }
 
 TEST(Evaluation, RefusesARecordWithoutPeriodCountOrStepOfForce) {

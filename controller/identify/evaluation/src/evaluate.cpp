@@ -60,6 +60,14 @@ void require_readable(const Record& record) {
     throw InputError{"the record needs a period, a count and a step of force above 0: check [loop] and [drive]"};
 }
 
+void require_enough(std::size_t switches, std::size_t telling) {
+  if (telling >= least_switches) return;
+  throw InputError{fmt::format(
+      "of {} switches of the force in motion {} tell the mass, and {} are needed, so that their spread says how sure "
+      "it is: record a whole experiment, or accelerate and brake {} times or more, at several places of the travel",
+      switches, telling, least_switches, least_switches)};
+}
+
 // A mass under constant force and friction draws parabolas, but for what friction changes on the way.
 void require_rigid(const std::vector<Switch>& switches, const Record& record, const std::vector<Stretch>& stretches) {
   std::vector<double> residuals_m, shares;
@@ -96,16 +104,17 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   found.duration_s = static_cast<double>(record.readings.size()) * record.period_s;
   // What the first look says of latency and lag tells the second one from where on a parabola is one.
   for (int look = 0; look < 2; ++look) {
-    found.latency = latency_of(switches, record.period_s);
+    found.latency = latency_of(switches, record);
     settling.latency = static_cast<std::size_t>(found.latency.periods);
     settling.all =
         settling.latency + 1 + static_cast<std::size_t>(std::ceil(6 * found.latency.lag_s / record.period_s));
     const std::vector<Switch> again = switches_in(record, stretches, settling);
     if (!again.empty()) switches = again;
   }
-  found.latency = latency_of(switches, record.period_s);
-  found.mass = mass_of(switches);
+  found.latency = latency_of(switches, record);
+  found.mass = mass_of(switches, record);
   require_rigid(switches, record, stretches);
+  require_enough(switches.size(), found.mass.switches);
   const double m = found.mass.mass_kg;
   const std::vector<BreakAway> broken = break_aways_in(record, found.latency, m);
   if (broken.empty())

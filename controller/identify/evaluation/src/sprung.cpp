@@ -16,7 +16,7 @@
 namespace breakaway::evaluation {
 namespace {
 
-constexpr std::size_t least_switches = 6, least_bends = 6;
+constexpr std::size_t least_bends = 6;
 constexpr double most_uncertain = 0.1;  // of a mass; no coast "work" is certified beyond
 
 struct SeenSwitch {

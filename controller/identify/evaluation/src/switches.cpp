@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 namespace breakaway::evaluation {
@@ -33,13 +34,49 @@ std::optional<Switch> switch_between(const Record& record, const Stretch& a, con
   return with(std::clamp(enough, least_readings, most_readings));
 }
 
-std::vector<Switch> greatest(const std::vector<Switch>& switches) {
-  double most_N = 0;
-  for (const Switch& s : switches) most_N = std::max(most_N, std::abs(s.change_N));
+double residual_m(const Switch& s) { return std::max(s.before.residual_m, s.after.residual_m); }
+
+// Where friction or force steps within a parabola, as it may from place to place, the readings are further off it than
+// those of other switches, and its acceleration is that of neither part.
+std::vector<Switch> on_parabolas(const std::vector<Switch>& switches, double resolution_m) {
+  std::vector<double> residuals_m;
+  residuals_m.reserve(switches.size());
+  for (const Switch& s : switches) residuals_m.push_back(residual_m(s));
+  const double most_m = std::max(resolution_m, 3 * median(residuals_m));
   std::vector<Switch> kept;
   for (const Switch& s : switches)
-    if (std::abs(s.change_N) > 0.7 * most_N) kept.push_back(s);
+    if (residual_m(s) <= most_m) kept.push_back(s);
   return kept;
+}
+
+// Such a change is among the greatest: of one or two of them the spread says nothing, so that the sixth is the measure.
+double great_change_N(const std::vector<Switch>& switches) {
+  std::vector<double> changes_N;
+  changes_N.reserve(switches.size());
+  for (const Switch& s : switches) changes_N.push_back(std::abs(s.change_N));
+  const auto sixth = changes_N.begin() + static_cast<std::ptrdiff_t>(std::min(changes_N.size(), least_switches) - 1);
+  std::ranges::nth_element(changes_N, sixth, std::greater{});
+  return 0.7 * *sixth;
+}
+
+std::vector<Switch> greatest(const std::vector<Switch>& switches, double resolution_m) {
+  const std::vector<Switch> telling = on_parabolas(switches, resolution_m);
+  const double great_N = great_change_N(telling);
+  std::vector<Switch> kept;
+  for (const Switch& s : telling)
+    if (std::abs(s.change_N) > great_N) kept.push_back(s);
+  return kept;
+}
+
+// What friction changes by during a switch puts its mass off by that over the change of the force. So a smaller switch,
+// which may be the only one at its place, says how far a great one would be off there. It is the worst of many places
+// already, where the great ones are about one.
+double spread_of(const std::vector<Switch>& switches, double mass_kg) {
+  const double great_N = great_change_N(switches);
+  double spread = 0;
+  for (const Switch& s : switches)
+    spread = std::max(spread, std::abs(s.mass_kg() / mass_kg - 1) * std::min(std::abs(s.change_N) / great_N, 1.0));
+  return spread;
 }
 
 // Behind a loop of first order the new parabola goes through a speed of the old one a lag late, and through a place
@@ -80,15 +117,17 @@ std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>
   return found;
 }
 
-MassEstimate mass_of(const std::vector<Switch>& switches) {
+MassEstimate mass_of(const std::vector<Switch>& switches, const Record& record) {
   std::vector<double> masses;
-  for (const Switch& s : greatest(switches)) masses.push_back(s.mass_kg());
-  return {median(masses), range_of(masses), masses.size()};
+  for (const Switch& s : greatest(switches, record.resolution_m)) masses.push_back(s.mass_kg());
+  const double mass_kg = median(masses);
+  return {mass_kg, range_of(masses), masses.size(), spread_of(on_parabolas(switches, record.resolution_m), mass_kg)};
 }
 
-LatencyEstimate latency_of(const std::vector<Switch>& switches, double period_s) {
+LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& record) {
+  const double period_s = record.period_s;
   std::vector<double> delays, lags;
-  for (const Switch& s : greatest(switches)) {
+  for (const Switch& s : greatest(switches, record.resolution_m)) {
     const Meeting meeting = meeting_of(s, period_s);
     delays.push_back(meeting.delay_s), lags.push_back(meeting.lag_squared_s2);
   }

@@ -28,6 +28,9 @@ struct Switch {
   double mass_kg() const { return change_N / change_m_s2(); }
 };
 
+// If a switch is as likely to show too little as too much, the truth is beyond all of six with a chance of 1 in 32.
+constexpr std::size_t least_switches = 6;
+
 // Require one value.
 Interval range_of(const std::vector<double>& values);
 double median(std::vector<double> values);
@@ -36,7 +39,7 @@ std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>
 
 // Friction cancels out where it is the same before and after: m = 2 F / (a1 - a2) for a change from F to -F. The
 // switches of the greatest change err least. Requires one switch.
-MassEstimate mass_of(const std::vector<Switch>& switches);
-LatencyEstimate latency_of(const std::vector<Switch>& switches, double period_s);
+MassEstimate mass_of(const std::vector<Switch>& switches, const Record& record);
+LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& record);
 
 }  // namespace breakaway::evaluation

@@ -36,9 +36,8 @@ void sum_up(Identification& found, const Margins& margins) {
   }
   found.bounds_N = {found.friction_seen_N.least * (1 - margins.friction),
                     found.friction_seen_N.most * (1 + margins.friction)};
-  const MassEstimate& mass = found.mass;
-  const double spread = std::max(mass.seen_kg.most - mass.mass_kg, mass.mass_kg - mass.seen_kg.least) / mass.mass_kg;
-  found.mass_uncertainty = std::max({found.mass_uncertainty, margins.mass, 2 * spread});
+  found.mass_uncertainty =
+      std::max({found.mass_uncertainty, margins.mass, 2 * found.mass.spread_of_greatest(), found.mass.spread});
 }
 
 void require_friction(const Identification& found) {

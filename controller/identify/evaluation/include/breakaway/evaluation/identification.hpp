@@ -4,6 +4,7 @@
 // both a tenth too small, and every force that a design computes from them comes out right again.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -27,8 +28,11 @@ struct FrictionSample {
 
 struct MassEstimate {
   double mass_kg = 0;
-  Interval seen_kg;  // of the single switches of force
+  Interval seen_kg;  // of the greatest switches of force
   std::size_t switches = 0;
+  double spread = 0;  // the greatest share by which any switch is off mass_kg; smaller ones count in proportion
+
+  double spread_of_greatest() const { return std::max(seen_kg.most - mass_kg, mass_kg - seen_kg.least) / mass_kg; }
 };
 
 struct LatencyEstimate {
@@ -88,8 +92,8 @@ enum class Mechanism {
   load_on_spring,  // behind the motor, whose encoder is read
 };
 
-// Throws InputError with the remedy where the record does not show what is needed: too short, no motion, no switch of
-// the force in motion, or a mechanism that is another one.
+// Throws InputError with the remedy where the record does not show what is needed: too short, no motion, fewer
+// than six switches of the force in motion, or a mechanism that is another one.
 Identification evaluate(const Record& record, const Margins& margins = {}, Mechanism mechanism = Mechanism::one_mass);
 
 }  // namespace breakaway::evaluation
