@@ -25,7 +25,7 @@ class BxcanNode {
  public:
   using Port = bxcan::Port<Can>;
 
-  BxcanNode() noexcept : port_{can_}, node_{port_, flashed::node} {}
+  [[gnu::cold]] BxcanNode() noexcept : port_{can_}, node_{port_, flashed::node} {}
 
   [[gnu::cold]] StartResult start(ResetCause cause) noexcept {
     bare_metal::tell(node_.verdict());

@@ -420,7 +420,7 @@ class ControlLoop {
     a.supervisor.latch(code != 0 ? AxisFault::emergency : AxisFault::enable_timed_out, code, now);
   }
 
-  void begin(Axis& a) noexcept {
+  [[gnu::cold]] void begin(Axis& a) noexcept {
     a.controller.reset();
     a.controller.limit_force(a.drive.max_force_N());
     a.sets_off = true;

@@ -72,7 +72,7 @@ class AxisController {
 
   // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach; a move
   // that is under way goes on from where it is.
-  void shift_target(Scalar shift_m) noexcept {
+  [[gnu::cold]] void shift_target(Scalar shift_m) noexcept {
     pd_.shift_origin(shift_m);
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
@@ -103,7 +103,7 @@ class AxisController {
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
-  void reset() noexcept {
+  [[gnu::cold]] void reset() noexcept {
     pd_.reset();
     cycle_.forget_force();
     last_force_N_ = 0;

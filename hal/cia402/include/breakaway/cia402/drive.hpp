@@ -176,7 +176,7 @@ class Drive {
     counts_ = counts;
     reference_lost_ = home_wanted_ = false;
   }
-  void request_enable() noexcept {
+  [[gnu::cold]] void request_enable() noexcept {
     if (node_.forcing_stop() || homing_.active()) return;
     if (!home_wanted_) return machine_.request_enable();
     if (!node_.ready() || !pdo_seen_) return;
