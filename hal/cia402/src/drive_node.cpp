@@ -204,8 +204,8 @@ void DriveNode::on_look(SdoResult result, hal::Time now) noexcept {
     if (done) on_value_read(object::statusword);
     quiet = done ? statusword_ && shows_no_force(*statusword_) : forced_stop_.is_refused(sdo_, result, now);
     quiet_state_ = quiet;
-    const bool says_nothing_else = quiet || result == SdoResult::aborted;
-    if (says_nothing_else && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
+    const bool nothing_against_it = quiet || result == SdoResult::aborted;
+    if (nothing_against_it && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
   }
   if (quiet && looks_wanted_ > 0) --looks_wanted_;
   look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
