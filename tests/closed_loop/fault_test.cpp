@@ -193,7 +193,7 @@ TEST(Fault, ALostHeartbeatIsNamedOnceAReset) {
   rig.write_to_drive(0x1017, 0, 0, 2);
   steps_until_fault(rig, 400);
   ASSERT_EQ(rig.status(0).fault, AxisFault::heartbeat_lost);
-  rig.run(20ms);
+  rig.run(30ms);
   EXPECT_TRUE(rig.loop().reset_fault(rig.id(0)));
   for (int i = 0; i < 5000; ++i) {
     rig.step();
