@@ -161,7 +161,6 @@ void DriveNode::ask_again(hal::Time now) noexcept {
 void DriveNode::begin_start(hal::Time now) noexcept {
   enter(SetupPhase::starting, now);
   mode_ = Mode::cyclic_torque;
-  status_ = SetupStatus::in_progress;
   setup_object_ = {};
   heartbeat_.forget_state();  // only a state heard after the command counts
 }
@@ -267,7 +266,6 @@ void DriveNode::on_mode_transfer(SdoResult result, hal::Time now) noexcept {
     setup_object_ = {};
     looks_wanted_ = 0;
   } else if (!mode_write_ && now - *since_ > mode_timeout) {
-    setup_object_ = {object::mode_display, 0};
     refuse(mode_ == Mode::homing ? SetupStatus::no_homing_mode : SetupStatus::mode_refused);
   }
 }

@@ -256,6 +256,16 @@ TEST_F(DriveTest, OneThatRebootsUnheardAndSaysSoByItsHeartbeatOnlyHasLostItsRefe
   }
 }
 
+TEST_F(DriveTest, OneThatIsFoundWithoutABootUpHasNotRebooted) {
+  node.boots_silently = true;
+  node.boot();
+  node.heartbeat();
+  deliver();
+  run_until_state(DriveState::disabled);
+  EXPECT_EQ(drive.reboots(), 0U);
+  EXPECT_FALSE(drive.reference_lost());
+}
+
 TEST_F(DriveTest, OneThatCannotShowWhoItsMasterIsIsNotTakenForRebooted) {
   for (const bool has_another : {false, true}) {
     drive = Drive<float>{config, network, scale};

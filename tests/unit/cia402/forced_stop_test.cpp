@@ -92,6 +92,7 @@ TEST_F(ForcedStopTest, ADriveThatIgnoresItsStopIsForcedThoughTheLoopIsLateInEver
     step();
   }
   EXPECT_LE(steps, 13) << "of which each counts for two periods";
+  EXPECT_GE(steps, 11);
 }
 
 TEST_F(ForcedStopTest, WritesTheControlwordByObjectToADriveWithoutRpdo) {
@@ -311,6 +312,23 @@ TEST_F(ForcedStopTest, AStatuswordInAPdoIsAProofToo) {
   run_until([&] { return !feedback.stop_not_obeyed; }, 20ms);
   EXPECT_TRUE(without_force());
   EXPECT_FALSE(was_told(NmtCommand::reset_node));
+}
+
+// Beside PDOs that pass, SDO is not answered.
+TEST_F(ForcedStopTest, AStatuswordInAPdoIsNoProofBesideTorque) {
+  for (const std::int16_t torque : {std::int16_t{51}, std::int16_t{-51}, std::int16_t{50}, std::int16_t{-50}}) {
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable_and_go_deaf();
+    node.follows_sdo_controlword = false;
+    drive.request_stop();
+    run_until([&] { return feedback.stop_not_obeyed; });
+    node.sdo_requests_lost = 1000;
+    node.torque = torque;
+    node.state = State::switch_on_disabled;
+    run_for(20ms);
+    EXPECT_EQ(feedback.stop_not_obeyed, std::abs(torque) > 50) << torque;
+  }
 }
 
 TEST_F(ForcedStopTest, AStatuswordOfZerosIsNoProof) {
