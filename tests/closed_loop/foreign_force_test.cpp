@@ -131,6 +131,46 @@ TEST(ForeignForce, ADriveThatWasRefusedGetsItBackForAFewPeriodsOnlyWhereAToolGoe
   }
 }
 
+// Looks take turns, as the rest of the SDO of all axes.
+TEST(ForeignForce, SeveralHeldDrivesThatAreEnabledAtOnceGetTheirForceBackForAsManyTurns) {
+  struct Case {
+    hal::Duration period;
+    std::size_t axes;
+    hal::Duration limit;
+  };
+  for (const Case& one : {Case{1ms, 4, 60ms}, Case{10ms, 8, 300ms}}) {
+    RigConfig config = far_from_target();
+    config.period = one.period;
+    config.axes = one.axes;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start());
+    for (std::size_t i = 0; i < one.axes; ++i) {
+      const auto node = static_cast<std::uint32_t>(i + 1);
+      rig.write_to_drive(0x1400, 1, 0x80000200U + node, 4, i);
+      rig.loop().request_stop(rig.id(i));
+    }
+    rig.run(5s);
+    hal::Duration longest{};
+    for (int again = 0; again < 20; ++again) {
+      for (std::size_t i = 0; i < one.axes; ++i) enable_from_elsewhere(rig, i);
+      const hal::Time begin = rig.now();
+      const auto energised = [&](std::size_t i) { return std::abs(rig.force_N(i)) > 0.1; };
+      const auto any = [&] {
+        for (std::size_t i = 0; i < one.axes; ++i)
+          if (energised(i)) return true;
+        return false;
+      };
+      while (any() || rig.now() - begin < 3 * one.period) {
+        ASSERT_LE(rig.now() - begin, one.limit) << one.axes << " axes";
+        rig.step();
+      }
+      longest = std::max(longest, rig.now() - begin);
+      rig.run(507 * one.period);
+    }
+    EXPECT_GT(longest, one.limit / 3) << one.axes << " axes: the limit says something";
+  }
+}
+
 // Its set-up showed how long its answers take.
 TEST(ForeignForce, ADriveThatAnswersSlowlyIsNotResetForThat) {
   for (const auto delay : {60ms, 90ms}) {

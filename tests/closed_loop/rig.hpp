@@ -194,10 +194,10 @@ class Rig {
 };
 
 // Another master enables the drive by SDO and has it make 10 N.
-inline void enable_from_elsewhere(Rig& rig) {
-  rig.write_to_drive(0x6060, 0, 10, 1);
-  rig.write_to_drive(0x6071, 0, 400, 2);
-  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2);
+inline void enable_from_elsewhere(Rig& rig, std::size_t axis = 0) {
+  rig.write_to_drive(0x6060, 0, 10, 1, axis);
+  rig.write_to_drive(0x6071, 0, 400, 2, axis);
+  for (const std::uint32_t controlword : {0x06U, 0x07U, 0x0FU}) rig.write_to_drive(0x6040, 0, controlword, 2, axis);
 }
 
 inline RigConfig far_from_target() {

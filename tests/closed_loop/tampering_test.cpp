@@ -2,8 +2,10 @@
 // and a way out.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "rig.hpp"
 
@@ -50,6 +52,33 @@ TEST(Tampering, ADriveThatIsEnabledFromElsewhereWhileItIsSetUpLosesItsForceAndRu
     expect_at_target(rig);
   }
   EXPECT_GE(onsets, 5) << "the set-up was over too soon to be disturbed";
+}
+
+// A transfer a period is for the set-ups of all of them.
+TEST(Tampering, OneOfEightDrivesThatIsEnabledWhileTheyAreSetUpLosesItsForceAfterAsManyTurns) {
+  for (const auto& [period, limit] : {std::pair{1ms, 200ms}, std::pair{10ms, 2000ms}}) {
+    hal::Duration longest{};
+    int onsets = 0;
+    for (hal::Duration onset = 10ms; onsets < 60; onset += 3 * period + period * (onsets % 7), ++onsets) {
+      RigConfig config;
+      config.period = period;
+      config.axes = 8;
+      Rig rig{config};
+      rig.run(onset);
+      const std::size_t axis = static_cast<std::size_t>(onsets) % config.axes;
+      if (rig.status(axis).feedback.state == hal::DriveState::disabled) break;
+      enable_from_elsewhere(rig, axis);
+      const hal::Time begin = rig.now();
+      while (std::abs(rig.force_N(axis)) > 0.1 || rig.now() - begin < 3 * period) {
+        ASSERT_LE(rig.now() - begin, limit) << onset / 1ms << " ms";
+        rig.step();
+      }
+      longest = std::max(longest, rig.now() - begin);
+      EXPECT_LT(rig.largest_force_N(axis, 50 * period), 0.1) << "it stays off";
+    }
+    EXPECT_GE(onsets, 50) << "the set-up was over too soon to be disturbed";
+    EXPECT_GT(longest, limit / 2) << "the limit says something";
+  }
 }
 
 struct Obstacle {

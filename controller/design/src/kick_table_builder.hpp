@@ -249,10 +249,15 @@ class KickTableBuilder {
     }
   }
 
-  // In the cell that ends the range its end is looked for more finely: where cells lie follows from the unit of length,
-  // and the floor must not.
+  // Kicks are wanted from from_m_ on, wherever the interval begins in which that lies.
   Interval range_of_curve() const {
     const double end = root_at(table_.first + static_cast<std::uint32_t>(table_.count));
+    const double from = least_root(end);
+    return {std::max(from * from, from_m_), end * end};
+  }
+  // In the cell that ends the range its end is looked for more finely: where cells lie follows from the unit of length,
+  // and the floor must not.
+  double least_root(double end) const {
     double from = end;
     for (int i = table_.count; i-- > 0;) {
       const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
@@ -260,10 +265,10 @@ class KickTableBuilder {
       for (int j = samples; j-- > 0;) {
         const double s = left + (right - left) * j / samples;
         from = take_their_share(s, from) ? s : share_taken_from(s, from);
-        if (from > s) return {from * from, end * end};
+        if (from > s) return from;
       }
     }
-    return {std::max(from * from, from_m_), end * end};
+    return from;
   }
   double share_taken_from(double left, double right) const {
     double from = right;

@@ -97,7 +97,8 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
   if (step.kind == SetupStep::Kind::write) write_taken_ = answered;
   if (step.kind == SetupStep::Kind::read && answered) on_value_read(step.index);
   if (step.kind == SetupStep::Kind::note) recalls_ = answered && shows_value_of(step);
-  if (step.kind == SetupStep::Kind::recall && on_recalled(answered, shows_value_of(step), now)) return begin_start(now);
+  if (step.kind == SetupStep::Kind::recall && on_recalled(answered && shows_value_of(step), now))
+    return begin_start(now);
   if (step.index == object::feed_constant && step.subindex == 2) judge_position_factor();
   if (answered && !holds(step)) refuse(SetupStatus::value_not_kept);
   if (phase_ == SetupPhase::refused) return;
@@ -115,10 +116,9 @@ void DriveNode::on_step_done(const SetupStep& step, bool answered, hal::Time now
 
 // A drive that lost what it was set up with has booted, though nobody heard that. Returns true where all that it needs
 // is to be started again.
-bool DriveNode::on_recalled(bool answered, bool as_it_was, hal::Time now) noexcept {
-  const bool has_it = recalls_ && answered && as_it_was;
-  if (recalls_ && !has_it) on_boot();
-  restarts_ = restarts_ && has_it;
+bool DriveNode::on_recalled(bool as_it_was, hal::Time now) noexcept {
+  if (recalls_ && !as_it_was) on_boot();
+  restarts_ = restarts_ && recalls_;
   if (restarts_)
     heartbeat_.start(now);
   else

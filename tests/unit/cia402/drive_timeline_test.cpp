@@ -283,7 +283,7 @@ TEST_F(TimelineTest, ANodeThatStopsOperatingIsSwitchedOffAndLookedAtAtOnceAndTol
       node.nmt = NmtState::pre_operational;
       node.heartbeat();
       deliver();
-      EXPECT_FALSE(times_of(8, std::uint16_t{0x6041}).empty()) << moment << " ms, " << lost << " lost";
+      EXPECT_FALSE(times_of(4, std::uint16_t{0x6041}).empty()) << moment << " ms, " << lost << " lost";
       EXPECT_EQ(node.objects.at(ScriptedDrive::key(0x6040, 0)), 0U);
       EXPECT_TRUE(
           times(100, [](const CanFrame& frame) { return is_sdo(frame, 0x6061) || is_sdo(frame, 0x6060); }).empty())

@@ -8,12 +8,12 @@
 // its communication, one that runs already is taken back, and both are switched off by SDO meanwhile, in case that
 // somebody left them with force. Then it sets the node up by SDO beside the cyclic traffic (setup_plan.hpp), starts it,
 // and asks until 6061h shows cyclic synchronous torque. Until PDOs pass it looks at the statusword by SDO and hands out
-// what it saw; a node that is seen with force is looked at until it has none. From then on it watches heartbeat,
-// NMT state and emergencies. A node that reboots, in whatever phase, is set up anew; so is one that lost an object of
-// its set-up, which rebooted unheard. One that leaves NMT operational by itself and did not is started again; one that
-// stops answering is waited for, and told to say its boot-up. A node that cannot be
-// used is refused until it reboots or is set up anew, and status() says why. One that does not obey a stop is forced to
-// it (forced_stop.hpp), from whatever phase, and then held in Pre-operational, where no PDO reaches it, until it is set
+// what it saw; a node that is seen with force is looked at until it has none. From then on it watches heartbeat, NMT
+// state and emergencies. A node that reboots, in whatever phase, is set up anew; so is one that lost an object of its
+// set-up, which rebooted unheard. One that leaves NMT operational by itself and did not is started again; one that
+// stops answering is waited for, and told to say its boot-up. A node that cannot be used is refused until it reboots or
+// is set up anew, and status() says why. One that does not obey a stop is forced to it (forced_stop.hpp), from whatever
+// phase, and then held in Pre-operational, where no PDO reaches it, until it is set
 // up anew: whoever else led it would lead it again.
 //
 //   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
@@ -188,7 +188,7 @@ class DriveNode {
   static bool clears_mapping(const SetupStep& step) noexcept;
   void start_transfer(const SetupStep& step) noexcept;
   void on_step_done(const SetupStep& step, bool answered, hal::Time now) noexcept;
-  bool on_recalled(bool answered, bool as_it_was, hal::Time now) noexcept;
+  bool on_recalled(bool as_it_was, hal::Time now) noexcept;
   bool holds(const SetupStep& step) const noexcept;
   bool shows_value_of(const SetupStep& step) const noexcept;
   bool is_needless(const SetupStep& step) const noexcept;
