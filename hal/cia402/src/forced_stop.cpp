@@ -56,7 +56,10 @@ hal::Duration ForcedStop::time_of(Means means) const noexcept {
 }
 
 bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
-  if (sdo.request_waits()) since_ += now - last_;
+  if (sdo.request_waits())
+    since_ += now - last_;
+  else if (updates_ < least_updates)
+    ++updates_;
   last_ = now;
   const canopen::SdoResult result = sdo.poll(now);
   if (result != canopen::SdoResult::busy) {
@@ -65,7 +68,8 @@ bool ForcedStop::update(canopen::SdoClient& sdo, hal::Time now) noexcept {
     start(sdo, next);
   }
   // A state without force is on its way to a proof.
-  if (now - since_ > time_of(means_) && transfer_ != Transfer::read_torque) escalate(sdo, now);
+  const bool had_time = updates_ == least_updates && now - since_ > time_of(means_);
+  if (had_time && transfer_ != Transfer::read_torque) escalate(sdo, now);
   return false;
 }
 
@@ -99,6 +103,7 @@ ForcedStop::Transfer ForcedStop::after(const canopen::SdoClient& sdo, Transfer f
 // Each means has the controlword written at once, also where the answer to the last one is still awaited.
 void ForcedStop::escalate(canopen::SdoClient& sdo, hal::Time now) noexcept {
   since_ = now;
+  updates_ = 0;
   sdo.cancel();
   transfer_ = Transfer::none;
   switch (means_) {

@@ -39,9 +39,10 @@ class ForcedStopSequence : public ::testing::Test {
   void answer(const Bytes& bytes) {
     sdo.on_frame({.id = canopen::sdo_response_cob_id(node_id), .size = 8, .data = bytes});
   }
+  hal::Duration period = 1ms;
   // One period; returns the request that was sent in it.
   std::optional<Bytes> step() {
-    now += 1ms;
+    now += period;
     proven = stop.update(sdo, now);
     if (const auto command = stop.take_command()) commands.emplace_back(now - hal::Time{}, *command);
     hal::CanFrame frame;
@@ -90,6 +91,34 @@ TEST_F(ForcedStopSequence, EachMeansHasItsTimeAndTheRoundBeginsAnew) {
       {31212ms + 101ms, NmtCommand::enter_pre_operational}, {31212ms + 302ms, NmtCommand::reset_node},
       {47515ms + 101ms, NmtCommand::enter_pre_operational}};
   EXPECT_EQ(commands, expected);
+}
+
+// What answers within a period or two is not reset because the periods are long.
+TEST_F(ForcedStopSequence, ADriveThatObeysASlowLoopProvesItByTheFirstMeans) {
+  for (const auto slow : {50ms, 100ms, 250ms}) {
+    for (const int late : {1, 2}) {
+      period = slow;
+      proven = false;
+      sdo.cancel();
+      stop.begin(sdo, 10 * slow, now);
+      std::optional<Bytes> request;
+      for (int i = 0; i < 20 && !proven; ++i) {
+        if (i % late == 0 && request) answer(answer_to(*std::exchange(request, {}), disabled));
+        if (const auto sent = step()) request = sent;
+      }
+      EXPECT_TRUE(proven);
+      EXPECT_TRUE(commands.empty()) << slow / 1ms << " ms, answers after " << late;
+    }
+  }
+}
+
+TEST_F(ForcedStopSequence, InASlowLoopEachMeansHasTheUpdatesOfAProof) {
+  period = 250ms;
+  stop.begin(sdo, 1s, now);
+  serve_for(20 * period, enabled);
+  ASSERT_EQ(commands.size(), 2U);
+  EXPECT_EQ(commands[0], (std::pair<hal::Duration, NmtCommand>{5 * period, NmtCommand::enter_pre_operational}));
+  EXPECT_EQ(commands[1], (std::pair<hal::Duration, NmtCommand>{10 * period, NmtCommand::reset_node}));
 }
 
 TEST_F(ForcedStopSequence, AStatuswordWithoutForceBesideNoTorqueIsTheProof) {

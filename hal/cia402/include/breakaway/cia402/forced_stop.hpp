@@ -8,6 +8,7 @@
 //   pre_operational  NMT Enter Pre-operational ends the PDOs, and 6040h is written again
 //   reset            NMT Reset node; what boots anew has no force
 //
+// Each has at least the updates that a proof takes, in which an obedient drive of a slow loop answers.
 // All the while 6041h is read after each write. The proof that the stop is obeyed is a statusword that shows a state
 // without force, and then a 6077h that shows no torque; so is a boot-up, which the owner sees. A drive without 6077h is
 // believed for its state. While a request waits for others to be sent, the time stands still.
@@ -32,6 +33,8 @@ class ForcedStop {
   // To boot in; twice as long in each further round, up to the longest.
   static constexpr hal::Duration reset_time = std::chrono::seconds{2};
   static constexpr hal::Duration longest_reset_time = std::chrono::seconds{16};
+  // A write and two reads that are each answered by the next update, or the second, end in a proof first.
+  static constexpr std::uint8_t least_updates = 5;
   static constexpr hal::Duration round_time = controlword_time + pre_operational_time + reset_time;
 
   // So long after the first of them since begin(), refusals that may pass are no reason to wait any more.
@@ -67,8 +70,9 @@ class ForcedStop {
   hal::Duration time_of(Means means) const noexcept;
 
   Means means_ = Means::controlword;
-  hal::Time since_{};  // of this means
-  hal::Time last_{};   // update
+  hal::Time since_{};         // of this means
+  hal::Time last_{};          // update
+  std::uint8_t updates_ = 0;  // of this means, up to the least
   hal::Duration patience_{};
   hal::Duration reset_time_ = reset_time;  // in this round
   Transfer transfer_ = Transfer::none;
