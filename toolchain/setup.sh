@@ -7,6 +7,10 @@
 toolchain=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 root=$(dirname -- "$toolchain")
 
+# More compilers than processors drive each other out of the caches: the four that Ninja starts on two processors take a
+# quarter longer than two.
+export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+
 die() {
   printf '%s: %s\n' "$(basename -- "$0")" "$1" >&2
   exit 2
