@@ -194,18 +194,19 @@ bool DriveNode::is_looking(hal::Time now) noexcept {
 // beside torque.
 void DriveNode::on_look(SdoResult result, hal::Time now) noexcept {
   const bool done = result == SdoResult::done;
-  bool quiet = false;
   if (looks_at_torque_) {
-    quiet = forced_stop_.shows_no_torque(sdo_, result, now);
-    if (done && !quiet) return force_stop(now);
-    quiet = quiet && quiet_state_;
-  } else {
-    if (done) on_value_read(object::statusword);
-    quiet = done ? statusword_ && shows_no_force(*statusword_) : forced_stop_.is_refused(sdo_, result, now);
-    quiet_state_ = quiet;
-    const bool nothing_against_it = quiet || result == SdoResult::aborted;
-    if (nothing_against_it && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
+    const bool no_torque = forced_stop_.shows_no_torque(sdo_, result, now);
+    if (done && !no_torque) return force_stop(now);
+    return end_look(result, no_torque && quiet_state_);
   }
+  if (done) on_value_read(object::statusword);
+  quiet_state_ = done ? statusword_ && shows_no_force(*statusword_) : forced_stop_.is_refused(sdo_, result, now);
+  const bool nothing_against_it = quiet_state_ || result == SdoResult::aborted;
+  if (nothing_against_it && (held() || quietens()) && forced_stop_.reads_torque()) return look(object::torque_actual);
+  end_look(result, quiet_state_);
+}
+
+void DriveNode::end_look(SdoResult result, bool quiet) noexcept {
   if (quiet && looks_wanted_ > 0) --looks_wanted_;
   look_patience_ = result == SdoResult::timeout ? grown(look_patience_) : usual_patience();
   if (result != SdoResult::timeout) return;

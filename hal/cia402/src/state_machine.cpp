@@ -55,11 +55,15 @@ std::uint16_t StateMachine::next_controlword(hal::Time now) noexcept {
 // Fault still has the cause.
 std::uint16_t StateMachine::reset_controlword(hal::Time now) noexcept {
   if (reset_ == Reset::none) return control::disable_voltage;
-  if (!reset_since_) reset_since_ = now;
-  if (now - *reset_since_ >= reset_level_time) {
+  if (reset_since_ && reset_updates_ == reset_level_updates && now - *reset_since_ >= reset_level_time) {
     reset_ = reset_ == Reset::low ? Reset::high : Reset::none;
-    reset_since_ = now;
+    reset_since_.reset();
   }
+  if (!reset_since_) {
+    reset_since_ = now;
+    reset_updates_ = 0;
+  }
+  if (reset_updates_ < reset_level_updates) ++reset_updates_;
   return reset_ == Reset::high ? control::fault_reset : control::disable_voltage;
 }
 

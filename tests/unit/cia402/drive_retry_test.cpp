@@ -64,6 +64,20 @@ TEST_F(DriveRetryTest, EachRequestHasItsOwnAttempts) {
   EXPECT_FALSE(was_reset());
 }
 
+// Its heartbeats were supervised already: what is waited for has none to lose.
+TEST_F(DriveRetryTest, ANodeThatIsGivenUpHasLostNoHeartbeat) {
+  boot_again();
+  const auto was_written = [&](std::uint16_t index) {
+    return std::find(node.written.begin(), node.written.end(), ScriptedDrive::key(index, 0)) != node.written.end();
+  };
+  run_until([&] { return was_written(0x1017); });
+  run_for(5ms);
+  node.silent = true;
+  run_until([&] { return drive.setup_status() == SetupStatus::no_answer; });
+  run_for(400ms);
+  EXPECT_FALSE(drive.heartbeat_lost());
+}
+
 // As by a drive that still starts. An object that need not be there is not passed over meanwhile.
 TEST_F(DriveRetryTest, ARefusalThatMayPassIsAskedAgainUntilItDoes) {
   for (const std::uint16_t index : {std::uint16_t{0x6076}, std::uint16_t{0x607E}}) {

@@ -309,5 +309,62 @@ TEST_F(ForcedStopSequence, AStopThatIsResumedGoesOnWithItsMeansAndAfterAResetWit
   EXPECT_EQ(hal::Time{} + commands[2].first, second_round + 302ms + 4s + 102ms);
 }
 
+// A boot-up may come between a force that is seen and the next update, and force may be seen again.
+TEST_F(ForcedStopSequence, AStopThatIsResumedTwiceHasTheTimeThatWasLeft) {
+  stop.begin(sdo, 50ms, now);
+  serve_for(30ms, enabled);
+  for (int again = 0; again < 2; ++again) {
+    now += 1s;
+    sdo.cancel();
+    stop.resume(sdo, now);
+  }
+  const hal::Time begin = now;
+  serve_for(100ms, enabled);
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(hal::Time{} + commands[0].first, begin + 71ms);
+}
+
+TEST_F(ForcedStopSequence, WhatWasAskedBeforeAStopWasBegunOrResumedIsNoPartOfIt) {
+  ASSERT_EQ(sdo.start_read(0x6041, 0), canopen::SdoStart::started);
+  hal::CanFrame frame;
+  ASSERT_TRUE(sdo.next_frame(frame, now));
+  answer(disabled);
+  ASSERT_EQ(sdo.poll(now), canopen::SdoResult::done);
+  stop.begin(sdo, 50ms, now);
+  EXPECT_EQ(step(), write_controlword) << "that it showed no force does not count";
+  for (const Bytes& asked : {write_controlword, read_statusword, read_torque}) {
+    SCOPED_TRACE(asked[1]);
+    while (requests.back() != asked) {
+      answer(answer_to(requests.back(), disabled));
+      step();
+    }
+    sdo.cancel();
+    stop.resume(sdo, now);
+    EXPECT_EQ(step(), write_controlword);
+  }
+}
+
+TEST_F(ForcedStopSequence, AStopThatIsResumedWaitsForAnAnswerAsLongAsItDidBefore) {
+  stop.begin(sdo, 50ms, now);
+  serve_for(10ms, disabled);
+  ASSERT_TRUE(proven);
+  sdo.set_timeout(10s);
+  stop.resume(sdo, now);
+  requests.clear();
+  for (int i = 0; i < 60; ++i) step();
+  ASSERT_GE(requests.size(), 2U);
+  EXPECT_EQ(requests[1][0], 0x80) << "the answer is given up";
+}
+
+TEST_F(ForcedStopSequence, ARefusalThatMayPassIsOneForGoodWhenItLastedLongerThanItsTime) {
+  stop.begin(sdo, 50ms, now);
+  step();
+  answer({0x80, 0x40, 0x60, 0, 0x22, 0, 0, 0x08});  // by the state of the device
+  ASSERT_EQ(sdo.poll(now), canopen::SdoResult::aborted);
+  EXPECT_FALSE(stop.is_refused(sdo, canopen::SdoResult::aborted, now));
+  EXPECT_FALSE(stop.is_refused(sdo, canopen::SdoResult::aborted, now + ForcedStop::refusal_time));
+  EXPECT_TRUE(stop.is_refused(sdo, canopen::SdoResult::aborted, now + ForcedStop::refusal_time + 1ns));
+}
+
 }  // namespace
 }  // namespace breakaway::cia402

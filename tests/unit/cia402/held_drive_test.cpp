@@ -128,6 +128,60 @@ TEST_F(HeldDriveTest, ADriveThatIsHeldAndDoesNotAnswerIsAskedMorePatientlyAndTak
   expect_recovery();
 }
 
+TEST_F(HeldDriveTest, ADriveIsForcedOnWithTheLastMeansUntilFiveLooksWereQuiet) {
+  struct Case {
+    Duration quiet, least, most;  // without force, and then until the reset
+  };
+  for (const Case& one : {Case{20ms, 100ms, 200ms}, Case{75ms, 100ms, 200ms}, Case{130ms, 300ms, 330ms}}) {
+    SCOPED_TRACE(one.quiet / 1ms);
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    enable_and_go_deaf();
+    node.follows_sdo_controlword = false;
+    node.commands.clear();
+    drive.request_stop();
+    run_until([&] { return was_told(NmtCommand::enter_pre_operational); });
+    run_for(20ms);
+    node.state = State::switch_on_disabled;
+    run_until([&] { return !feedback.stop_not_obeyed; });
+    ASSERT_FALSE(was_told(NmtCommand::reset_node));
+    run_for(one.quiet);
+    node.state = State::operation_enabled;
+    run_until([&] { return feedback.stop_not_obeyed; });
+    const Time begin = now;
+    run_until([&] { return was_told(NmtCommand::reset_node); });
+    EXPECT_GE(now - begin, one.least);
+    EXPECT_LE(now - begin, one.most);
+  }
+}
+
+// It was of no use, was forced, and is another one since.
+TEST_F(HeldDriveTest, ADriveThatIsSetUpAfterItsStopIsForcedFromTheFirstMeans) {
+  node.objects[ScriptedDrive::key(0x6502, 0)] = 0;
+  node.boot();
+  deliver();
+  run_until([&] { return drive.setup_status() == SetupStatus::no_torque_mode; });
+  node.state = State::operation_enabled;
+  node.follows_controlword = node.follows_sdo_controlword = false;
+  node.commands.clear();
+  run_until([&] { return was_told(NmtCommand::enter_pre_operational); });
+  run_for(20ms);
+  node.state = State::switch_on_disabled;
+  run_until([&] { return drive.setup_status() == SetupStatus::no_torque_mode; });
+  node.objects[ScriptedDrive::key(0x6502, 0)] = 1U << 9;
+  node.boot();
+  deliver();
+  run_until([&] { return node.nmt == NmtState::operational; });
+  node.heartbeat();  // at once, before it is looked at five times
+  run_until([&] { return drive.setup_status() == SetupStatus::ready; });
+  node.commands.clear();
+  node.state = State::operation_enabled;
+  run_until([&] { return feedback.stop_not_obeyed; });
+  const Time begin = now;
+  run_until([&] { return was_told(NmtCommand::reset_node); });
+  EXPECT_GE(now - begin, 300ms);
+}
+
 // Each look that shows force after one that did not would begin with the controlword for ever.
 TEST_F(HeldDriveTest, AStatuswordThatChattersKeepsNoDriveFromItsReset) {
   for (const unsigned per_cent : {1U, 5U, 10U, 20U, 30U, 50U, 90U}) {

@@ -34,6 +34,20 @@ TEST_F(IdleTorqueTest, TorqueThatStaysInAStateWithoutForceIsForce) {
   }
 }
 
+// What it has then is the drive's own to take off.
+TEST_F(IdleTorqueTest, TorqueHasItsTimeAnewAfterAStateWithForce) {
+  set_up();
+  node.torque = 500;
+  run_for(900ms);
+  drive.request_enable();
+  run_until_state(DriveState::enabled);
+  drive.request_stop();
+  run_until_state(DriveState::disabled);
+  run_for(950ms);
+  EXPECT_FALSE(feedback.stop_not_obeyed);
+  run_until([&] { return feedback.stop_not_obeyed; }, 100ms);
+}
+
 TEST_F(IdleTorqueTest, TorqueThatStaysEndsInAReset) {
   set_up();
   node.torque = 500;

@@ -109,15 +109,42 @@ TEST_F(StateMachineTest, FaultResetShowsTheBitLowThenHighThenLow) {
   EXPECT_EQ(edges, "LLLHHHLLLLLLLLLLLLLL");
 }
 
-TEST_F(StateMachineTest, FaultResetLevelsLastAtLeastOnePeriodHoweverLong) {
+// One of them may be lost.
+TEST_F(StateMachineTest, FaultResetLevelsAreShownInThreeControlwordsHoweverLongThePeriod) {
   see(State::fault);
   machine.reset_fault();
   std::string edges;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 9; ++i) {
     now += 19ms;
     edges += step() == 0x80 ? 'H' : 'L';
   }
-  EXPECT_EQ(edges, "LHLLLL");
+  EXPECT_EQ(edges, "LLLHHHLLL");
+}
+
+TEST_F(StateMachineTest, AResetOfALongPeriodThatTheFaultsEndCutShortIsAWholeOneTheNextTime) {
+  for (int steps = 1; steps < 7; ++steps) {
+    see(State::fault);
+    machine.reset_fault();
+    for (int i = 0; i < steps; ++i, now += 19ms) step();
+    see(State::switch_on_disabled);
+    see(State::fault);
+    machine.reset_fault();
+    std::string edges;
+    for (int i = 0; i < 8; ++i, now += 19ms) edges += step() == 0x80 ? 'H' : 'L';
+    EXPECT_EQ(edges, "LLLHHHLL") << steps;
+    see(State::switch_on_disabled);
+  }
+}
+
+TEST_F(StateMachineTest, FaultResetLevelsLastForTheirTimeHoweverShortThePeriod) {
+  see(State::fault);
+  machine.reset_fault();
+  std::string edges;
+  for (int i = 0; i < 100; ++i) {
+    now -= 900us;  // of the millisecond that a step takes
+    edges += step() == 0x80 ? 'H' : 'L';
+  }
+  EXPECT_EQ(edges, std::string(30, 'L') + std::string(30, 'H') + std::string(40, 'L'));
 }
 
 TEST_F(StateMachineTest, FaultResetEndsWithTheFaultAndCanBeAskedAgain) {

@@ -205,6 +205,7 @@ class DriveNode {
   bool is_looking(hal::Time now) noexcept;
   void look(std::uint16_t index) noexcept;
   void on_look(canopen::SdoResult result, hal::Time now) noexcept;
+  void end_look(canopen::SdoResult result, bool quiet) noexcept;
   void look_now_and_then(hal::Time now) noexcept;
   void hold(hal::Time now) noexcept;
   void enter_held(hal::Time now) noexcept;

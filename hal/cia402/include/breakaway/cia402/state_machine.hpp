@@ -16,8 +16,9 @@ namespace breakaway::cia402 {
 class StateMachine {
  public:
   // Each level of the fault reset bit is shown for so long: some drives miss changes less than 1 ms apart, and a
-  // controlword acts only at the SYNC after the one that it was sent for.
+  // controlword acts only at the SYNC after the one that it was sent for. And in so many controlwords: one may be lost.
   static constexpr hal::Duration reset_level_time = std::chrono::milliseconds{3};
+  static constexpr std::uint8_t reset_level_updates = 3;
   // A drive that stays in Quick stop active (options 5..8 of 605Ah) is switched off after this.
   static constexpr hal::Duration quick_stop_time = std::chrono::seconds{1};
 
@@ -51,6 +52,7 @@ class StateMachine {
   bool enable_ = false;
   std::uint16_t controlword_ = control::disable_voltage;
   Reset reset_ = Reset::none;
+  std::uint8_t reset_updates_{};  // that showed the level, up to the least
   std::optional<hal::Time> reset_since_;
   std::optional<hal::Time> quick_stop_since_;
 };
