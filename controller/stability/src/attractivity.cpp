@@ -21,10 +21,25 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// lambda^T H lambda / 2 is V at the equilibrium K^-1 W Lambda lambda, |lambda_i| <= 1.
-MatrixXd rest_energy_form(const LinearMachine<>& system) {
-  const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
-  return pushes.transpose() * dense::Cholesky(system.stiffness).solve(pushes);
+// lambda^T H lambda / 2 is V at the equilibrium K^-1 W Lambda lambda, |lambda_i| <= 1. With H, the factor that bounds
+// what rounding may have kept off it: infinite where K is too nearly singular to say.
+struct RestEnergy {
+  MatrixXd form;
+  double most = infinite;
+};
+
+// Of a K with a unit diagonal the factors and the two solutions are those of a K + E with |E| <= (3 n + 2) n u |K|
+// (Higham, Accuracy and Stability of Numerical Algorithms, 10.1), so that energies are true to this share of cond(K).
+RestEnergy rest_energy(const LinearMachine<>& system) {
+  const VectorXd unit = system.stiffness.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd pushes = unit.asDiagonal() * (system.directions * system.friction_N.asDiagonal());
+  const dense::Cholesky factors(unit.asDiagonal() * (system.stiffness * unit.asDiagonal()));
+  constexpr double unit_roundoff = 0x1p-53;
+  const Index m = system.directions.cols();
+  if (!factors.succeeded()) return {MatrixXd::Zero(m, m)};
+  const auto n = static_cast<double>(unit.size());
+  const double share = (3 * n + 2) * n * unit_roundoff / factors.reciprocal_condition();
+  return {pushes.transpose() * factors.solve(pushes), share < 1 ? 1 / (1 - share) : infinite};
 }
 
 // Largest lambda^T H lambda / 2 over |lambda_i| <= 1: at a corner, for H is positive semidefinite. Goes from corner
@@ -97,13 +112,9 @@ double rho_J(double beta, double eigenvalue, double mobility) {
   return speed * speed / (2 * mobility);
 }
 
-// The theorem's level never exceeds the one of energy_level.hpp by more than rounding, and that one is proved: where
-// rounding has made it larger, the proof counts.
-void hold_to_the_proof(Attractivity& a) {
-  constexpr double rounding = 1e-6;
-  if (a.rho_star_J > a.level_J * (1 + rounding)) a.rho_star_J = a.level_J;
-  a.level_J = std::max(a.rho_star_J, a.level_J);
-}
+// The theorem's level never exceeds the one of energy_level.hpp, which is proved: where rounding has made it larger,
+// the proof counts.
+void hold_to_the_proof(Attractivity& a) { a.rho_star_J = std::min(a.rho_star_J, a.level_J); }
 
 // Conditions 2 and 3, given condition 1 and a list of corners that is not too long. `system` is in mass units. Returns
 // how far the eigencolumns reach out of span W.
@@ -154,7 +165,11 @@ void back_to_newtons(Attractivity& a, double unit) {
   a.alpha /= std::sqrt(unit);
   a.beta *= std::sqrt(unit);
   a.rho_J *= unit;
-  for (double* const energy_J : {&a.rho_star_J, &a.level_J, &a.greatest_rest_J, &a.remark_3_J}) *energy_J *= unit;
+  for (double* const energy_J : {&a.greatest_rest_J, &a.remark_3_J}) *energy_J *= unit;
+  // Everywhere is a proof of its own, which no overflow stands for.
+  for (double* const level_J : {&a.rho_star_J, &a.level_J}) {
+    if (*level_J < infinite) *level_J = std::min(*level_J * unit, std::numeric_limits<double>::max());
+  }
 }
 
 Attractivity refused(Attractivity a, std::string reason) {
@@ -182,9 +197,10 @@ Attractivity certify_attractivity(const LinearMachine<>& machine) {
   if (!system.damping.allFinite() || !system.directions.allFinite())
     return refused(a, "the masses differ by more than numbers can hold; use other units of length or mass");
   a.definite = true;
-  const MatrixXd rest = rest_energy_form(divided);
-  a.greatest_rest_J = greatest_rest_energy_J(rest);
-  a.remark_3_J = rest.sum() / 2;
+  const bool pushed = !(divided.directions * divided.friction_N.asDiagonal()).isZero(0);
+  const RestEnergy rest = rest_energy(divided);
+  if (pushed) a.greatest_rest_J = rest.most < infinite ? rest.most * greatest_rest_energy_J(rest.form) : infinite;
+  a.remark_3_J = pushed && rest.most == infinite ? infinite : rest.form.sum() / 2;
   const MatrixXd pushes = system.directions * system.friction_N.asDiagonal();
   const SpannedSpace space = spanned_space(pushes);
   if (facet_candidates(space) > most_facet_candidates) {
@@ -209,7 +225,8 @@ std::optional<double> closed_form_rho_J(const LinearMachine<>& s) {
   const double against = c(0, 0) - c(0, 1), together = c(0, 0) + c(0, 1);  // c1 + 2 c2 and c1
   if (!(against < 0 && together > 0)) return std::nullopt;
   const double gamma = -s.friction_N.minCoeff() / against;
-  return 0.5 * m(0, 0) * m(1, 1) * gamma * gamma / (m(0, 0) + m(1, 1));
+  const double reduced_kg = 1 / (1 / m(0, 0) + 1 / m(1, 1));
+  return 0.5 * reduced_kg * gamma * gamma;
 }
 
 }  // namespace breakaway::stability

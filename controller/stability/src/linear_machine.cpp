@@ -6,6 +6,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
 #include "breakaway/stability/dense.hpp"
+#include "infinite.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -26,19 +27,63 @@ void require_finite(const char* name, const MatrixXd& matrix) {
 
 constexpr double decimal_rounding = 0x1p-53;  // of a number in a file, relative to it
 
-// A + S F, of which entries across the diagonal are made equal where only rounding keeps them apart.
+// A sum of numbers and products in double, and the sum of the absolute errors of all its operations (Dekker's and
+// Knuth's), which is 0 where all of them were exact.
+struct TrackedSum {
+  double value = 0, error = 0;
+
+  void add(double term) {
+    const double sum = value + term, taken = sum - value;
+    error += std::abs((value - (sum - taken)) + (term - taken));
+    value = sum;
+  }
+  void add_product(double a, double b) {
+    const double product = a * b;
+    error += std::abs(std::fma(a, b, -product));
+    add(product);
+  }
+};
+
+// Less a diagonal D with v^T D v >= |v|^T E |v| for all v. 2 v_i v_j is at most w v_i^2 + v_j^2 / w for any w > 0, and
+// of the sizes of the diagonal entries it is the one that no unit changes.
+MatrixXd less_greatest_forms(MatrixXd matrix, const MatrixXd& error, const VectorXd& size) {
+  constexpr double bound = 1 + 0x1p-40;  // of the rounding of all this
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    double taken = 2 * error(i, i);
+    for (Index j = 0; j < matrix.rows(); ++j) {
+      const double both = error(i, j) + error(j, i), w = std::sqrt(size[i] / size[j]);
+      if (i != j && both > 0) taken += both * (w > 0 && std::isfinite(w) ? w : 1);
+    }
+    if (taken > 0) matrix(i, i) = std::nextafter(matrix(i, i) - bound / 2 * taken, -infinite);
+  }
+  return matrix;
+}
+
+// A + S F, of which entries across the diagonal are made equal where only rounding keeps them apart. What rounding may
+// have added to any v^T (A + S F) v is taken off again: a gain that is large against A would round away what no
+// actuator reaches, and a certificate of the rest would be wrong.
 MatrixXd with_product(const MatrixXd& open, const MatrixXd& actuators, const MatrixXd& gain) {
   const MatrixXd fed = actuators.cwiseAbs() * gain.cwiseAbs();
   const MatrixXd rounding = static_cast<double>(actuators.cols() + 8) * decimal_rounding * (open.cwiseAbs() + fed);
-  MatrixXd closed = open + actuators * gain;
+  MatrixXd closed = open, error = MatrixXd::Zero(open.rows(), open.cols());
+  for (Index i = 0; i < closed.rows(); ++i) {
+    for (Index j = 0; j < closed.cols(); ++j) {
+      TrackedSum sum{open(i, j)};
+      for (Index k = 0; k < actuators.cols(); ++k) sum.add_product(actuators(i, k), gain(k, j));
+      closed(i, j) = sum.value;
+      error(i, j) = sum.error;
+    }
+  }
   for (Index i = 0; i < closed.rows(); ++i) {
     for (Index j = 0; j < i; ++j) {
       if (fed(i, j) + fed(j, i) == 0) continue;
-      if (!(std::abs(closed(i, j) - closed(j, i)) <= rounding(i, j) + rounding(j, i))) continue;
+      const double apart = std::abs(closed(i, j) - closed(j, i));
+      if (!(apart <= rounding(i, j) + rounding(j, i))) continue;
+      error(i, j) += apart;
       closed(i, j) = closed(j, i) = (closed(i, j) + closed(j, i)) / 2;
     }
   }
-  return closed;
+  return less_greatest_forms(closed, error, open.diagonal().cwiseAbs() + fed.diagonal());
 }
 
 // D A D, where D scales lengths and masses.

@@ -24,15 +24,20 @@ void add_all_signs(const Indices& which, Signs& signs, std::set<Signs>& found) {
   }
 }
 
-// Fixes the signs of those among `open` that are not orthogonal to u, and returns the others.
+// Fixes the signs of those among `open` that are not orthogonal to u, at least one, and returns the others.
 Indices orthogonal(const MatrixXd& generators, const Indices& open, const VectorXd& u, double side, Signs& signs) {
-  Indices rest;
+  std::vector<double> cosine;
+  double greatest = 0;
   for (const Index j : open) {
-    const double cosine = side * u.dot(generators.col(j).stableNormalized());
-    if (std::abs(cosine) <= negligible) {
-      rest.push_back(j);
+    cosine.push_back(side * u.dot(generators.col(j).stableNormalized()));
+    greatest = std::max(greatest, std::abs(cosine.back()));
+  }
+  Indices rest;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (std::abs(cosine[i]) <= std::min(negligible, greatest / 2)) {
+      rest.push_back(open[i]);
     } else {
-      signs[static_cast<std::size_t>(j)] = cosine > 0 ? 1 : -1;
+      signs[static_cast<std::size_t>(open[i])] = cosine[i] > 0 ? 1 : -1;
     }
   }
   return rest;

@@ -64,5 +64,31 @@ TEST(LinearMachine, EnergyIsThatOfMassesAndSprings) {
   EXPECT_DOUBLE_EQ(after_impulse(machine, state, {2, 3}).v[1], 3);
 }
 
+// (1, -1) is what this actuator does not reach: no gain may seem to damp it, and the more so where its sum with the
+// machine's own damping is rounded. The sums here are exact in long double.
+TEST(LinearMachine, FeedbackSeemsToDampNothingThatItDoesNotReach) {
+  LinearMachine<> machine = oscillator();
+  machine.damping << 0.125, 0.375, 0.375, 0.125;
+  for (double gain = 1; gain < 1e17; gain *= 7.3) {
+    const auto closed =
+        with_feedback(machine, Eigen::Vector2d{1, 1}, Eigen::RowVector2d::Zero(), Eigen::RowVector2d::Constant(gain));
+    const auto& c = closed.damping;
+    const long double power =
+        (static_cast<long double>(c(0, 0)) - c(0, 1)) + (static_cast<long double>(c(1, 1)) - c(1, 0));
+    EXPECT_LE(power, -0.5L) << gain;
+    EXPECT_LE(-0.5L - power, 8 * gain * 0x1p-53 + 1e-30) << gain << ": no more than rounding";
+  }
+}
+
+// A loop without damping elsewhere is one of everywhere only where nothing is taken off.
+TEST(LinearMachine, FeedbackTakesNothingOffWhereItsSumsAreExact) {
+  const auto closed =
+      with_feedback(oscillator(), Eigen::Vector2d{1, 0}, Eigen::RowVector2d{0.1, 0}, Eigen::RowVector2d{0.3, 0});
+  EXPECT_EQ(closed.damping, (Eigen::Matrix2d{{0.3, 0}, {0, 0}}));
+  EXPECT_LT(closed.stiffness(0, 0), 1.1) << "1 + 0.1 is rounded";
+  EXPECT_GT(closed.stiffness(0, 0), 1.1 - 1e-15);
+  EXPECT_EQ(closed.stiffness(1, 1), 1);
+}
+
 }  // namespace
 }  // namespace linear_machine_test

@@ -189,5 +189,16 @@ TEST(GainSweep, SaysWhereEIsNotCertified) {
   EXPECT_FALSE(none.at(0).E_certified);
 }
 
+// Its unstable motion is one that the actuator does not reach. A gain of 4.5e15 rounded it away.
+TEST(SynthesisRefusals, NoIdenticalGainIsGreatEnoughForWhatTheActuatorDoesNotReach) {
+  LinearMachine<> machine = two_mass_example();
+  for (const PdWants& wants : {PdWants{.region_J = any}, PdWants{.region_J = 17}, PdWants{.reach_m = 100}}) {
+    const std::string said = refusal([&] {
+      synthesize({machine, MatrixXd{Eigen::Vector2d{1, 1}}}, wants, GainStructure::identical);
+    });
+    EXPECT_NE(said.find("out of reach of identical gains"), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace synthesis_refusals_test

@@ -1,6 +1,7 @@
 // Theorem 1 where rounding, sizes or the number of frictions end what can be said.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -224,6 +225,53 @@ TEST(MachineConditions, NameADirectionOfAMotionThatTurns) {
   EXPECT_NE(stabilizable.reason.find("neither friction nor an actuator acts on it"), std::string::npos)
       << stabilizable.reason;
   EXPECT_EQ(stabilizable.reason.find("nan"), std::string::npos) << stabilizable.reason;
+}
+
+// 16 J is where the power of friction and that of the damping are equal, whatever the other motion's damping is.
+TEST(TheoremLimits, NoLevelIsAboveTheOneThatIsProved) {
+  for (const double d : {0.0, 1e3, 1e6, 5 * 0x1p26, 0x1p40}) {
+    LinearMachine<> machine = two_mass_example();
+    machine.damping += MatrixXd::Constant(2, 2, d);
+    machine.stiffness *= 1e-12;
+    const Attractivity a = certify_attractivity(machine);
+    EXPECT_LE(a.rho_star_J, 16 * (1 + 1e-14)) << d;
+    EXPECT_LE(a.level_J, 16 * (1 + 1e-14)) << d;
+    EXPECT_EQ(std::min(a.rho_star_J, a.level_J), a.rho_star_J);
+  }
+}
+
+// In decimals it is singular, so that equilibria lie anywhere along (-0.3, 1); as stored it is positive definite.
+TEST(TheoremLimits, OfASpringThatRoundingAloneMakesOneNotAllEquilibriaAreCertified) {
+  LinearMachine<> machine = two_mass_example();
+  machine.damping << -1e-6, 0, 0, 1;
+  for (const double c : {0.03, 0.07, 0.11, 0.13, 0.17}) {
+    machine.stiffness << 0.1, c, c, c * c * 10;
+    const Attractivity a = certify_attractivity(machine);
+    EXPECT_FALSE(a.all_of_E) << c;
+  }
+}
+
+// By hand: V at rest is p^T K^-1 p / 2 with p in [-1, 1]^2, greatest at (1, -1): 2 / (1 - c).
+TEST(TheoremLimits, TheGreatestEnergyAtRestIsNeverTooSmall) {
+  for (const double near : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    LinearMachine<> machine = two_mass_example();
+    const double c = 1 - near;
+    machine.stiffness << 1, c, c, 1;
+    const double exact = 2 / (1 - c) / 2;
+    const Attractivity a = certify_attractivity(machine);
+    EXPECT_GE(a.greatest_rest_J, exact) << near;
+    EXPECT_LE(a.greatest_rest_J, exact * (1 + 1e-13 / near)) << near;
+  }
+}
+
+TEST(TheoremLimits, ALevelThatOverflowsIsNotOneOfEverywhere) {
+  LinearMachine<> machine = two_mass_example();
+  machine.mass *= 1e308;
+  const Attractivity a = certify_attractivity(machine);
+  EXPECT_TRUE(std::isfinite(a.rho_star_J));
+  EXPECT_TRUE(std::isfinite(a.level_J));
+  const auto closed_form = closed_form_rho_J(machine);
+  EXPECT_TRUE(closed_form && !std::isnan(*closed_form));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
+#include <set>
 
 #include "../../../controller/stability/src/zonotope.hpp"
 #include "../../../controller/stability/src/zonotope_vertices.hpp"
@@ -45,6 +47,23 @@ TEST(FacetDirections, AreOnlyThoseOfIndependentGenerators) {
     EXPECT_NEAR(u.norm(), 1, 1e-15);
   });
   EXPECT_EQ(found, 5);
+}
+
+// Those of (1, 1, 1) written with more and with fewer digits: neither one direction nor, to rounding, several.
+TEST(Zonotope, VerticesOfGeneratorsThatAreNearlyParallelAreFound) {
+  MatrixXd generators(3, 3);
+  generators << 0.57735026919, 0.5773502691896, 0.5773502691896, 0.57735026919, 0.5773502691896, 0.5773502691896,
+      0.577350269195, 0.5773502691896, 0.5773502691896;
+  const std::set<Signs> found = vertex_signs(generators);
+  EXPECT_TRUE(found.contains(Signs{1, 1, 1}));
+  EXPECT_TRUE(found.contains(Signs{-1, -1, -1}));
+  std::mt19937 random{5};
+  std::uniform_real_distribution<double> exponent{-14, -8}, entry{-1, 1};
+  for (int trial = 0; trial < 300; ++trial) {
+    MatrixXd near = MatrixXd::Constant(3, 5, 0.5);
+    for (double& x : near.reshaped()) x += entry(random) * std::pow(10.0, exponent(random));
+    EXPECT_GE(vertex_signs(near).size(), 2U) << trial;
+  }
 }
 
 }  // namespace
