@@ -6,6 +6,7 @@
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
 #include "breakaway/stability/dense.hpp"
+#include "breakaway/stability/double_double.hpp"
 #include "infinite.hpp"
 
 namespace breakaway::stability {
@@ -27,20 +28,20 @@ void require_finite(const char* name, const MatrixXd& matrix) {
 
 constexpr double decimal_rounding = 0x1p-53;  // of a number in a file, relative to it
 
-// A sum of numbers and products in double, and the sum of the absolute errors of all its operations (Dekker's and
-// Knuth's), which is 0 where all of them were exact.
+// A sum of numbers and products in double, and the sum of the absolute errors of all its operations, which is 0 where
+// all of them were exact.
 struct TrackedSum {
   double value = 0, error = 0;
 
   void add(double term) {
-    const double sum = value + term, taken = sum - value;
-    error += std::abs((value - (sum - taken)) + (term - taken));
-    value = sum;
+    const DoubleDouble sum = DoubleDouble{value} + term;
+    value = sum.high();
+    error += std::abs(sum.low());
   }
   void add_product(double a, double b) {
-    const double product = a * b;
-    error += std::abs(std::fma(a, b, -product));
-    add(product);
+    const DoubleDouble product = DoubleDouble{a} * b;
+    error += std::abs(product.low());
+    add(product.high());
   }
 };
 
@@ -52,9 +53,9 @@ MatrixXd less_greatest_forms(MatrixXd matrix, const MatrixXd& error, const Vecto
     double taken = 2 * error(i, i);
     for (Index j = 0; j < matrix.rows(); ++j) {
       const double both = error(i, j) + error(j, i), w = std::sqrt(size[i] / size[j]);
-      if (i != j && both > 0) taken += both * (w > 0 && std::isfinite(w) ? w : 1);
+      if (i != j && both != 0) taken += both * (w > 0 && std::isfinite(w) ? w : 1);
     }
-    if (taken > 0) matrix(i, i) = std::nextafter(matrix(i, i) - bound / 2 * taken, -infinite);
+    if (taken != 0) matrix(i, i) = std::nextafter(matrix(i, i) - bound / 2 * taken, -infinite);
   }
   return matrix;
 }

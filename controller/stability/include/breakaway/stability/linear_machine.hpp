@@ -84,8 +84,8 @@ double definiteness(const Eigen::MatrixXd& matrix);
 //
 // S F is known to its rounding only, of which there is none where numbers of few digits are added. What it may have put
 // into v^T K_cl v and v^T C_cl v is taken off their diagonals, so that no certificate of the closed loop rests on it.
-// Where gains make two entries of K_cl or C_cl across the diagonal that differ by no
-// more than this rounding, (p + 8) 2^-53 (|K| + |S| |F|) of each, both become their mean: they are meant to be equal.
+// Where gains make two entries of K_cl or C_cl across the diagonal that differ by no more than this rounding,
+// (p + 8) 2^-53 (|K| + |S| |F|) of each, both become their mean: they are meant to be equal.
 LinearMachine<> with_feedback(LinearMachine<> machine, const Eigen::MatrixXd& actuators,
                               const Eigen::MatrixXd& position_gain, const Eigen::MatrixXd& velocity_gain);
 

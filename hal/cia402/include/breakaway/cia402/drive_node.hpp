@@ -13,8 +13,8 @@
 // set-up, which rebooted unheard. One that leaves NMT operational by itself and did not is started again; one that
 // stops answering is waited for, and told to say its boot-up. A node that cannot be used is refused until it reboots or
 // is set up anew, and status() says why. One that does not obey a stop is forced to it (forced_stop.hpp), from whatever
-// phase, and then held in Pre-operational, where no PDO reaches it, until it is set
-// up anew: whoever else led it would lead it again.
+// phase, and then held in Pre-operational, where no PDO reaches it, until it is set up anew: whoever else led it would
+// lead it again.
 //
 //   once a period: give every received frame to on_frame(), call update(now), send what next_frame() hands out.
 //
