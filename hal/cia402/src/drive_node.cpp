@@ -78,12 +78,17 @@ void DriveNode::on_boot() noexcept {
   recalls_ = false;
 }
 
+// The word may be another node's of the same id. Until an answer shows that the drive is new, its PDO tells it, too, to
+// be without force.
 void DriveNode::on_boot_up(hal::Time now) noexcept {
+  const bool operated = operational() || restarts();
   on_boot();
-  if (held() || forcing_stop())
+  if (held() || forcing_stop()) {
     enter_held(now);
-  else
+  } else {
     begin_configuration(now);
+    restarts_ = operated;
+  }
   // A node that starts by itself would refuse to have its PDOs mapped.
   nmt_command_ = NmtCommand::enter_pre_operational;
 }

@@ -86,6 +86,31 @@ TEST_F(DriveTest, FaultIsLatchedNamedAndReset) {
   run_until_state(DriveState::enabled);
 }
 
+// A reset acknowledges what was there when it was asked for.
+TEST_F(DriveTest, AResetOfADriveWithoutAFaultClearsNoneThatComesInTheSetUpWhichFollows) {
+  set_up();
+  drive.reset_fault();
+  run_until_state(DriveState::configuring);
+  node.state = State::fault;
+  run_until_state(DriveState::fault);
+  run_for(2s);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+  drive.reset_fault();
+  run_until_state(DriveState::disabled);
+}
+
+TEST_F(DriveTest, AResetOfADriveThatIsNotHeardClearsTheFaultThatItShowsWhenItIs) {
+  set_up();
+  node.silent = true;  // its cable, and that is a fault of the drive's, too
+  run_for(1s);
+  ASSERT_EQ(feedback.state, DriveState::configuring);
+  node.state = State::fault;
+  drive.reset_fault();
+  run_for(10ms);
+  node.silent = false;
+  run_until_state(DriveState::disabled);
+}
+
 // Another tool may have changed the set-up, so that no reset would ever reach the drive.
 TEST_F(DriveTest, AResetSetsTheDriveUpAnewFirst) {
   node.shows_the_mode_at_once = true;

@@ -142,6 +142,25 @@ TEST_F(ControlLoopTest, CountsTheTimeOfAResetFromTheEndOfTheSetUp) {
   EXPECT_EQ(loop.status(axis).fault, AxisFault::drive_fault);
 }
 
+// Three controlwords of each level, and the answer of a drive that takes two periods for each.
+TEST(ASlowLoop, GivesAResetThePeriodsThatItTakes) {
+  testing::FakePort port;
+  DriveProbe probe;
+  testing::Loop loop{port, {.network = {.period = 250ms, .heartbeat_period = 0ms}}};
+  const auto axis = *loop.add_axis({&probe, 1}, {.period = 0.25F}, testing::moderate_limits()).id;
+  hal::Time now{};
+  const auto run = [&](int periods) {
+    for (int i = 0; i < periods; ++i) loop.step(now += 250ms);
+  };
+  probe.feedback.state = hal::DriveState::fault;
+  run(1);
+  ASSERT_TRUE(loop.reset_fault(axis));
+  run(19);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::none);
+  run(1);
+  EXPECT_EQ(loop.status(axis).fault, AxisFault::drive_fault);
+}
+
 TEST_F(ControlLoopTest, CountsTheTimeOfOneWishToEnable) {
   loop.request_enable(axis);
   for (int wish = 0; wish < 4; ++wish) {

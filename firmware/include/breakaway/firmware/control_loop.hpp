@@ -141,7 +141,7 @@ class ControlLoop {
     a->standing_fault = AxisFault::none;
     a->status.stop_not_obeyed = false;
     waiting_ = any_standing_fault();
-    a->reset_periods = static_cast<std::int32_t>(reset_time / config_.network.period);
+    a->reset_periods = std::max(static_cast<std::int32_t>(reset_time / config_.network.period), least_reset_periods);
     return true;
   }
 
@@ -228,6 +228,8 @@ class ControlLoop {
   };
 
   static constexpr hal::Duration reset_time = std::chrono::seconds{1};
+  // An edge takes several, and so does the answer.
+  static constexpr std::int32_t least_reset_periods = 20;
   // A power stage may have to charge its capacitors and to open a brake first.
   static constexpr hal::Duration enable_time = std::chrono::seconds{5};
   // To be set up, too: the mode of operation alone may take ten seconds.

@@ -354,11 +354,13 @@ class Drive {
     pdo_seen_ = was_faulty_ = false;
   }
 
-  // A drive that is enabled, or on its way, has no fault to reset; one that is being set up already is reset after it.
+  // A drive that is enabled, or on its way, has no fault to reset, and one that shows that it has none keeps what comes
+  // later, in its set-up or after it. One that is being set up already, or is not heard, is reset after it.
   [[gnu::cold]] void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
     if (may_have_force() || machine_.enable_wished()) return;
-    reset_pending_ = true;
+    const bool shows_none = node_.ready() && pdo_seen_ && machine_.state() != State::fault;
+    reset_pending_ = !shows_none;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
     if (node_.ready() || node_.held() || node_.phase() == SetupPhase::refused) set_up_anew(now);
     node_.forget_heartbeat_loss();
@@ -388,7 +390,8 @@ class Drive {
     if (!may_have_force()) return;
     const bool stops_by_itself = !force_.is_enabled() && (machine_.state() == State::quick_stop_active ||
                                                           machine_.state() == State::fault_reaction_active);
-    const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time : hal::Duration{};
+    // It is told twice, to stop and then to be without voltage.
+    const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time + obeys_within() : hal::Duration{};
     if (!node_.held() && *unwished_for_ <= obeys_within() + quick_stop) return;
     unwished_for_.reset();
     forget_commands();
