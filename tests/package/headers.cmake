@@ -22,7 +22,7 @@ function(public_headers leaf result)
   set(${result} "${headers}" PARENT_SCOPE)
 endfunction()
 
-# All headers of what is flashed are compiled. The others take seconds each: every fourth is, and the rest labelled `long`.
+# All headers of what is flashed are compiled. The others take seconds each: every twelfth is, and the rest labelled `long`.
 get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
 set(counted 0)
 foreach(leaf IN LISTS leaves)
@@ -36,7 +36,7 @@ foreach(leaf IN LISTS leaves)
     string(REGEX REPLACE "^breakaway/|[.]hpp$" "" title "${header}")
     string(REPLACE "/" "." title "${title}")
     set(labels package)
-    math(EXPR counted "(${counted} + 1) % 4")
+    math(EXPR counted "(${counted} + 1) % 12")
     if(NOT flashed AND NOT counted EQUAL 0)
       list(APPEND labels long)
     endif()
