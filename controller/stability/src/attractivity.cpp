@@ -42,12 +42,11 @@ RestEnergy rest_energy(const LinearMachine<>& system) {
   return {pushes.transpose() * factors.solve(pushes), share < 1 ? 1 / (1 - share) : infinite};
 }
 
-// Largest lambda^T H lambda / 2 over |lambda_i| <= 1: at a corner, for H is positive semidefinite. Goes from corner
-// to corner by one sign at a time (Gray's code).
+// Largest lambda^T H lambda / 2 over |lambda_i| <= 1, of one friction at least: at a corner, for H is positive
+// semidefinite. Goes from corner to corner by one sign at a time (Gray's code).
 double greatest_rest_energy_J(const MatrixXd& h) {
   const Index m = h.rows();
   if (m > 20) return 0.5 * h.cwiseAbs().sum();
-  if (m == 0) return 0;
   VectorXd signs = VectorXd::Ones(m), force = h * signs;
   double greatest = signs.dot(force);
   for (unsigned corner = 1; corner < (1u << (m - 1)); ++corner) {

@@ -86,6 +86,18 @@ TEST_F(DriveTest, FaultIsLatchedNamedAndReset) {
   run_until_state(DriveState::enabled);
 }
 
+// A feedback tells of what came until it is asked for.
+TEST_F(DriveTest, FeedbackIsOfTheNewestWishAndStatusword) {
+  enable();
+  drive.request_stop();
+  EXPECT_EQ(drive.feedback().state, DriveState::stopping);
+  run_until_state(DriveState::disabled);
+  node.state = State::fault_reaction_active;
+  node.on_frame(breakaway::canopen::sync_frame());
+  deliver();
+  EXPECT_EQ(drive.feedback().state, DriveState::stopping);
+}
+
 // A reset acknowledges what was there when it was asked for.
 TEST_F(DriveTest, AResetOfADriveWithoutAFaultClearsNoneThatComesInTheSetUpWhichFollows) {
   set_up();

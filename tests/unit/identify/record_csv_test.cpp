@@ -107,6 +107,13 @@ TEST(RecordCsv, RefusesAPositionThatNoEncoderOf32BitsReads) {
 TEST(RecordCsv, SaysWhichAxesThereAreWhereTheWantedOneIsNotAmongThem) {
   const std::string said = refusal("time_s,position_m,command_N,axis\n0,0,0,a\n0,0,0,b\n0.001,0,0,a\n");
   EXPECT_NE(said.find("no line has x in its column axis, which names a, b:"), std::string::npos) << said;
+}
+
+TEST(RecordCsv, NamesEightOfTheAxesThatThereAre) {
+  std::string text = "time_s,position_m,command_N,axis\n";
+  for (char axis = 'a'; axis < 'm'; ++axis) text += std::string{"0,0,0,"} + axis + "\n";
+  const std::string said = refusal(text);
+  EXPECT_NE(said.find("which names a, b, c, d, e, f, g, h:"), std::string::npos) << said;
   const std::string control = refusal("time_s,position_m,command_N,axis\n0,0,0,a\rb\n");
   EXPECT_NE(control.find("names a?b:"), std::string::npos) << control;
 }

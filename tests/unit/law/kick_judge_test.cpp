@@ -71,6 +71,22 @@ TEST(KickJudge, NamesAnAxisThatItsBrakeDrivesBack) {
   EXPECT_EQ(axis.controller().seen_friction_N(), axis.kicks().brake_N);
 }
 
+TEST(KickJudge, AccusesNoAxisThatHasArrived) {
+  Scripted axis{0};
+  float position_m = -8e-4F;
+  int kicks = 0;
+  for (int i = 0; i < 2'000 && axis.controller().fault() == ControlFault::none; ++i) {
+    if (!axis.show(position_m).kicked) continue;
+    ++kicks;
+    axis.show(position_m + 4e-4F);
+    axis.show(position_m += 2e-4F);
+    if (kicks == KickJudge<float>::most_contradictions) position_m = 0;
+  }
+  EXPECT_EQ(kicks, KickJudge<float>::most_contradictions);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::none);
+  EXPECT_EQ(axis.controller().mode(), Mode::hold);
+}
+
 TEST(KickJudge, NamesAnAxisThatDoesNotMove) {
   Scripted axis{0};
   for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) axis.show(-1e-4F);

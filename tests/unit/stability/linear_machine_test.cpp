@@ -80,6 +80,18 @@ TEST(LinearMachine, FeedbackSeemsToDampNothingThatItDoesNotReach) {
   }
 }
 
+// Where the sizes of two coordinates differ by more than a number can hold, each takes its share by itself.
+TEST(LinearMachine, FeedbackTakesOffWhatIsRoundedBetweenCoordinatesOfTheGreatestAndTheLeastSize) {
+  LinearMachine<> machine = oscillator();
+  machine.damping << 1e-320, 0.1, 0.1, 1e308;
+  const auto closed =
+      with_feedback(machine, Eigen::Vector2d{1, 0}, Eigen::RowVector2d::Zero(), Eigen::RowVector2d{0, 0.7});
+  EXPECT_TRUE(closed.damping.allFinite());
+  EXPECT_LT(closed.damping(0, 0), 0) << "0.1 + 0.7 is rounded";
+  EXPECT_GT(closed.damping(0, 0), -1e-15);
+  EXPECT_LE(closed.damping(1, 1), 1e308);
+}
+
 // A loop without damping elsewhere is one of everywhere only where nothing is taken off.
 TEST(LinearMachine, FeedbackTakesNothingOffWhereItsSumsAreExact) {
   const auto closed =
