@@ -111,6 +111,20 @@ TEST_F(DriveTest, AResetOfADriveWithoutAFaultClearsNoneThatComesInTheSetUpWhichF
   run_until_state(DriveState::disabled);
 }
 
+TEST_F(DriveTest, AnotherResetInTheSetUpThatOneBroughtClearsNoLaterFaultEither) {
+  set_up();
+  drive.reset_fault();
+  run_until_state(DriveState::configuring);
+  run_until([&] { return drive.cia402_state().has_value(); });
+  ASSERT_EQ(feedback.state, DriveState::configuring);
+  drive.reset_fault();
+  step();
+  node.state = State::fault;
+  run_until_state(DriveState::fault);
+  run_for(2s);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+}
+
 TEST_F(DriveTest, AResetOfADriveThatIsNotHeardClearsTheFaultThatItShowsWhenItIs) {
   set_up();
   node.silent = true;  // its cable, and that is a fault of the drive's, too

@@ -210,6 +210,40 @@ TEST_F(ForcedStopTest, BlamesNoDriveThatTakesTheTimeOfAStopForItsQuickStopAndAga
   EXPECT_EQ(drive.setup_status(), SetupStatus::ready) << "it was forced";
 }
 
+// The last sample that shows it comes late, together with the one that shows that it is over.
+TEST_F(ForcedStopTest, BlamesNoDriveWhoseStopByItselfEndsWithTwoSamplesInAPeriod) {
+  for (const State own : {State::quick_stop_active, State::fault_reaction_active}) {
+    enable();
+    node.state = own;
+    node.follows_controlword = false;
+    run_for(3 * Drive<float>::stop_time);
+    ASSERT_EQ(feedback.state, DriveState::stopping);
+    node.on_frame(breakaway::canopen::sync_frame());
+    node.state = State::switch_on_disabled;
+    node.on_frame(breakaway::canopen::sync_frame());
+    node.sends_tpdo = false;
+    step();
+    EXPECT_FALSE(feedback.stop_not_obeyed) << "of state " << static_cast<int>(own);
+    node.sends_tpdo = node.follows_controlword = true;
+    run_for(100ms);
+    EXPECT_EQ(feedback.state, DriveState::disabled);
+    EXPECT_EQ(drive.setup_status(), SetupStatus::ready) << "it was forced";
+  }
+}
+
+// It was in Operation enabled for less than a period.
+TEST_F(ForcedStopTest, AQuickStopBeforeOperationEnabledWasSeenHasNoMoreTimeThanAnother) {
+  set_up();
+  drive.request_enable();
+  run_until([&] { return node.state == State::switched_on; });
+  node.follows_controlword = false;
+  node.state = State::quick_stop_active;
+  const Duration took = time_until_without_force();
+  EXPECT_GT(took, StateMachine::quick_stop_time);
+  EXPECT_LE(took, StateMachine::quick_stop_time + 2 * Drive<float>::stop_time + 10ms);
+  expect_recovery();
+}
+
 // A boot-up message may be another node's of the same id.
 TEST_F(ForcedStopTest, ADriveWhoseBootUpIsNotItsOwnIsToldByItsPdoToBeWithoutForce) {
   enable();

@@ -359,7 +359,7 @@ class Drive {
   [[gnu::cold]] void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
     if (may_have_force() || machine_.enable_wished()) return;
-    const bool shows_none = node_.ready() && pdo_seen_ && machine_.state() != State::fault;
+    const bool shows_none = machine_.state() && machine_.state() != State::fault;
     reset_pending_ = !shows_none;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
     if (node_.ready() || node_.held() || node_.phase() == SetupPhase::refused) set_up_anew(now);
@@ -384,14 +384,14 @@ class Drive {
     watched_at_ = now;
     const bool shown = may_have_force() || node_.forcing_stop();
     doubt_ = shown ? obeys_within() : std::max<hal::Duration>(doubt_ - passed, {});
-    const bool wished = node_.ready() && machine_.enable_wished();
+    // A quick stop is nobody's wish, also where it came before Operation enabled was seen.
+    const bool wished = node_.ready() && machine_.enable_wished() && machine_.state() != State::quick_stop_active;
     if (wished || node_.forcing_stop() || doubt_ == hal::Duration{}) return unwished_for_.reset();
     unwished_for_ = unwished_for_ ? *unwished_for_ + passed : hal::Duration{};
     if (!may_have_force()) return;
-    const bool stops_by_itself = !force_.is_enabled() && (machine_.state() == State::quick_stop_active ||
-                                                          machine_.state() == State::fault_reaction_active);
     // It is told twice, to stop and then to be without voltage.
-    const hal::Duration quick_stop = stops_by_itself ? StateMachine::quick_stop_time + obeys_within() : hal::Duration{};
+    const hal::Duration quick_stop =
+        force_.stops_by_itself() ? StateMachine::quick_stop_time + obeys_within() : hal::Duration{};
     if (!node_.held() && *unwished_for_ <= obeys_within() + quick_stop) return;
     unwished_for_.reset();
     forget_commands();

@@ -34,8 +34,9 @@ class ForceWatch {
   }
   // Once a period, after what it brought.
   void update() noexcept {
+    if (shown_ || !has_force_) stops_by_itself_ = shown_ && !enabled_shown_;
+    enabled_shown_ = false;
     may_have_force_ = std::exchange(shown_, false) || has_force_ || torque_stays_;
-    enabled_ = std::exchange(enabled_shown_, false);
   }
   // The drive booted, or proved to be without force.
   void forget() noexcept {
@@ -44,8 +45,9 @@ class ForceWatch {
   }
 
   bool may_have_force() const noexcept { return may_have_force_; }  // in this period
-  // One of its statuswords said Operation enabled, whatever others said.
-  bool is_enabled() const noexcept { return enabled_; }
+  // Of the states that move the motor its statuswords showed none in this period but Quick stop active and Fault
+  // reaction active; or it was so when it was heard last.
+  bool stops_by_itself() const noexcept { return stops_by_itself_; }
 
  private:
   void forget_torque() noexcept {
@@ -58,7 +60,7 @@ class ForceWatch {
   bool torque_stays_ = false;
   bool may_have_force_ = false;
   bool enabled_shown_ = false;
-  bool enabled_ = false;
+  bool stops_by_itself_ = false;
   std::optional<hal::Time> idle_torque_since_;
 };
 
