@@ -150,7 +150,7 @@ class DriveNode {
     return phase_ == SetupPhase::verifying_mode || ready() ||
            (forcing_stop() && forced_while_operational_ && forced_stop_.means() == ForcedStop::Means::controlword);
   }
-  // It said that it is no longer operational, was told to start again, and may still be where it was.
+  // It was operational, said that it no longer is or that it booted, and may still be where it was.
   bool restarts() const noexcept {
     return restarts_ && (phase_ == SetupPhase::starting || phase_ == SetupPhase::configuring);
   }
@@ -265,7 +265,7 @@ class DriveNode {
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
   bool looks_at_torque_ = false;            // in the running look
-  bool restarts_ = false;                   // in `configuring` and `starting`: it was ready
+  bool restarts_ = false;                   // in `configuring` and `starting`: it was operational
   bool recalls_ = false;                    // it has of its set-up what a boot would take
   bool quiet_state_ = false;                // by the look at its statusword
   bool write_taken_ = false;                // the last one of the plan
