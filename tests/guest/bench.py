@@ -10,6 +10,7 @@ import time
 PERIOD_S = 0.001
 SCENARIO = "sim/scenarios/can_axis.toml"
 CASES = []  # in the order in which they run
+LONG_CASES = []  # of these
 ENABLE_OPERATION = 0x0F
 BUILT = ("sim/cli/breakaway", "firmware/targets/linux/breakaway-node")  # in the build's folder
 PROGRAMS = ("candump", "cangen", "cansend", "chrt", "cyclictest", "env", "ip", "node", "python3", "rmmod", "setpriv", "sh")
@@ -30,6 +31,12 @@ class Spoilt(Failure):
 def case(function):
     CASES.append(function)
     return function
+
+
+def long_case(function):
+    """One that --quick leaves out."""
+    LONG_CASES.append(function)
+    return case(function)
 
 
 def require(condition, text):

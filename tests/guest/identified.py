@@ -3,7 +3,7 @@ import re
 import time
 
 import bench
-from bench import Bench, case, require
+from bench import Bench, case, long_case, require
 
 MOVES = "sim/scenarios/move_axis.toml"  # 1 kg, friction of 2.5 to 4.5 N, within 0.6 m
 
@@ -26,7 +26,7 @@ def found(output, pattern):
     return [float(number) for number in match.groups()]
 
 
-@case
+@long_case
 def finds_mass_friction_and_latency_of_an_axis(build):
     """What it finds over the bus, and what `breakaway identify --log` finds in its record."""
     with Bench(build) as b:

@@ -70,7 +70,8 @@ endif()
 
 # breakaway_test(<name> SOURCES file... USES target... [LABELS label])
 # A GoogleTest executable whose cases are found and registered with CTest one by one. The label `slow` keeps it out of the
-# runs under the sanitizers. One label only: gtest_discover_tests cannot pass on a list.
+# runs under the sanitizers. One label only: gtest_discover_tests cannot pass on a list. Tests are breakaway_cold, as what
+# computes is in the libraries, unless their folder sets BREAKAWAY_TESTS_COMPUTE.
 function(breakaway_test name)
   cmake_parse_arguments(PARSE_ARGV 1 TEST "" "LABELS" "SOURCES;USES")
   if(TEST_UNPARSED_ARGUMENTS)
@@ -79,9 +80,16 @@ function(breakaway_test name)
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE ${TEST_USES} GTest::gtest_main breakaway_developer_warnings)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  set(precompiled breakaway_precompiled_to_compute)
+  if(NOT BREAKAWAY_TESTS_COMPUTE)
+    breakaway_cold(${name})
+    # At -O1 g++ 12 loses sight of what std::string and Eigen hold, and warns of it.
+    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-maybe-uninitialized -Wno-stringop-overflow>)
+    set(precompiled breakaway_precompiled)
+  endif()
   # What is precompiled holds for the same rules of arithmetic only, which a test has from the leaves that it uses.
-  if(TARGET breakaway_precompiled AND TEST_USES MATCHES "breakaway::")
-    target_precompile_headers(${name} REUSE_FROM breakaway_precompiled)
+  if(TARGET ${precompiled} AND TEST_USES MATCHES "breakaway::")
+    target_precompile_headers(${name} REUSE_FROM ${precompiled})
   endif()
   target_compile_definitions(${name} PRIVATE BREAKAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   set(labels "")
