@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 
 #include "breakaway/odrive/drive.hpp"
 #include "breakaway/odrive_emulator/odrive_emulator.hpp"
@@ -25,6 +26,15 @@ struct OdriveRigConfig {
   bool absolute_encoder = true;
   odrive_emulator::EmulatorConfig drive{};
 };
+
+inline OdriveRigConfig with(odrive::Estimates estimates, double clock_error = 0,
+                            hal::Duration heartbeat_period = 100ms) {
+  OdriveRigConfig config;
+  config.estimates = estimates;
+  config.drive.clock_error = clock_error;
+  config.heartbeat_period = heartbeat_period;
+  return config;
+}
 
 class OdriveRig {
  public:
@@ -107,5 +117,7 @@ class OdriveRig {
   hal::Time now_{};
   double largest_N_ = 0;
 };
+
+inline std::string text_of(const OdriveRig& rig) { return std::string{odrive::fault_text(rig.fault_code())}; }
 
 }  // namespace breakaway::closed_loop
