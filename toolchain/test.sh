@@ -10,7 +10,7 @@ Usage: toolchain/test.sh [--quick | --long]
 Installs what the checks need and the machine lacks (Debian packages, as root or by sudo), then runs, stopping at the
 first that fails: format, release build with warnings as errors, the tests, the images for targets on QEMU, the node in a
 guest; with clang under the address and undefined-behaviour sanitizers the tests of what is flashed or reads bytes from
-outside, and the fuzzers for a fixed number of inputs; clang-tidy on what is flashed, on the ports and on the design.
+outside, and the fuzzers for a fixed number of inputs; clang-tidy on the same.
 
   --quick   the release build and its tests only
   --long    also what takes too long for every change: the tests labelled long; in the guest the longest cases; all other
@@ -93,7 +93,7 @@ long_computations='^(Accuracy|Conditions|EquilibriumSet|MethodChoice|PdSynthesis
 long_computations+='|^Command[.](LeadsFromAnExperiment|TunesAnAxis|ReadsStandardInputWhere|WritesTheSameJsonTwice)'
 
 # What a change is checked with, and what --long adds.
-input_only=ON not_run='^long$' untidied='/asan-ubsan/(controller/(stability|identify/evaluation)|firmware/config|sim)/'
+input_only=ON not_run='^long$' untidied='/asan-ubsan/(controller/stability|sim/(motion/hybrid|sil|study|report|watch|cli))/'
 guest_cases=(--quick)
 if $long; then
   input_only=OFF not_run='^$' untidied='^$' guest_cases=()
@@ -123,7 +123,8 @@ step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
 if ! $quick; then
   step 'packages for emulated machines' wait_for packages
   meanwhile guest toolchain/emulate.sh linux "${guest_cases[@]}"
-  # What follows leaves the guest the processor that it asks for: one that waits for this machine computes what happens in the meantime.
+  # What follows leaves the guest the processor that it asks for: one that waits for this machine computes what happens
+  # in the meantime.
   renice -n 10 $$ >/dev/null
 fi
 step 'release tests' run_tests release -LE "$not_run"

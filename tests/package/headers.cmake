@@ -22,8 +22,7 @@ function(public_headers leaf result)
   set(${result} "${headers}" PARENT_SCOPE)
 endfunction()
 
-# Of what is flashed every third is compiled, of the others, which take seconds each, every twelfth. The rest is labelled
-# `long`.
+# All headers of what is flashed are compiled. The others take seconds each: every twelfth is, and the rest labelled `long`.
 get_property(leaves GLOBAL PROPERTY BREAKAWAY_LEAVES)
 set(counted 0)
 foreach(leaf IN LISTS leaves)
@@ -38,12 +37,7 @@ foreach(leaf IN LISTS leaves)
     string(REPLACE "/" "." title "${title}")
     set(labels package)
     math(EXPR counted "(${counted} + 1) % 12")
-    set(every 12)
-    if(flashed)
-      set(every 3)
-    endif()
-    math(EXPR turn "${counted} % ${every}")
-    if(NOT turn EQUAL 0)
+    if(NOT flashed AND NOT counted EQUAL 0)
       list(APPEND labels long)
     endif()
     package_compile_test(header.${title}.compiles_alone ${leaf} "${labels}" "#include <${header}>\n#include <${header}>\n" ${rules})

@@ -26,7 +26,7 @@ using breakaway::stability::unsized;
 using State = MachineState<Eigen::Dynamic>;
 
 // The largest error against that case of tests/reference/linear_machine.csv.
-template <int N = Eigen::Dynamic, int M = Eigen::Dynamic>
+template <int N, int M>
 double error_of(const std::string& name, const LinearMachine<N, M>& machine, const MachineState<N>& start,
                 double end_time_s) {
   SCOPED_TRACE(name);
