@@ -89,6 +89,24 @@ TEST(MovesEnd, TogetherTheQuickerAxisTakesAsLongAsTheOther) {
   }
 }
 
+// So short a way would have to be crept along, slower than the law can see: that axis waits before it sets off.
+TEST(MovesEnd, TogetherAnAxisWithAVeryShortWaySetsOffLater) {
+  for (const bool limits_jerk : {false, true}) {
+    for (const double near_m : {0.0005, 0.002, 0.01}) {
+      const auto alone = two_axes("each", near_m, limits_jerk), matched = two_axes("together", near_m, limits_jerk);
+      for (const auto& [from_s, until_s] : {std::pair{0.5, 2.0}, {2.0, 3.5}}) {
+        SCOPED_TRACE(std::to_string(near_m) + (limits_jerk ? " of limited jerk from " : " from ") +
+                     std::to_string(from_s));
+        const auto each = arrivals_s(alone, from_s, until_s, near_m),
+                   both = arrivals_s(matched, from_s, until_s, near_m);
+        EXPECT_LT(each[1], 0.3 * each[0]);
+        EXPECT_NEAR(both[0], each[0], 0.002) << "the slower one is as quick as alone";
+        EXPECT_NEAR(both[1], both[0], 0.1 * both[0]);
+      }
+    }
+  }
+}
+
 // What no law can do better than is 0.450 s, 0.460 s, 0.0447 s and 0.0558 s.
 TEST(Move, EndsWithinItsTimeOverTheBusUnderEveryFrictionLaw) {
   struct {

@@ -162,5 +162,92 @@ TEST(Move, GoesOnFromItsSpeedWhenItsTargetMovesOn) {
   EXPECT_LE(std::fabs(out.force_N - force_N), 2.1F) << "the force changes by the mass times what the jerk allows";
 }
 
+// What the tests of the time that a move takes share: the axis of the scenes, asked for moves of up to 0.4 m.
+struct TimedMove {
+  TimedMove() {
+    design::BrakedClass c = axes_of_the_scenes(1e-4);
+    c.move = design::MoveRequest{0.4, 1, 20, 2000};
+    kicks = design::design_braked_kicks<float>(c).kicks;
+    p = campaign::parameters(c, 2.5e-6);
+    p.max_approach_speed_m_s = 1;
+  }
+  // Periods until there is a force, from rest at x, up to `most`.
+  static int waits(AxisController<float>& controller, float x, int most) {
+    int k = 0;
+    while (k < most && controller.update({x}).force_N == 0) ++k;
+    return k;
+  }
+
+  K3Table<float> unused;
+  BrakedKicks<float> kicks;
+  AxisParameters<float> p;
+};
+
+TEST(Move, SetsOffLaterWhereItWouldHaveToCreep) {
+  const TimedMove t;
+  AxisController<float> controller{t.p, t.unused, t.kicks};
+  const float own_s = controller.move_time_s(0.002F);
+  controller.take_time(own_s + 0.3F, 0.002F);
+  // Goes as slowly as it may, and waits for what is left.
+  const int waited = TimedMove::waits(controller, -0.002F, 1000);
+  EXPECT_GT(waited, 200);
+  EXPECT_LT(waited, 300);
+  EXPECT_EQ(controller.mode(), Mode::approach);
+  EXPECT_EQ(controller.velocity_m_s(), 0);
+}
+
+TEST(Move, OfATargetThatMovesOnWhileItWaitsIsTimedAnew) {
+  const TimedMove t;
+  AxisController<float> controller{t.p, t.unused, t.kicks};
+  controller.take_time(0.5F, 0.002F);
+  EXPECT_EQ(TimedMove::waits(controller, -0.002F, 50), 50);
+  controller.shift_target(0.1F);
+  EXPECT_EQ(TimedMove::waits(controller, -0.102F, 1000), 0);
+  controller.reset();
+  controller.take_time(0.5F, 0.002F);
+  EXPECT_EQ(TimedMove::waits(controller, -0.002F, 50), 50);
+  controller.shift_target(0.001F);
+  controller.take_time(0.2F, 0.003F);
+  EXPECT_NEAR(TimedMove::waits(controller, -0.003F, 1000), 170, 20);
+}
+
+TEST(Move, DoesNotWaitWhereItIsUnderWayOrThere) {
+  const TimedMove t;
+  AxisController<float> moving{t.p, t.unused, t.kicks};
+  float x = -0.4F;
+  for (int k = 0; k < 100; ++k) moving.update({x += 5e-4F});
+  moving.shift_target(-0.25F);
+  x += 0.25F;
+  moving.take_time(3, std::fabs(x));
+  EXPECT_EQ(TimedMove::waits(moving, x, 1000), 0);
+  // A pulse that is under way when the target moves has the axis in motion.
+  AxisController<float> kicked{t.p, t.unused, t.kicks};
+  x = -1e-5F;
+  for (int k = 0; k < 2000 && kicked.mode() != Mode::kick; ++k) kicked.update({x});
+  ASSERT_EQ(kicked.mode(), Mode::kick);
+  kicked.shift_target(0.002F);
+  kicked.take_time(3, 0.00201F);
+  EXPECT_EQ(TimedMove::waits(kicked, -0.00201F, 1000), 0);
+  AxisController<float> there{t.p, t.unused, t.kicks};
+  there.take_time(3, 1e-6F);
+  for (int k = 0; k < 200; ++k) there.update({1e-6F});
+  EXPECT_EQ(there.mode(), Mode::hold);
+}
+
+// The wait of an axis that rests is not what a proof of sticking counts, and a sample that is lost in it costs a
+// period.
+TEST(Move, IsNotTakenForStuckWhereItWaits) {
+  const TimedMove t;
+  AxisController<float> controller{t.p, t.unused, t.kicks};
+  controller.take_time(20, 0.002F);
+  for (int k = 0; k < 19000; ++k) {
+    const auto out = controller.update({-0.002F, 0, k % 97 != 0});
+    ASSERT_EQ(out.mode, Mode::approach) << k;
+    ASSERT_EQ(out.force_N, 0) << k;
+  }
+  EXPECT_LT(TimedMove::waits(controller, -0.002F, 2000), 1300);
+  EXPECT_EQ(controller.mode(), Mode::approach);
+}
+
 }  // namespace
 }  // namespace breakaway::law

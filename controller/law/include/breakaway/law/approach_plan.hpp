@@ -58,6 +58,8 @@ class ApproachPlan {
 
   void restart() noexcept {
     primed_ = false;
+    waiting_periods_ = 0;
+    may_wait_ = true;
     move_.restart();
     go_at_most(speed_limit_m_s_);
   }
@@ -67,15 +69,30 @@ class ApproachPlan {
   Scalar move_time_s(Scalar distance_m) const noexcept {
     return a_ != nullptr && a_->move.are_asked_for() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};
   }
-  // The move that has begun takes this long, unless it would become too slow for its speed to be seen.
+  // The move over this distance, which has begun, is to take this long. One that would become too slow for its speed to
+  // be seen sets off later instead, unless it is under way.
   void take(Scalar time_s, Scalar distance_m) noexcept {
-    if (!(move_time_s(distance_m) > 0)) return;
-    const Scalar speed_m_s = std::max(a_->move.speed_for_m_s(distance_m, time_s), least_speed * a_->switch_speed_m_s);
-    go_at_most(std::min(speed_m_s, speed_limit_m_s_));
+    if (a_ == nullptr || !a_->move.are_asked_for()) return;
+    const Scalar least_m_s = least_speed * a_->switch_speed_m_s;
+    const Scalar wanted_m_s = std::max(a_->move.speed_for_m_s(distance_m, time_s), least_m_s);
+    go_at_most(std::min(wanted_m_s, speed_limit_m_s_));
+    const Scalar early_s = time_s - a_->move.time_s(distance_m, max_speed_m_s_);
+    if (!may_wait_ || primed_ || !(early_s > 0)) return;
+    waiting_periods_ = static_cast<std::int32_t>(std::min(early_s * per_period_, longest_wait));
+    velocity_ = 0;
+  }
+  // The approach that has begun finds the axis in motion.
+  void set_off_at_once() noexcept { may_wait_ = false; }
+  // To be called once a period before see(), which is left out where this returns true.
+  bool waits() noexcept {
+    if (waiting_periods_ == 0) return false;
+    --waiting_periods_;
+    return true;
   }
   // The target of a move went on by this much: it goes on from where it is, as it moves.
   void retarget(Scalar shift_m) noexcept {
     previous_m_ -= shift_m;
+    waiting_periods_ = 0;
     turns_ = 0;
     retargeted_ = true;
     go_at_most(speed_limit_m_s_);
@@ -130,7 +147,8 @@ class ApproachPlan {
     return goes_on ? std::min(braked_m, most_m) : most_m;
   }
 
-  static constexpr Scalar least_speed = 8;  // of a move, as a multiple of that at which the brake takes over
+  static constexpr Scalar least_speed = 8;     // of a move, as a multiple of that at which the brake takes over
+  static constexpr Scalar longest_wait = 1e9;  // in periods
 
   MovePlan<Scalar> move_plan() const noexcept {
     const Scalar last_m_s2 = std::min(a_->gentle_m_s2, hard_m_s2_);
@@ -261,12 +279,14 @@ class ApproachPlan {
   Scalar direction_ = 1;
   std::array<Scalar, most_latency_periods + 1> accelerations_{};
   std::size_t newest_ = 0;
+  std::int32_t waiting_periods_ = 0;  // before the move sets off
   std::int16_t missed_ = -1;
   std::uint8_t latency_ = 0;
   static constexpr std::uint8_t most_turns = 3;
   std::uint8_t turns_ = 0;  // from towards the target to away from it
   bool forward_ = false;
   bool primed_ = false;
+  bool may_wait_ = true;
   bool retargeted_ = false;  // since the last reading
   bool passed_ = false;      // the target, by more than what brake and kicks are for
 };

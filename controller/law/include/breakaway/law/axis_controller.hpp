@@ -77,7 +77,12 @@ class AxisController {
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && goes_on_when_moved();
-    if (!goes_on) return restart();
+    const bool kicked = mode_ == Mode::kick || mode_ == Mode::coast;
+    if (!goes_on) {
+      restart();
+      if (kicked) plan_.set_off_at_once();
+      return;
+    }
     judge_.forget();
     fine_.restart();
     cycle_.restart();
@@ -87,9 +92,11 @@ class AxisController {
   // How long a move from rest over this distance takes under its limits, up to where brake and kicks take over; 0 where
   // the axis has none.
   Scalar move_time_s(Scalar distance_m) const noexcept { return plan_.move_time_s(distance_m); }
-  // The approach that has just begun, over this distance, is to take so long: its speed is limited further, until the
-  // target moves again.
-  void take_time(Scalar time_s, Scalar distance_m) noexcept { plan_.take(time_s, distance_m); }
+  // The approach that has just begun, over this distance, is to take so long: until the target moves again its speed is
+  // limited further, and where that does not do it sets off later. One that is where it is to be has no way to go.
+  void take_time(Scalar time_s, Scalar distance_m) noexcept {
+    if (distance_m > p_.position_tolerance_m) plan_.take(time_s, distance_m);
+  }
 
   // The actuator gives no more than this; the configured limit counts besides. A limit at or below the upper friction
   // bound cannot break the axis away: then it ends up jammed, by name.
@@ -254,6 +261,17 @@ class AxisController {
     if (++held_ == long_hold) judge_.forget();
   }
 
+  // One that waits does not stick.
+  bool waits_to_set_off() noexcept {
+    if constexpr (Parts::by_work) {
+      return false;
+    } else {
+      if (!plan_.waits()) return false;
+      cycle_.forget_patience();
+      return true;
+    }
+  }
+
   bool gets_stuck(Scalar x) noexcept {
     if constexpr (Parts::by_work) {
       return false;
@@ -265,6 +283,7 @@ class AxisController {
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
+    if (waits_to_set_off()) return give(0);
     const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_);
     if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
     if (arrived) {

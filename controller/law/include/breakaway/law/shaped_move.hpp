@@ -42,6 +42,7 @@ class ShapedMove {
   void go_slowly() noexcept {}
   Scalar move_time_s(Scalar /*distance_m*/) const noexcept { return 0; }
   void take(Scalar /*time_s*/, Scalar /*distance_m*/) noexcept {}
+  void set_off_at_once() noexcept {}
   void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }
   // A period without a reading counts as one in which nothing changed.
   void skip(Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
