@@ -81,6 +81,18 @@ TEST_P(ExternalMotion, LetsKicksAnswerAPush) {
   }
 }
 
+// However long it was held before.
+TEST_P(ExternalMotion, LetsKicksAnswerAPushAfterALongHold) {
+  world.run(70s);
+  ASSERT_TRUE(world.on_target());
+  drag(12, 12ms);
+  for (int i = 0; i < 5000; ++i) {
+    world.step();
+    ASSERT_EQ(world.fault(), AxisFault::none) << to_string(world.fault());
+  }
+  EXPECT_TRUE(world.on_target());
+}
+
 TEST_P(ExternalMotion, IsNoneWhereTheAxisIsSentToAnotherTarget) {
   for (const std::int32_t target : {200'000, -200'000, 0, 30, -5'000, 5'000}) {
     world.wish.target_counts = target;

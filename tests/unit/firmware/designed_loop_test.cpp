@@ -29,6 +29,7 @@ struct DesignedLaw : testing::ProportionalLaw {
   Parameters told{};
   float breakaway = 4.5F, lag = 0;
   law::Mode mode_ = law::Mode::approach;
+  bool waits_ = false;
   std::vector<float>* taken_times = nullptr;  // what it was told to take, and for which distance
   std::vector<float>* distances = nullptr;
   float seconds_per_metre = 1;
@@ -37,6 +38,7 @@ struct DesignedLaw : testing::ProportionalLaw {
   float breakaway_N() const noexcept { return breakaway; }
   float slow_lag() const noexcept { return lag; }
   law::Mode mode() const noexcept { return mode_; }
+  bool waits() const noexcept { return waits_; }
   float move_time_s(float distance_m) const noexcept { return seconds_per_metre * distance_m; }
   void take_time(float time_s, float distance_m) noexcept {
     if (taken_times == nullptr) return;
@@ -179,14 +181,16 @@ TEST(DesignedLoop, AllowsTheForceThatASlowCurrentLoopStillHas) {
   }
 }
 
-TEST(DesignedLoop, NamesAnAxisThatComesNoNearerUnlessItHolds) {
-  for (const law::Mode mode : {law::Mode::approach, law::Mode::hold}) {
+TEST(DesignedLoop, NamesAnAxisThatComesNoNearerUnlessItHoldsOrWaits) {
+  for (const auto& [mode, waits] :
+       {std::pair{law::Mode::approach, false}, {law::Mode::approach, true}, {law::Mode::hold, false}}) {
     DesignedLaw law;
     law.mode_ = mode;
+    law.waits_ = waits;
     Rig rig;
     rig.add(law);
     for (int n = 0; n < 60'100; ++n) rig.step();
-    EXPECT_EQ(rig.fault(), mode == law::Mode::hold ? AxisFault::none : AxisFault::target_not_reached);
+    EXPECT_EQ(rig.fault(), mode == law::Mode::hold || waits ? AxisFault::none : AxisFault::target_not_reached);
   }
 }
 

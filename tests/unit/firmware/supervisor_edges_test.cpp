@@ -138,21 +138,38 @@ TEST(SupervisorEdges, ASampleMayBeAsOldAsTheTimeout) {
 
 TEST(SupervisorEdges, AnAxisHasAMinuteToComeNearer) {
   Watched axis{no_limits()};
-  EXPECT_EQ(axis.off_by(1), AxisFault::none);
-  const hal::Time begin = axis.now;
-  const auto stands_until = [&](hal::Time time, bool on_its_way) {
+  const auto stands_at = [&](hal::Time time, bool on_its_way) {
     Feedback f = axis.sample();
     axis.now = f.sample_time = time;
     f.position_offset_m = 1;
     return axis.see(f, {.on_its_way = on_its_way});
   };
-  EXPECT_EQ(stands_until(begin + 60s, true), AxisFault::none);
-  EXPECT_EQ(stands_until(begin + 60s + 1ns, false), AxisFault::none) << "it holds";
-  EXPECT_EQ(stands_until(begin + 60s + 1ns, true), AxisFault::target_not_reached);
+  EXPECT_EQ(stands_at(axis.now + 1ms, true), AxisFault::none);
+  const hal::Time begin = axis.now;
+  EXPECT_EQ(stands_at(begin + 60s, true), AxisFault::none);
+  EXPECT_EQ(stands_at(begin + 60s + 1ns, true), AxisFault::target_not_reached);
   Watched nobody_says{no_limits()};
   EXPECT_EQ(nobody_says.off_by(1), AxisFault::none);
   nobody_says.now += 61s;
   EXPECT_EQ(nobody_says.off_by(1), AxisFault::none) << "unless told an axis is not on its way";
+}
+
+// Pushed out of a hold, or done with waiting for others, it has the whole minute, and need not be nearer than it was.
+TEST(SupervisorEdges, AnAxisThatHeldHasAMinuteHoweverLongItHeld) {
+  Watched axis{no_limits()};
+  const auto at = [&](hal::Duration later, float error_m, bool on_its_way) {
+    Feedback f = axis.sample();
+    axis.now = f.sample_time = axis.now + later;
+    f.position_offset_m = error_m;
+    return axis.see(f, {.on_its_way = on_its_way});
+  };
+  EXPECT_EQ(at(1ms, 1e-6F, true), AxisFault::none);
+  for (int second = 0; second < 100; ++second) EXPECT_EQ(at(1s, 1e-6F, false), AxisFault::none);
+  EXPECT_EQ(at(1ms, 1e-3F, true), AxisFault::none) << "pushed";
+  for (int second = 0; second < 59; ++second) EXPECT_EQ(at(1s, 1e-3F, true), AxisFault::none) << second;
+  EXPECT_EQ(at(1s, 0.9e-3F, true), AxisFault::none) << "nearer";
+  EXPECT_EQ(at(59s + 990ms, 0.9e-3F, true), AxisFault::none);
+  EXPECT_EQ(at(20ms, 0.9e-3F, true), AxisFault::target_not_reached);
 }
 
 TEST(SupervisorEdges, TellsTheCodeThatBelongsToTheFault) {

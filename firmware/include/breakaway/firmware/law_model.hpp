@@ -32,6 +32,9 @@ AxisModel<Scalar> model_of(const Controller& c) noexcept {
 // Only a law that is designed for its friction is sure to reach its target.
 template <class Controller>
 bool is_on_its_way(const Controller& c) noexcept {
+  if constexpr (requires { c.waits(); }) {
+    if (c.waits()) return false;
+  }
   if constexpr (KnowsFriction<Controller>) return c.mode() != law::Mode::hold;
   return false;
 }

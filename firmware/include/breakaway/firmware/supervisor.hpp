@@ -217,7 +217,7 @@ class Supervisor {
       motion_.sample(feedback.travel_m, feedback.force_N - feedforward_N_, since_previous_s(feedback));
       external_.sample(feedback.travel_m, health.holds);
       external_.force(feedback.force_N - feedforward_N_);
-      note_progress(std::abs(feedback.position_offset_m), now);
+      note_progress(std::abs(feedback.position_offset_m), health.on_its_way, now);
     }
     if (fault_ == AxisFault::none) {
       const std::uint16_t code = health.emergency_code != 0 ? health.emergency_code : feedback.fault_code;
@@ -364,9 +364,10 @@ class Supervisor {
     return has_previous_ ? static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick : Scalar{0};
   }
 
-  void note_progress(Scalar error_m, hal::Time now) noexcept {
-    if (!(error_m < least_error_m_)) return;
-    least_error_m_ = error_m;
+  // An axis that holds, or waits before it sets off, has all its time before it, however long it has been there.
+  void note_progress(Scalar error_m, bool on_its_way, hal::Time now) noexcept {
+    if (on_its_way && !(error_m < least_error_m_)) return;
+    least_error_m_ = on_its_way ? error_m : AxisLimits<Scalar>::unlimited;
     progress_time_ = now;
   }
 
