@@ -242,6 +242,8 @@ constexpr CounterExample counter_examples[] = {
     {1066736, Start::as_drawn, "its drive knows two forces, the greater hardly above friction: taken for stuck"},
     {1109211, Start::as_drawn,
      "a pulse of a hundred periods within one count, after which it was held as it still moved"},
+    {8089988, Start::as_drawn,
+     "creeps on for 12 s, by friction that steers it, and its plan expects to turn now and then"},
     {600024, Start::far_away, "ends its approach further away than kicks are for"},
     {600285, Start::far_away, "ends its approach further away than kicks are for"},
     {601090, Start::far_away, "ends its approach further away than kicks are for"},

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "breakaway/law/braked_kicks.hpp"
 
 namespace breakaway::law {
@@ -36,6 +38,33 @@ TEST(ApproachProgress, AnAxisThatCreepsIsFoundInItsSecondSpan) {
 
 TEST(ApproachProgress, AnAxisThatIsSlowAtFirstButGainsIsNot) {
   EXPECT_EQ(periods_until_stuck([](double t) { return -0.1 + 1e-3 * t * t; }), 0);
+}
+
+// Once it is on its way back it is where it was before.
+TEST(ApproachProgress, AnAxisThatTurnsRoundIsNot) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double turns_at_s : {0.019, 0.02, 0.03, 0.05, 0.1}) {
+      const auto parabola = [=](double t) { return side * (0.1 - 0.05 * (t - turns_at_s) * (t - turns_at_s)); };
+      EXPECT_EQ(periods_until_stuck(parabola), 0) << turns_at_s;
+    }
+  }
+}
+
+TEST(ApproachProgress, AnAxisThatTurnsRoundBehindItsTargetIsNot) {
+  for (const double turns_at_s : {0.03, 0.05, 0.1}) {
+    const auto there = [=](double t) { return 1e-4 - 0.05 * (t - turns_at_s) * (t - turns_at_s); };
+    EXPECT_EQ(periods_until_stuck([&](double t) { return t < 2 * turns_at_s ? there(t) : -1 + t; }), 0) << turns_at_s;
+  }
+}
+
+// What slips and is bent back again and again gets nowhere.
+TEST(ApproachProgress, AnAxisThatComesAndGoesIsFound) {
+  for (const double span_s : {0.02, 0.013, 0.04}) {
+    const int found =
+        periods_until_stuck([=](double t) { return 0.1 + 2e-6 * std::sin(2 * 3.14159 * t / span_s / 1.7); });
+    EXPECT_GT(found, 0);
+    EXPECT_LE(found, 100);
+  }
 }
 
 TEST(ApproachProgress, AfterARestartASpanIsHeldAgainstNoneBefore) {

@@ -227,6 +227,7 @@ TEST(Move, DoesNotWaitWhereItIsUnderWayOrThere) {
   ASSERT_EQ(kicked.mode(), Mode::kick);
   kicked.shift_target(0.002F);
   kicked.take_time(3, 0.00201F);
+  EXPECT_FALSE(kicked.waits());
   EXPECT_EQ(TimedMove::waits(kicked, -0.00201F, 1000), 0);
   AxisController<float> there{t.p, t.unused, t.kicks};
   there.take_time(3, 1e-6F);
@@ -244,6 +245,7 @@ TEST(Move, IsNotTakenForStuckWhereItWaits) {
     const auto out = controller.update({-0.002F, 0, k % 97 != 0});
     ASSERT_EQ(out.mode, Mode::approach) << k;
     ASSERT_EQ(out.force_N, 0) << k;
+    ASSERT_TRUE(controller.waits()) << k;
   }
   EXPECT_LT(TimedMove::waits(controller, -0.002F, 2000), 1300);
   EXPECT_EQ(controller.mode(), Mode::approach);

@@ -83,12 +83,9 @@ class ApproachPlan {
   }
   // The approach that has begun finds the axis in motion.
   void set_off_at_once() noexcept { may_wait_ = false; }
-  // To be called once a period before see(), which is left out where this returns true.
-  bool waits() noexcept {
-    if (waiting_periods_ == 0) return false;
-    --waiting_periods_;
-    return true;
-  }
+  bool waits() const noexcept { return waiting_periods_ > 0; }
+  // A period of that, in the place of see().
+  void wait() noexcept { --waiting_periods_; }
   // The target of a move went on by this much: it goes on from where it is, as it moves.
   void retarget(Scalar shift_m) noexcept {
     previous_m_ -= shift_m;
@@ -130,8 +127,6 @@ class ApproachPlan {
   // In which the axis moves as the plan ends; a lag or a latency may have it on its way back by then.
   Scalar heading() const noexcept { return speed_ < 0 ? -direction_ : direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_; }
-  // From the target, faster than what an axis that stands may seem to.
-  bool moves_away() const noexcept { return speed_ < -a_->standing_m_s; }
   // Periods in which the brake alone is sure to stop the axis at its present speed.
   Scalar braking_periods() const noexcept {
     return (std::abs(speed_) + 2 * a_->switch_speed_m_s) / (a_->gentle_m_s2 * period_s_);

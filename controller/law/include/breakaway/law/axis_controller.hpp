@@ -86,6 +86,7 @@ class AxisController {
     judge_.forget();
     fine_.restart();
     cycle_.restart();
+    progress_.restart();
     plan_.retarget(shift_m);
   }
 
@@ -124,6 +125,8 @@ class AxisController {
   }
 
   Mode mode() const noexcept { return mode_; }
+  // It is to set off later, so that its move ends with others.
+  bool waits() const noexcept { return mode_ == Mode::approach && plan_.waits(); }
   ControlFault fault() const noexcept { return fault_; }
   // Under the brake, when the approach is over, the mean between the last two readings.
   Scalar velocity_m_s() const noexcept {
@@ -261,29 +264,23 @@ class AxisController {
     if (++held_ == long_hold) judge_.forget();
   }
 
-  // One that waits does not stick.
-  bool waits_to_set_off() noexcept {
-    if constexpr (Parts::by_work) {
-      return false;
-    } else {
-      if (!plan_.waits()) return false;
-      cycle_.forget_patience();
-      return true;
-    }
+  // A period in which the move does not set off yet. One that waits does not stick.
+  ControlOutput<Scalar> wait() noexcept {
+    plan_.wait();
+    cycle_.forget_patience();
+    return give(0);
   }
 
   bool gets_stuck(Scalar x) noexcept {
     if constexpr (Parts::by_work) {
       return false;
     } else {
-      if (!plan_.moves_away()) return progress_.hardly_gets_on(x, *braked_, p_.max_approach_speed_m_s, p_.period_s);
-      progress_.restart();
-      return false;
+      return progress_.hardly_gets_on(x, *braked_, p_.max_approach_speed_m_s, p_.period_s);
     }
   }
 
   ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
-    if (waits_to_set_off()) return give(0);
+    if (plan_.waits()) return wait();
     const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_);
     if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
     if (arrived) {

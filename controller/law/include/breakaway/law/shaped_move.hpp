@@ -43,6 +43,8 @@ class ShapedMove {
   Scalar move_time_s(Scalar /*distance_m*/) const noexcept { return 0; }
   void take(Scalar /*time_s*/, Scalar /*distance_m*/) noexcept {}
   void set_off_at_once() noexcept {}
+  bool waits() const noexcept { return false; }
+  void wait() noexcept {}
   void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }
   // A period without a reading counts as one in which nothing changed.
   void skip(Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
