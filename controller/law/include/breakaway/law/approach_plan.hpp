@@ -59,30 +59,30 @@ class ApproachPlan {
   void restart() noexcept {
     primed_ = false;
     waiting_periods_ = 0;
-    may_wait_ = true;
+    in_motion_ = false;
     move_.restart();
     go_at_most(speed_limit_m_s_);
   }
   // The approach that has begun comes no faster than brake and friction alone can stop within the distance for that.
   void go_slowly() noexcept { go_at_most(std::min(a_->switch_speed_m_s, speed_limit_m_s_)); }
   // A move from rest over this distance; 0 where moves have no limits.
-  Scalar move_time_s(Scalar distance_m) const noexcept {
+  [[gnu::cold]] Scalar move_time_s(Scalar distance_m) const noexcept {
     return a_ != nullptr && a_->move.are_asked_for() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};
   }
   // The move over this distance, which has begun, is to take this long. One that would become too slow for its speed to
   // be seen sets off later instead, unless it is under way.
-  void take(Scalar time_s, Scalar distance_m) noexcept {
+  [[gnu::cold]] void take(Scalar time_s, Scalar distance_m) noexcept {
     if (a_ == nullptr || !a_->move.are_asked_for()) return;
     const Scalar least_m_s = least_speed * a_->switch_speed_m_s;
     const Scalar wanted_m_s = std::max(a_->move.speed_for_m_s(distance_m, time_s), least_m_s);
     go_at_most(std::min(wanted_m_s, speed_limit_m_s_));
     const Scalar early_s = time_s - a_->move.time_s(distance_m, max_speed_m_s_);
-    if (!may_wait_ || primed_ || !(early_s > 0)) return;
+    if (in_motion_ || primed_ || !(early_s > 0)) return;
     waiting_periods_ = static_cast<std::int32_t>(std::min(early_s * per_period_, longest_wait));
     velocity_ = 0;
   }
   // The approach that has begun finds the axis in motion.
-  void set_off_at_once() noexcept { may_wait_ = false; }
+  void set_off_at_once() noexcept { in_motion_ = true; }
   bool waits() const noexcept { return waiting_periods_ > 0; }
   // A period of that, in the place of see().
   void wait() noexcept { --waiting_periods_; }
@@ -281,7 +281,7 @@ class ApproachPlan {
   std::uint8_t turns_ = 0;  // from towards the target to away from it
   bool forward_ = false;
   bool primed_ = false;
-  bool may_wait_ = true;
+  bool in_motion_ = false;   // as the approach began
   bool retargeted_ = false;  // since the last reading
   bool passed_ = false;      // the target, by more than what brake and kicks are for
 };

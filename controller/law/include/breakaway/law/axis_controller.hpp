@@ -47,7 +47,7 @@ class AxisController {
   // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
   // the controller as well.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
-      : AxisController{parameters, table} {
+      : p_{parameters}, pd_{parameters, table} {
     if (p_.coast != Parts::coast) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
@@ -126,7 +126,7 @@ class AxisController {
 
   Mode mode() const noexcept { return mode_; }
   // It is to set off later, so that its move ends with others.
-  bool waits() const noexcept { return mode_ == Mode::approach && plan_.waits(); }
+  bool waits() const noexcept { return plan_.waits(); }
   ControlFault fault() const noexcept { return fault_; }
   // Under the brake, when the approach is over, the mean between the last two readings.
   Scalar velocity_m_s() const noexcept {

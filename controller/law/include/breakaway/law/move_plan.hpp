@@ -36,14 +36,14 @@ struct MoveLimits {
   }
   // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it; with a limit
   // of jerk that is a little too long where it does not reach the acceleration. Requires are_asked_for().
-  Scalar time_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
+  [[gnu::cold]] Scalar time_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
     const Scalar per_speed = s_per_m_s(), rise = rise_s();
     const Scalar highest_m_s = (std::sqrt(rise * rise + 4 * per_speed * distance_m) - rise) / (2 * per_speed);
     const Scalar v = std::min(fastest_m_s, highest_m_s);
     return v > 0 ? distance_m / v + per_speed * v + rise : Scalar{0};
   }
   // The speed with which it takes this long.
-  Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
+  [[gnu::cold]] Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
     const Scalar left_s = time_s - rise_s(), under_root = left_s * left_s - 4 * s_per_m_s() * distance_m;
     return under_root > 0 && left_s > 0 ? 2 * distance_m / (left_s + std::sqrt(under_root)) : speed_m_s;
   }
