@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "breakaway/stability/dense.hpp"
+#include "breakaway/stability/extended.hpp"
 #include "breakaway/stability/mass_units.hpp"
+#include "breakaway/stability/twofold.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -38,29 +40,52 @@ double farthest(const VectorXcd& c) {
   return most;
 }
 
-// The machine as y' = A y + B lambda, with y = (q, q') in units in which every mass is 1 and springs, or dampers if
-// there are none, are of the size 1.
+using Twofold = twofold::Matrix;
+
+Twofold exactly(const MatrixXd& matrix) { return matrix.cast<DoubleDouble>(); }
+
+// Powers of two near these numbers, by which a product is not rounded.
+VectorXd powers_of_two(const VectorXd& numbers) {
+  return numbers.unaryExpr([](double x) { return std::exp2(std::round(std::log2(x))); });
+}
+
+// The machine as y' = A y + B lambda, with y = (q, q') in units in which every mass is about 1 and springs, or dampers
+// if there are none, are of the size 1. A mass matrix that is nearly singular magnifies every rounding, so that nothing
+// is rounded before it is inverted, in 31 digits.
 struct FirstOrder {
-  MatrixXd a, pushes;
-  VectorXd unit;  // (q, q') = unit y
+  extended::Matrix a;
+  MatrixXd pushes;
+  VectorXd unit;    // (q, q') = unit y
+  double rounding;  // of A, relative to its norm
 
   explicit FirstOrder(const LinearMachine<>& given) {
     LinearMachine<> machine = in_force_unit(given, force_unit(given.mass));
-    const VectorXd coordinate = mass_units(machine.mass);
+    const VectorXd coordinate = powers_of_two(mass_units(machine.mass));
     machine = in_units(machine, coordinate);
     const Index n = machine.coordinates();
-    const dense::Cholesky mass(machine.mass);
+    const Twofold inverse = twofold::inverse(exactly(machine.mass));
+    const auto over_mass = [&inverse](const MatrixXd& right) -> extended::Matrix {
+      return Twofold{inverse.lazyProduct(exactly(right))}.cast<long double>();
+    };
     const double springs = std::sqrt(machine.stiffness.norm()), dampers = machine.damping.norm();
-    const double rate_per_s = springs > 0 ? springs : dampers > 0 ? dampers : 1;
-    a = MatrixXd::Zero(2 * n, 2 * n);
+    const double rate_per_s = powers_of_two(VectorXd::Constant(1, springs > 0   ? springs
+                                                                  : dampers > 0 ? dampers
+                                                                                : 1))[0];
+    a = extended::Matrix::Zero(2 * n, 2 * n);
     a.topRightCorner(n, n).diagonal().setConstant(rate_per_s);
-    a.bottomLeftCorner(n, n) = -mass.solve(machine.stiffness) / rate_per_s;
-    a.bottomRightCorner(n, n) = -mass.solve(machine.damping);
+    a.bottomLeftCorner(n, n) = -over_mass(machine.stiffness) / rate_per_s;
+    a.bottomRightCorner(n, n) = -over_mass(machine.damping);
     pushes = MatrixXd::Zero(2 * n, machine.frictions());
-    pushes.bottomRows(n) = mass.solve(machine.directions * machine.friction_N.asDiagonal()) / rate_per_s;
+    pushes.bottomRows(n) =
+        over_mass(machine.directions).cast<double>() * (machine.friction_N / rate_per_s).asDiagonal();
     unit = VectorXd(2 * n);
     unit << coordinate, rate_per_s * coordinate;
+    const double condition = machine.mass.norm() * inverse.cast<double>().norm();
+    rounding = static_cast<double>(std::numeric_limits<long double>::epsilon()) + condition * digits_of_the_inverse;
   }
+
+ private:
+  static constexpr double digits_of_the_inverse = 0x1p-100;  // of the 106 bits some are lost in its sums
 };
 
 // The eigenvalues of A, their left eigenvectors, and how far rounding may have moved both: to first order an error of
@@ -68,14 +93,15 @@ struct FirstOrder {
 // e sum_j |w_j| |x_j| / |s_i - s_j|. Where eigenvectors are nearly parallel, both are as large as can be.
 class Modes {
  public:
-  explicit Modes(const MatrixXd& a) : eigen_{dense::general_eigen(a.transpose())} {
+  explicit Modes(const FirstOrder& first) {
+    const extended::GeneralEigen eigen = extended::general_eigen(first.a.transpose());
+    eigen_ = {eigen.values.cast<std::complex<double>>(), eigen.vectors.cast<std::complex<double>>()};
     const Index size = count();
     if (size == 0) return;  // none were found
     MatrixXd both(2 * size, 2 * size);
     both << eigen_.vectors.real(), -eigen_.vectors.imag(), eigen_.vectors.imag(), eigen_.vectors.real();
     const MatrixXd inverse = dense::inverse(both).topRows(size);
-    rounding_ =
-        64 * static_cast<double>(size) * static_cast<double>(std::numeric_limits<long double>::epsilon()) * a.norm();
+    rounding_ = 64 * static_cast<double>(size) * first.rounding * static_cast<double>(first.a.norm());
     condition_ = inverse.rowwise().norm();
   }
 
@@ -106,8 +132,8 @@ class Modes {
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system) {
   constexpr double slowest = 1e-12, vector_margin = 1e-12, level_margin = 1e-9;
   const FirstOrder first{system};
-  if (!first.a.allFinite() || !first.pushes.allFinite()) return {};
-  const Modes modes{first.a};
+  if (!first.a.cast<double>().allFinite() || !first.pushes.allFinite()) return {};
+  const Modes modes{first};
   std::vector<EscapeLevel> levels;
   for (Index i = 0; i < modes.count(); ++i) {
     const std::complex<double> s = modes.value(i);
@@ -118,6 +144,8 @@ std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system) {
     const VectorXcd raw = w.cwiseQuotient(first.unit.cast<std::complex<double>>());
     levels.push_back({raw.real(), raw.imag(), first.unit, s.real(), (1 + level_margin) * push / s.real()});
   }
+  std::stable_sort(levels.begin(), levels.end(),
+                   [](const EscapeLevel& a, const EscapeLevel& b) { return a.growth_rate > b.growth_rate; });
   return levels;
 }
 

@@ -59,5 +59,33 @@ TEST(Escape, OfAFallIsExact) {
   EXPECT_NEAR(levels[0].level / std::abs(levels[0].real[1]), (4.0 / 2) / 2, 2e-9);  // (f / m) / s
 }
 
+// Two masses that a third, far greater one nearly makes a single body: [1 1-e; 1-e 1] has the mass e against each
+// other, and 2 - e together. With springs and dampers that are as much smaller the mode against each other is that of
+// the example, whatever e is; all entries are exact for powers of two.
+TEST(Escape, OfAMassMatrixThatIsNearlySingularIsExactOrNotClaimed) {
+  const auto both = [](double together, double against) {
+    return Eigen::MatrixXd{{(together + against) / 2, (together - against) / 2},
+                           {(together - against) / 2, (together + against) / 2}};
+  };
+  int claimed = 0;
+  for (int bits = 0; bits <= 50; ++bits) {
+    const double e = std::ldexp(1.0, -bits);
+    LinearMachine<> s;
+    s.mass = both(2 - e, e);
+    s.damping = both(1, -e / 4);
+    s.stiffness = both(1, 3 * e);
+    s.directions = Eigen::MatrixXd::Identity(2, 2);
+    s.friction_N = Eigen::Vector2d{1, 2};
+    for (const EscapeLevel& mode : escape_levels(s)) {
+      ++claimed;
+      EXPECT_NEAR(mode.growth_rate, 0.125, 1e-10) << "e = 2^-" << bits;
+      const double gain = std::hypot(mode.real[2] - mode.real[3], mode.imaginary[2] - mode.imaginary[3]) / 2;
+      // z' = s z + ... + gain (lambda1 - lambda2) / e against each other, |lambda1 - lambda2| <= 3.
+      EXPECT_NEAR(mode.level / (gain * 3 / e / 0.125), 1, 1e-8) << "e = 2^-" << bits;
+    }
+  }
+  EXPECT_GT(claimed, 35) << "where it is nearly regular it is claimed";
+}
+
 }  // namespace
 }  // namespace escape_test
