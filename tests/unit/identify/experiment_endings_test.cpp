@@ -1,6 +1,9 @@
 // How an experiment ends on an axis that is not what it expects, and what it says then.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "../../unknown_axis.hpp"
 #include "../explained_enum.hpp"
 #include "breakaway/identify/experiment.hpp"
@@ -23,6 +26,7 @@ TEST(ExperimentEndings, SayWhatToDo) {
                              {E::no_room, {"check the limits of position"}},
                              {E::jammed, {"check brake and clutch", "more force"}},
                              {E::drifting, {"pulled by a load"}},
+                             {E::noisy, {"filter the noise", "damp what rings"}},
                              {E::not_a_number, {"check encoder and bus"}}});
 }
 
@@ -36,6 +40,32 @@ TEST(ExperimentEndings, ASecondBeforeItsTimeIsOverItBringsTheAxisToRest) {
   EXPECT_GE(periods, 199);
   EXPECT_LE(periods, 1200);
   EXPECT_EQ(experiment.update({0.0, 0.0, true}).force_N, 0);
+}
+
+// Whatever jumps further than the axis may move in its first rest, or never lets it seem to rest in a later one.
+TEST(ExperimentEndings, NameReadingsThatJumpToAndFro) {
+  std::mt19937_64 bits{3};
+  for (const double counts : {1.5, 3.0, 30.0}) {
+    std::normal_distribution<> noise{0, counts};
+    Experiment<double> experiment{told()};
+    int periods = 0;
+    while (!experiment.finished() && ++periods < 20'000) {
+      const double reading_m = std::round(noise(bits)) * told().encoder_resolution_m;
+      ASSERT_LE(std::abs(experiment.update({reading_m, 0.0, true}).force_N), told().max_force_N);
+    }
+    EXPECT_EQ(experiment.ending(), Ending::noisy) << counts << " counts: " << to_string(experiment.ending());
+    EXPECT_EQ(experiment.fault(), law::ControlFault::drifting) << "the loop takes the force off";
+  }
+}
+
+// An axis that is pulled away is not noisy, however fast it goes, also where its readings flicker by a count.
+TEST(ExperimentEndings, AnAxisThatIsPulledAwayDrifts) {
+  for (const double counts_a_period : {0.05, 0.3, 3.0, 300.0}) {
+    Experiment<double> experiment{told()};
+    for (int k = 0; k < 20'000 && !experiment.finished(); ++k)
+      experiment.update({(std::floor(k * counts_a_period) + k % 2) * told().encoder_resolution_m, 0.0, true});
+    EXPECT_EQ(experiment.ending(), Ending::drifting) << counts_a_period << ": " << to_string(experiment.ending());
+  }
 }
 
 TEST(ExperimentEndings, ThereIsNoRoomBelowTheTravelAsThereIsNoneAbove) {

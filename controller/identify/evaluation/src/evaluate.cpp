@@ -120,7 +120,7 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   if (broken.empty())
     throw InputError{
         "the record has no slow ramp of force that ends a rest, so that nothing tells the friction at rest: "
-        "record an experiment"};
+        "record an experiment, with readings that differ by no more than a count where the axis rests"};
   found.presliding_N_per_m = presliding_stiffness_N_per_m(record, broken, found.latency);
   std::vector<double> at_rest_N;
   at_rest_N.reserve(broken.size());

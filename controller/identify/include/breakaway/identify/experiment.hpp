@@ -66,6 +66,7 @@ class Experiment {
       case Ending::jammed:
         return law::ControlFault::jammed;
       case Ending::drifting:
+      case Ending::noisy:
         return law::ControlFault::drifting;
       case Ending::not_a_number:
         return law::ControlFault::not_a_number;
@@ -117,8 +118,8 @@ class Experiment {
     if (!take(z)) return 0;
     if (stage_ == Stage::over) return act();
     if (++periods_ >= in_periods(p_.duration_s - 1, 1)) end(Ending::out_of_time);
-    if (stage_ == Stage::rest && std::abs(watch_.position_m() - begin_m_) > counts_m(drift_counts))
-      end(Ending::drifting);
+    const bool moved = std::abs(watch_.position_m() - begin_m_) > counts_m(drift_counts);
+    if (stage_ == Stage::rest && moved && action_periods_ >= wait_periods_) end_restless();
     if (action_ != Action::halt && must_brake()) begin(Action::halt), interrupted_ = true;
     const Scalar force_N = act();
     return fault() == law::ControlFault::none ? force_N : Scalar{0};  // which acting on may have brought
@@ -192,6 +193,9 @@ class Experiment {
     begin(Action::halt);
   }
 
+  // It is not still though no force is given.
+  void end_restless() noexcept { end(watch_.jumps() ? Ending::noisy : Ending::drifting); }
+
   // Actions: each gives the force of a period, and says what comes next when it is over.
 
   void begin(Action action) noexcept {
@@ -204,6 +208,7 @@ class Experiment {
   void wait(std::uint32_t periods) noexcept {
     begin(Action::wait);
     wait_periods_ = periods;
+    watch_.expect_no_jump();
   }
   Scalar action_s() const noexcept { return static_cast<Scalar>(action_periods_) * p_.period_s; }
   Scalar moved_m() const noexcept { return std::abs(watch_.position_m() - start_m_); }
@@ -244,7 +249,7 @@ class Experiment {
     if (watch_.still_periods() >= wait_periods_ && action_periods_ >= wait_periods_)
       go_on();
     else if (action_s() > 10)
-      end(Ending::drifting);
+      end_restless();
     return 0;
   }
 

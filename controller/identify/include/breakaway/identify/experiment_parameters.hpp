@@ -39,6 +39,7 @@ enum class Ending : std::uint8_t {
   no_room,      // the axis began outside its travel, or the travel has less than a thousand counts
   jammed,       // the greatest force does not move the axis
   drifting,     // the axis moves without force
+  noisy,        // its readings jump to and fro without force
   not_a_number,
 };
 
@@ -78,6 +79,9 @@ constexpr std::string_view to_string(Ending ending) noexcept {
     case Ending::drifting:
       return "the axis moves without force: it is pulled by a load that exceeds its friction, which the experiment "
              "cannot hold";
+    case Ending::noisy:
+      return "readings jump to and fro by more than a count while no force is given, which hides whether the axis "
+             "rests: filter the noise of the encoder in the drive, or damp what rings";
     case Ending::not_a_number:
       return "a measurement is not a number: check encoder and bus";
   }

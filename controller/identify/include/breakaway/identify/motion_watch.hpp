@@ -21,8 +21,12 @@ class MotionWatch {
     readings_.fill(position_m);
     anchor_m_ = position_m;
     still_periods_ = 0;
+    jumps_ = false;
   }
   void sample(Scalar position_m) noexcept {
+    const Scalar step_m = position_m - this->position_m(), before_m = last_step_m(),
+                 jump_m = Scalar(1.5) * resolution_m_;
+    if ((step_m > jump_m && before_m < -jump_m) || (step_m < -jump_m && before_m > jump_m)) jumps_ = true;
     newest_ = (newest_ + 1) % readings_.size();
     readings_[newest_] = position_m;
     // A reading may jump by one count at rest.
@@ -53,6 +57,9 @@ class MotionWatch {
       if (direction * (reading_m - furthest_m) > 0) furthest_m = reading_m;
     return furthest_m;
   }
+  // In two periods, since begin() or expect_no_jump(), readings went one way by more than a count and back by as much.
+  bool jumps() const noexcept { return jumps_; }
+  void expect_no_jump() noexcept { jumps_ = false; }
   // For so long the axis has not left the count that it is on, or the next.
   std::uint32_t still_periods() const noexcept { return still_periods_; }
 
@@ -67,6 +74,7 @@ class MotionWatch {
   std::size_t newest_ = 0;
   Scalar anchor_m_{};
   std::uint32_t still_periods_ = 0;
+  bool jumps_ = false;
 };
 
 }  // namespace breakaway::identify
