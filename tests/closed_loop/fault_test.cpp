@@ -267,6 +267,27 @@ TEST(Fault, OfOneAxisStopsAllWhereTheNodeSaysSoAndTheyStartTogether) {
   }
 }
 
+// They leave their drives' PDOs one a period: until it is told so, none misses them, whatever its RPDO timeout.
+TEST(Fault, OfAllAxesIsResetInOnePeriod) {
+  for (const auto& [axes, period] : {std::pair{2U, 1ms}, {3U, 1ms}, {3U, 10ms}, {4U, 2ms}, {6U, 2ms}}) {
+    RigConfig config;
+    config.axes = axes;
+    config.period = period;
+    Rig rig{config};
+    ASSERT_TRUE(rig.start()) << axes;
+    rig.run(100ms);
+    for (std::size_t i = 0; i < axes; ++i) rig.loop().stop_with(rig.id(i), AxisFault::commander_lost, rig.now());
+    rig.run(1s);
+    for (std::size_t i = 0; i < axes; ++i) rig.loop().reset_fault(rig.id(i));
+    for (const hal::Time end = rig.now() + 6s; rig.now() < end;) {
+      rig.run(100ms);
+      for (std::size_t i = 0; i < axes; ++i)
+        ASSERT_EQ(rig.status(i).fault, AxisFault::none)
+            << axes << " axes, axis " << i << ": " << to_string(rig.status(i).fault);
+    }
+  }
+}
+
 TEST(Fault, SingleLostFramesDoNotStopTheAxisOrSpoilItsAccuracy) {
   RigConfig config;
   config.bus.loss_probability = 1e-3;

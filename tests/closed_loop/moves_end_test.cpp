@@ -107,6 +107,22 @@ TEST(MovesEnd, TogetherAnAxisWithAVeryShortWaySetsOffLater) {
   }
 }
 
+// Ways that do not reach the acceleration, whose jerk takes twenty or fifty periods to build it up.
+TEST(MovesEnd, TogetherWhereTheJerkTakesMostOfAWay) {
+  for (const double jerk_m_s3 : {400.0, 1000.0}) {
+    for (const double near_m : {0.0003, 0.001, 0.004, 0.02, 0.1}) {
+      std::string far = axis_text("far", 1, there_and_back(0.4), false),
+                  near = axis_text("near", 2, there_and_back(near_m), true);
+      near.replace(near.find("jerk_m_s3 = 2000"), 16, "jerk_m_s3 = " + std::to_string(jerk_m_s3));
+      const auto matched = axes("together", far + near);
+      for (const auto& [from_s, until_s] : {std::pair{0.5, 2.0}, {2.0, 3.5}}) {
+        const auto both = arrivals_s(matched, from_s, until_s, near_m);
+        EXPECT_NEAR(both[1], both[0], 0.1 * both[0]) << near_m << " m, " << jerk_m_s3 << " from " << from_s;
+      }
+    }
+  }
+}
+
 // What no law can do better than is 0.450 s, 0.460 s, 0.0447 s and 0.0558 s.
 TEST(Move, EndsWithinItsTimeOverTheBusUnderEveryFrictionLaw) {
   struct {
@@ -127,6 +143,27 @@ TEST(Move, EndsWithinItsTimeOverTheBusUnderEveryFrictionLaw) {
         EXPECT_LE(run.excursions.beyond_m, 0.5e-6) << run.law;
         EXPECT_TRUE(run.faults.empty()) << run.law;
       }
+    }
+  }
+}
+
+// A target that moves too near for the axis to stop sends it past, and back at the speed of any other approach.
+TEST(Approach, WhoseTargetMovesBackWhileItIsInMotionComesBackAsFastAsItMay) {
+  for (const double back_s : {1.45, 1.5, 1.55}) {
+    for (const double back_m : {0.44, 0.45, 0.46}) {
+      const auto s = scenario::parse_scenario(
+          "[plant]\nmass_kg = 200\n[friction]\nlower_N = 20\nupper_N = 30\nlaw = { kind = \"constant\", value = 0.5 }\n"
+          "[controller]\nk1_N_per_m = 8000\nk21_Ns_per_m = 2000\nk22_Ns_per_m = 4000\ncoast = \"brake\"\n"
+          "max_force_N = 200\nmax_approach_speed_m_s = 5\nposition_tolerance_m = 3e-6\n"
+          "targets = [{ time_s = 0.5, position_m = 0.6 }, { time_s = " +
+              std::to_string(back_s) + ", position_m = " + std::to_string(back_m) +
+              " }]\n[loop]\nperiod_s = 0.001\n[drive]\nrated_torque_Nm = 1\nmax_torque_per_mille = 2000\n"
+              "force_per_torque_N_per_Nm = 100\nencoder_resolution_m = 1e-6\ncurrent_loop_time_constant_s = 1e-4\n"
+              "[bus]\nbit_rate = 1_000_000\n[run]\nduration_s = 8\nsettle_tolerance_m = 4e-6\nsettle_time_s = 0.2\n",
+          "turned.toml");
+      const auto result = sil::run_loop_scenario(s, {});
+      EXPECT_TRUE(result.axes[0].settled) << back_s << " s, " << back_m << " m";
+      EXPECT_LE(result.axes[0].settling_time_s, 5) << back_s << " s, " << back_m << " m";
     }
   }
 }

@@ -364,15 +364,41 @@ double hand_over_m(const BrakedDesign<Real>& design) {
   return static_cast<double>(approach.switch_distance_m + approach.short_of_target_m);
 }
 
+namespace {
+
+// An axis that is to brake from the speed v by a_h, and goes on by a for tau since samples are lost, is taken back by a
+// deceleration of up to d. It goes further by (v + a tau)^2 / (2 d) - v^2 / (2 a_h) + v tau + a tau^2 / 2, which is
+// greatest at some v.
 template <class Real>
-double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) {
+double lost_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double fastest_m_s) {
+  const KickClass kicks{axes};
+  const PlannedForce force{axes, kicks};
+  const bool moves = plan.move.are_asked_for();
+  const double lost_s = detail::lost_in_a_row * axes.period_s, braking = static_cast<double>(plan.hard_m_s2);
+  const double most_N = kicks.limit_N();
+  const double sure = moves ? force.sure_deceleration(planned_deceleration_m_s2(axes, kicks))
+                            : (force.gain_least * most_N + force.least_N) / force.heaviest_kg;
+  const double given = (force.gain_most * most_N - force.least_N) / force.lightest_kg;
+  const double speeding = moves ? std::min(given, axes.move->acceleration_m_s2) : given;
+  const double late_s = lost_s * (1 + speeding / sure), taken_back = std::max(1 / braking - 1 / sure, 0.0) / 2;
+  const double v = std::min(fastest_m_s, late_s / (2 * taken_back));
+  return v * (late_s - v * taken_back) + speeding * lost_s * late_s / 2;
+}
+
+}  // namespace
+
+template <class Real>
+double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
   // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter.
   constexpr double late = 3, late_by_jitter = 16, late_by_jerk = 2;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
   const double T = axes.period_s, old_s = axes.latency_periods * T + static_cast<double>(plan.response_s);
   const double in_a_period_m = static_cast<double>(plan.hard_m_s2) * T * old_s;
-  const double beyond_m =
-      detail::hand_overs_beyond * hand_over_m(design) + (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m;
+  const double fastest_m_s =
+      plan.move.are_asked_for() ? std::min(max_speed_m_s, static_cast<double>(plan.move.speed_m_s)) : max_speed_m_s;
+  const double beyond_m = detail::hand_overs_beyond * hand_over_m(design) +
+                          (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m +
+                          lost_beyond_m(axes, plan, fastest_m_s);
   if (!axes.move) return beyond_m;
   const double in_move_m = axes.move->acceleration_m_s2 * T * T;
   if (!axes.move->jerk_m_s3) return beyond_m + in_move_m;
@@ -419,8 +445,8 @@ template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<
 template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<double>&);
 template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
-template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
-template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
+template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&, double);
+template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&, double);
 template double bent_beyond_m(const BrakedClass&, const BrakedDesign<float>&);
 template double bent_beyond_m(const BrakedClass&, const BrakedDesign<double>&);
 template double kicks_begin_m(const BrakedDesign<float>&);

@@ -8,6 +8,9 @@ namespace breakaway::design::detail {
 // So many times as far away as the brake takes over may an approach end, and a move go beyond its target: tested.
 constexpr double hand_overs_beyond = 10;
 
+// Samples, as in a long approach happens now and then.
+constexpr double lost_in_a_row = 2;
+
 inline double middle(const Interval& interval) { return (interval.least + interval.most) / 2; }
 
 // How far what is told may be off, relative, either way.
@@ -56,7 +59,6 @@ struct PlannedForce {
 // and two samples that are lost in a row, as in a long approach happens now and then.
 template <class Real>
 double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
-  constexpr double lost_in_a_row = 2;
   const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
   const double unseen_s = axes.period_s * (1 / correction - 0.5 + axes.latency_periods);
   const double misread_m_s = correction * unseen_m(axes) / axes.period_s, lost_s = lost_in_a_row * axes.period_s;

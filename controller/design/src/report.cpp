@@ -224,7 +224,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .rest_s = design.kicks.still_periods * c.period_s,
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,
-                  .approach_beyond_m = approach_beyond_m(c, design),
+                  .approach_beyond_m = approach_beyond_m(c, design, axis.max_approach_speed_m_s),
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .longest_way_m = axis.longest_way_m,
                   .approach_s = longest_approach_s(axis, design),

@@ -38,6 +38,7 @@ bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
   if (nmt_command_) {
     frame = canopen::nmt_frame(*nmt_command_, node_id_);
     nmt_command_.reset();
+    leaves_ = false;
     return true;
   }
   return sdo_.next_frame(frame, now);
@@ -336,7 +337,9 @@ void DriveNode::enter_held(hal::Time now) noexcept {
   nmt_command_ = NmtCommand::enter_pre_operational;
 }
 
+// Of several drives one a period is told. One that heard no PDO until then would miss it.
 void DriveNode::set_up_anew(hal::Time now) noexcept {
+  leaves_ = operational();
   drop_transfer();
   nmt_command_.reset();
   enter(SetupPhase::waiting, now);

@@ -36,7 +36,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   nmt_command_.reset();
   error_code_wanted_ = false;
   error_code_ = 0;
-  restarts_ = false;
+  restarts_ = leaves_ = false;
   position_factor_ = {};
   step_ = 0;
   fixed_mapping_ = 0;

@@ -172,6 +172,44 @@ TEST(SupervisorEdges, AnAxisThatHeldHasAMinuteHoweverLongItHeld) {
   EXPECT_EQ(at(20ms, 0.9e-3F, true), AxisFault::target_not_reached);
 }
 
+// What ran long ago, or nothing since the clock began, says nothing of the minute; nor does a lost sample.
+TEST(SupervisorEdges, AnAxisThatWasOffHasAMinuteFromItsFirstSampleOn) {
+  for (const hal::Duration off : {59s, 61s, 1000s}) {
+    Watched axis{no_limits()};
+    axis.now += off;
+    axis.supervisor.begin_motion(1e-3F);
+    axis.supervisor.begin_commands();
+    Feedback lost = axis.sample();
+    lost.fresh = false;
+    lost.position_offset_m = 1e-3F;
+    EXPECT_EQ(axis.see(lost, {.on_its_way = true}), AxisFault::none) << off.count();
+    Feedback first = axis.sample();
+    first.position_offset_m = 1e-3F;
+    EXPECT_EQ(axis.see(first, {.on_its_way = true}), AxisFault::none) << off.count();
+    EXPECT_EQ(axis.see(lost, {.on_its_way = true}), AxisFault::none) << off.count();
+  }
+}
+
+// The weight is borne by a holding brake while the axis is off, and by the feedforward once it runs.
+TEST(SupervisorEdges, WhatAForceBesideTheDriveDidWhileTheAxisWasOffIsNotMissed) {
+  const AxisModel<float> model{.mass_kg = 200, .breakaway_N = 31, .feedforward_N = 60, .encoder_resolution_m = 1e-5F};
+  for (const hal::Duration off : {300ms, 100'000ms}) {
+    Watched axis{no_limits(), model};
+    const auto at_rest_under = [&](float force_N) {
+      axis.supervisor.command(force_N);
+      Feedback f = axis.sample();
+      f.force_N = force_N;
+      return axis.see(f);
+    };
+    for (int k = 0; k < 50; ++k) ASSERT_EQ(at_rest_under(60), AxisFault::none) << k;
+    axis.now += off;
+    axis.supervisor.begin_motion(0);
+    axis.supervisor.begin_commands();
+    EXPECT_EQ(at_rest_under(0), AxisFault::none);
+    for (int k = 0; k < 9; ++k) EXPECT_EQ(at_rest_under(25), AxisFault::none) << k << " after " << off.count();
+  }
+}
+
 TEST(SupervisorEdges, TellsTheCodeThatBelongsToTheFault) {
   Watched axis{no_limits()};
   EXPECT_EQ(axis.supervisor.fault_code(), 0);

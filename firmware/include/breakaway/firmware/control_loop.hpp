@@ -267,7 +267,7 @@ class ControlLoop {
     return node_id == config_.network.node_id;
   }
 
-  void move_target(Axis& a, std::int32_t counts) noexcept {
+  [[gnu::cold]] void move_target(Axis& a, std::int32_t counts) noexcept {
     // The drive's offsets are modulo 2^32 counts, and so is this.
     const auto shift =
         static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(a.target_counts));
@@ -287,7 +287,7 @@ class ControlLoop {
   }
 
   // Those that set off as fast as the slowest of them lets them.
-  [[gnu::noinline]] void end_together() noexcept {
+  [[gnu::noinline, gnu::cold]] void end_together() noexcept {
     Scalar longest_s = 0;
     for (std::size_t i = 0; i < count_; ++i) longest_s = std::max(longest_s, move_time_s(*axes_[i]));
     for (std::size_t i = 0; i < count_; ++i) {

@@ -82,7 +82,7 @@ constexpr void visit_coordinator(Coordinator& coordinator, Visitor& visit) {
 // As of a FlashedNode.
 template <class Machine, class Visitor>
 requires requires(Machine& machine) { machine.coordinator; }
-constexpr void visit_numbers(Machine& machine, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_numbers(Machine& machine, Visitor& visit) {
   visit.group("loop", [&] { internal::visit_loop(machine.loop, visit); });
   visit.group("wiring", [&] { internal::visit_wiring(machine.wiring, visit); });
   visit.value("count", machine.count, "");
@@ -96,7 +96,7 @@ constexpr void visit_numbers(Machine& machine, Visitor& visit) {
 }
 
 template <class Scalar, std::size_t Axes>
-constexpr std::uint32_t checksum_of(const FlashedMachine<Scalar, Axes>& machine) noexcept {
+[[gnu::cold]] constexpr std::uint32_t checksum_of(const FlashedMachine<Scalar, Axes>& machine) noexcept {
   internal::ChecksumVisitor visit;
   visit_numbers(machine, visit);
   return visit.crc.value();

@@ -107,7 +107,7 @@ struct ChecksumVisitor {
 // Counts every number of the node but the checksum itself. Of the axes it counts those that are there, because how many
 // more there is room for says nothing about the node.
 template <class Scalar, std::size_t Axes, class Kicks>
-constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
+[[gnu::cold]] constexpr std::uint32_t checksum_of(const FlashedNode<Scalar, Axes, Kicks>& node) noexcept {
   internal::ChecksumVisitor visit;
   visit_numbers(node, visit);
   return visit.crc.value();

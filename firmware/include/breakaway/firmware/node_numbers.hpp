@@ -222,7 +222,7 @@ constexpr void visit_wiring(Wires& wiring, Visitor& visit) {
 // in the tests. `visit` has value(name, value, unit) for a number, group(name, body) for a struct, list(name, items,
 // body) for an array of structs and row(name, items) for one of numbers. Node: a FlashedNode, or a const one.
 template <class Node, class Visitor>
-constexpr void visit_numbers(Node& node, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_numbers(Node& node, Visitor& visit) {
   visit.group("loop", [&] { internal::visit_loop(node.loop, visit); });
   visit.group("wiring", [&] { internal::visit_wiring(node.wiring, visit); });
   visit.value("count", node.count, "");

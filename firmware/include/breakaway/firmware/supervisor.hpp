@@ -198,6 +198,7 @@ class Supervisor {
   // The axis was just enabled at this position, and nothing was commanded yet. One that stands beyond a limit of
   // position may come back from there, and go no further out.
   void begin_commands(Scalar position_m = 0) noexcept {
+    has_previous_ = false;  // what it did while it was off says nothing of its forces
     commanded_.restart();
     motion_.restart();
     external_.restart();
@@ -259,7 +260,6 @@ class Supervisor {
   void reset() noexcept {
     fault_ = AxisFault::none;
     fault_code_ = 0;
-    has_previous_ = false;
     begin_commands();
     allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   }
@@ -279,7 +279,8 @@ class Supervisor {
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
     if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
-    if (health.on_its_way && now - progress_time_ > progress_timeout) return AxisFault::target_not_reached;
+    const bool seen_on_its_way = health.on_its_way && least_error_m_ < AxisLimits<Scalar>::unlimited;
+    if (seen_on_its_way && now - progress_time_ > progress_timeout) return AxisFault::target_not_reached;
     if (f.fresh) return measured_violation(f, health);
     return AxisFault::none;
   }

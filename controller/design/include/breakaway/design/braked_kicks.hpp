@@ -117,9 +117,10 @@ Interval jerk_m_s3(const BrakedClass& axes);                                  //
 constexpr double most_lag_with_jerk = 0.5;                                    // of the period
 constexpr double most_unknown_with_jerk = 0.1;                                // of mass and force gain together
 
-// So far may an approach go beyond its target before brake and kicks take over: tested, not proved.
+// So far may an approach go beyond its target before brake and kicks take over, where it goes no faster than this, also
+// where samples are lost as it is to begin to brake: tested, not proved.
 template <class Real>
-double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design);
+double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
 
 // So far may a kick go beyond its target where friction bends before it slides; 0 where it holds at once. Friction that
 // has not bent yet leaves the axis some energy, which the pulse and the coast make a way of: tested, not proved.

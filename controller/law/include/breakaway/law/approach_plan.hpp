@@ -83,6 +83,7 @@ class ApproachPlan {
   }
   // The approach that has begun finds the axis in motion.
   void set_off_at_once() noexcept { in_motion_ = true; }
+  bool began_in_motion() const noexcept { return in_motion_; }
   bool waits() const noexcept { return waiting_periods_ > 0; }
   // A period of that, in the place of see().
   void wait() noexcept { --waiting_periods_; }

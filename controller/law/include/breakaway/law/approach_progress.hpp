@@ -24,6 +24,9 @@ class ApproachProgress {
     last_side_ = 0;
   }
 
+  // The target moved on.
+  void shift_origin(Scalar shift_m) noexcept { mark_m_ -= shift_m; }
+
   // To be called once a period of an approach, with the newest position error.
   bool hardly_gets_on(Scalar x, const BrakedKicks<Scalar>& kicks, Scalar max_speed_m_s, Scalar period_s) noexcept {
     if (periods_ == 0) mark_m_ = x;

@@ -77,16 +77,16 @@ class AxisController {
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
     const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && goes_on_when_moved();
-    const bool kicked = mode_ == Mode::kick || mode_ == Mode::coast;
+    const bool rests = mode_ == Mode::hold;
     if (!goes_on) {
       restart();
-      if (kicked) plan_.set_off_at_once();
+      if (!rests) plan_.set_off_at_once();
       return;
     }
     judge_.forget();
     fine_.restart();
     cycle_.restart();
-    progress_.restart();
+    progress_.shift_origin(shift_m);
     plan_.retarget(shift_m);
   }
 
@@ -322,9 +322,11 @@ class AxisController {
       return give(0);
     }
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
-    // A slow approach leads nearer on an axis that a fast one drives to and fro.
+    // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
+    // moved may have passed it only.
+    const bool slowly = !plan_.began_in_motion();
     start_approach();
-    plan_.go_slowly();
+    if (slowly) plan_.go_slowly();
     return give(0);
   }
 

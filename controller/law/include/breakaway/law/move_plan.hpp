@@ -34,18 +34,22 @@ struct MoveLimits {
     return std::clamp(acceleration, away ? -acceleration_m_s2 : -deceleration_m_s2,
                       away ? deceleration_m_s2 : acceleration_m_s2);
   }
-  // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it; with a limit
-  // of jerk that is a little too long where it does not reach the acceleration. Requires are_asked_for().
+  // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it. Requires
+  // are_asked_for().
   [[gnu::cold]] Scalar time_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
-    const Scalar per_speed = s_per_m_s(), rise = rise_s();
-    const Scalar highest_m_s = (std::sqrt(rise * rise + 4 * per_speed * distance_m) - rise) / (2 * per_speed);
-    const Scalar v = std::min(fastest_m_s, highest_m_s);
-    return v > 0 ? distance_m / v + per_speed * v + rise : Scalar{0};
+    // Where the ramps take up all of the way, v r(v) = d. Without a limit of jerk r is in proportion to v, with one to
+    // its root: the mean of v and d / r(v) is exact in the one case, and in the other a quarter of what v is off.
+    if (!(distance_m > 0)) return 0;
+    Scalar v = fastest_m_s;
+    for (int step = 0; step < most_steps; ++step) v = std::min(fastest_m_s, std::sqrt(v * (distance_m / ramps_s(v))));
+    return distance_m / v + ramps_s(v);
   }
-  // The speed with which it takes this long.
+  // The speed with which it takes this long, a hundredth off at most; the limit where it cannot, or more than that.
+  // From below, as the ramps take the longer the faster it goes.
   [[gnu::cold]] Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
-    const Scalar left_s = time_s - rise_s(), under_root = left_s * left_s - 4 * s_per_m_s() * distance_m;
-    return under_root > 0 && left_s > 0 ? 2 * distance_m / (left_s + std::sqrt(under_root)) : speed_m_s;
+    Scalar left_s = time_s;
+    for (int step = 0; step < most_steps && left_s > 0; ++step) left_s = time_s - ramps_s(distance_m / left_s);
+    return left_s > 0 ? distance_m / left_s : speed_m_s;
   }
 
   constexpr bool are_asked_for() const noexcept { return acceleration_m_s2 > 0; }
@@ -56,10 +60,15 @@ struct MoveLimits {
   }
 
  private:
-  // To speed up and to brake takes v times the one, and a limit of jerk adds the other.
-  constexpr Scalar s_per_m_s() const noexcept { return (1 / acceleration_m_s2 + 1 / deceleration_m_s2) / 2; }
-  constexpr Scalar rise_s() const noexcept {
-    return jerk_m_s3 > 0 ? (acceleration_m_s2 + deceleration_m_s2) / (2 * jerk_m_s3) : Scalar{0};
+  static constexpr int most_steps = 12;
+
+  // Half of the time that it takes to speed up to v and to brake again.
+  [[gnu::cold, gnu::noinline]] Scalar ramps_s(Scalar v) const noexcept {
+    return (ramp_s(v, acceleration_m_s2) + ramp_s(v, deceleration_m_s2)) / 2;
+  }
+  [[gnu::cold, gnu::noinline]] Scalar ramp_s(Scalar v, Scalar acceleration) const noexcept {
+    const Scalar rise_s = jerk_m_s3 > 0 ? acceleration / jerk_m_s3 : Scalar{0};
+    return v < acceleration * rise_s ? 2 * std::sqrt(v / jerk_m_s3) : v / acceleration + rise_s;
   }
 };
 

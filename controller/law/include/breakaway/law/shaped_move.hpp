@@ -43,6 +43,7 @@ class ShapedMove {
   Scalar move_time_s(Scalar /*distance_m*/) const noexcept { return 0; }
   void take(Scalar /*time_s*/, Scalar /*distance_m*/) noexcept {}
   void set_off_at_once() noexcept {}
+  bool began_in_motion() const noexcept { return false; }
   bool waits() const noexcept { return false; }
   void wait() noexcept {}
   void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }

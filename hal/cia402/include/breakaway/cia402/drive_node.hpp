@@ -150,8 +150,9 @@ class DriveNode {
     return phase_ == SetupPhase::verifying_mode || ready() ||
            (forcing_stop() && forced_while_operational_ && forced_stop_.means() == ForcedStop::Means::controlword);
   }
-  // It was operational, said that it no longer is or that it booted, and may still be where it was.
+  // It was operational, and said that it no longer is or that it booted, which may be wrong, or is still to be told.
   bool restarts() const noexcept {
+    if (phase_ == SetupPhase::waiting) return leaves_;
     return restarts_ && (phase_ == SetupPhase::starting || phase_ == SetupPhase::configuring);
   }
   // Returns the statusword that was read by SDO since the last call, if one was.
@@ -265,6 +266,7 @@ class DriveNode {
   bool is_slow_ = false;             // it answered with more patience than it has at first
   bool transfer_running_ = false;
   bool looks_at_torque_ = false;            // in the running look
+  bool leaves_ = false;                     // in `waiting`: it was operational, and was not told yet
   bool restarts_ = false;                   // in `configuring` and `starting`: it was operational
   bool recalls_ = false;                    // it has of its set-up what a boot would take
   bool quiet_state_ = false;                // by the look at its statusword
