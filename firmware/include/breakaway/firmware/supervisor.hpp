@@ -176,6 +176,8 @@ class Supervisor {
  public:
   // No lawful motion takes so long to come nearer to its target.
   static constexpr hal::Duration progress_timeout = std::chrono::seconds{60};
+  // An axis that holds for so many samples holds for long.
+  static constexpr std::uint16_t long_rest = 1000;
   // While a drive finds its zero, so many samples in a row that are too fast are no jump to it.
   static constexpr int homing_jump_samples = 3;
 
@@ -192,7 +194,7 @@ class Supervisor {
   // The drive was just enabled, or the target just moved: the error may be this large from now on.
   void begin_motion(Scalar position_error_m) noexcept {
     allowed_error_m_ = std::abs(position_error_m) + limits_.following_error_m;
-    least_error_m_ = AxisLimits<Scalar>::unlimited;
+    rested_samples_ = long_rest;
   }
 
   // The axis was just enabled at this position, and nothing was commanded yet. One that stands beyond a limit of
@@ -279,8 +281,8 @@ class Supervisor {
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
     if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
-    const bool seen_on_its_way = health.on_its_way && least_error_m_ < AxisLimits<Scalar>::unlimited;
-    if (seen_on_its_way && now - progress_time_ > progress_timeout) return AxisFault::target_not_reached;
+    if (health.on_its_way && rested_samples_ == 0 && now - progress_time_ > progress_timeout)
+      return AxisFault::target_not_reached;
     if (f.fresh) return measured_violation(f, health);
     return AxisFault::none;
   }
@@ -365,11 +367,18 @@ class Supervisor {
     return has_previous_ ? static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick : Scalar{0};
   }
 
-  // An axis that holds, or waits before it sets off, has all its time before it, however long it has been there.
+  // An axis that held, or waited before it set off, has all its time before it. One that noise leads in and out of its
+  // hold again and again did not hold.
   void note_progress(Scalar error_m, bool on_its_way, hal::Time now) noexcept {
-    if (on_its_way && !(error_m < least_error_m_)) return;
-    least_error_m_ = on_its_way ? error_m : AxisLimits<Scalar>::unlimited;
-    progress_time_ = now;
+    if (!on_its_way) {
+      if (rested_samples_ < long_rest) ++rested_samples_;
+      return;
+    }
+    if (rested_samples_ == long_rest || error_m < least_error_m_) {
+      least_error_m_ = error_m;
+      progress_time_ = now;
+    }
+    rested_samples_ = 0;
   }
 
   void remember(const Feedback& f) noexcept {
@@ -386,9 +395,10 @@ class Supervisor {
   MotionWithoutForce<Scalar> external_;
   Scalar feedforward_N_;
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
-  Scalar least_error_m_ = AxisLimits<Scalar>::unlimited;  // since the last target change
+  Scalar least_error_m_{};  // since the target moved or the axis held for long
   Scalar lowest_m_ = limits_.position_min_m, highest_m_ = limits_.position_max_m;
   hal::Time progress_time_{};
+  std::uint16_t rested_samples_ = long_rest;  // since it was on its way; as if for long where that begins anew
   hal::Time previous_time_{};
   hal::Time fault_time_{};
   std::uint16_t fault_code_ = 0;
