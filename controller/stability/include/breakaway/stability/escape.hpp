@@ -26,8 +26,8 @@ struct EscapeLevel {
 // Returns the levels of the modes that grow, the fastest first, by more than 1e-12 of their frequency and by more than
 // rounding can tell from standing still, whatever units the machine is written in; none for a stable machine. The proof
 // is in exact arithmetic; levels carry a margin of 1e-9 for the rounding of s and of 1e-12 for that of w. A mode that
-// rounding leaves less certain, next to a defective eigenvalue or of a mass matrix that is singular to 25 digits, has no
-// level.
+// rounding leaves less certain, next to a defective eigenvalue or of a mass matrix that is singular to 25 digits, has
+// no level.
 std::vector<EscapeLevel> escape_levels(const LinearMachine<>& system);
 
 }  // namespace breakaway::stability
