@@ -12,7 +12,7 @@
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/shell_word.hpp"
-#include "surroundings.hpp"
+#include "outside_class.hpp"
 
 namespace breakaway::config {
 namespace {

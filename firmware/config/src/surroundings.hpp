@@ -1,9 +1,7 @@
 // What a file says of the world, as the certificate of a node must know it.
 #pragma once
 
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "breakaway/config/node.hpp"
 #include "breakaway/config/toml_section.hpp"
@@ -15,9 +13,5 @@ void look_at(const Section& section, std::string_view table, Surroundings& to);
 
 // Looks at the tables beside the axes, which must have been read; what is outside goes to every axis.
 void look_at_root(const Section& root, Node& node);
-
-// What the file says that is outside the class of axes that a certificate of this one would be of, each in a sentence
-// with its remedy. Empty: nothing.
-std::vector<std::string> outside_class(const Node& node, const Axis& axis);
 
 }  // namespace breakaway::config
