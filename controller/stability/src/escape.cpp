@@ -44,10 +44,8 @@ using Twofold = twofold::Matrix;
 
 Twofold exactly(const MatrixXd& matrix) { return matrix.cast<DoubleDouble>(); }
 
-// Powers of two near these numbers, by which a product is not rounded.
-VectorXd powers_of_two(const VectorXd& numbers) {
-  return numbers.unaryExpr([](double x) { return std::exp2(std::round(std::log2(x))); });
-}
+// A power of two near a number, by which a product is not rounded.
+double power_of_two(double x) { return std::exp2(std::round(std::log2(x))); }
 
 // The machine as y' = A y + B lambda, with y = (q, q') in units in which every mass is about 1 and springs, or dampers
 // if there are none, are of the size 1. A mass matrix that is nearly singular magnifies every rounding, so that nothing
@@ -60,7 +58,7 @@ struct FirstOrder {
 
   explicit FirstOrder(const LinearMachine<>& given) {
     LinearMachine<> machine = in_force_unit(given, force_unit(given.mass));
-    const VectorXd coordinate = powers_of_two(mass_units(machine.mass));
+    const VectorXd coordinate = mass_units(machine.mass).unaryExpr(&power_of_two);
     machine = in_units(machine, coordinate);
     const Index n = machine.coordinates();
     const Twofold inverse = twofold::inverse(exactly(machine.mass));
@@ -68,9 +66,7 @@ struct FirstOrder {
       return Twofold{inverse.lazyProduct(exactly(right))}.cast<long double>();
     };
     const double springs = std::sqrt(machine.stiffness.norm()), dampers = machine.damping.norm();
-    const double rate_per_s = powers_of_two(VectorXd::Constant(1, springs > 0   ? springs
-                                                                  : dampers > 0 ? dampers
-                                                                                : 1))[0];
+    const double rate_per_s = springs > 0 ? power_of_two(springs) : dampers > 0 ? power_of_two(dampers) : 1;
     a = extended::Matrix::Zero(2 * n, 2 * n);
     a.topRightCorner(n, n).diagonal().setConstant(rate_per_s);
     a.bottomLeftCorner(n, n) = -over_mass(machine.stiffness) / rate_per_s;
