@@ -79,10 +79,10 @@ TEST(MoveLimits, TellTheTimeOfTheDoubleSAndTheSpeedThatTakesIt) {
     const MoveLimits<double> limits{v, a, a, j};
     const double time_s = limits.time_s(d, v);
     const double least_s = design::least_move_s({d, v, a, j > 0 ? std::optional{j} : std::nullopt});
-    EXPECT_NEAR(time_s, least_s, 1e-6 * least_s) << run;
+    EXPECT_NEAR(time_s, least_s, 1e-9 * least_s) << run;
     const double longer_s = time_s * (1.001 + share(random)), slower = limits.speed_for_m_s(d, longer_s);
     EXPECT_LT(slower, v);
-    EXPECT_NEAR(limits.time_s(d, slower), longer_s, 1e-2 * longer_s) << run << ": a tenth is asked for";
+    EXPECT_NEAR(limits.time_s(d, slower), longer_s, 1e-9 * longer_s) << run;
   }
 }
 

@@ -50,7 +50,7 @@ class ApproachPlan {
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
 
   // The drive gives this share of the force that the plan was made for: far away it brakes as much less.
-  void limit_force(Scalar share) noexcept {
+  [[gnu::cold]] void limit_force(Scalar share) noexcept {
     hard_m_s2_ *= std::max(share, Scalar(1e-3));
     move_ = move_plan();
     go_at_most(max_speed_m_s_);
@@ -88,7 +88,7 @@ class ApproachPlan {
   // A period of that, in the place of see().
   void wait() noexcept { --waiting_periods_; }
   // The target of a move went on by this much: it goes on from where it is, as it moves.
-  void retarget(Scalar shift_m) noexcept {
+  [[gnu::cold]] void retarget(Scalar shift_m) noexcept {
     previous_m_ -= shift_m;
     waiting_periods_ = 0;
     turns_ = 0;

@@ -408,7 +408,7 @@ class AxisController {
   // What is read exactly shows the least motion, and the ideal law is proved to reach its target.
   ControlFault judge_unless_exact(Scalar x) noexcept { return p_.exact() ? ControlFault::none : judge_.judge(p_, x); }
 
-  void restart() noexcept {
+  [[gnu::cold]] void restart() noexcept {
     judge_.forget();
     fine_.restart();
     start_approach();

@@ -37,19 +37,19 @@ struct MoveLimits {
   // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it. Requires
   // are_asked_for().
   [[gnu::cold]] Scalar time_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
-    // Where the ramps take up all of the way, v r(v) = d. Without a limit of jerk r is in proportion to v, with one to
-    // its root: the mean of v and d / r(v) is exact in the one case, and in the other a quarter of what v is off.
-    if (!(distance_m > 0)) return 0;
-    Scalar v = fastest_m_s;
-    for (int step = 0; step < most_steps; ++step) v = std::min(fastest_m_s, std::sqrt(v * (distance_m / ramps_s(v))));
-    return distance_m / v + ramps_s(v);
+    const Scalar v = highest_m_s(distance_m, fastest_m_s);
+    return v > 0 ? distance_m / v + ramps_s(v) : Scalar{0};
   }
-  // The speed with which it takes this long, a hundredth off at most; the limit where it cannot, or more than that.
-  // From below, as the ramps take the longer the faster it goes.
+  // The speed with which it takes this long, or the limit where it cannot. Up to the highest that there is the time
+  // falls.
   [[gnu::cold]] Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
-    Scalar left_s = time_s;
-    for (int step = 0; step < most_steps && left_s > 0; ++step) left_s = time_s - ramps_s(distance_m / left_s);
-    return left_s > 0 ? distance_m / left_s : speed_m_s;
+    const Scalar highest = highest_m_s(distance_m, speed_m_s);
+    Scalar low = 0, high = highest;
+    for (int halving = 0; halving < halvings; ++halving) {
+      const Scalar v = (low + high) / 2;
+      (distance_m / v + ramps_s(v) > time_s ? low : high) = v;
+    }
+    return high < highest ? high : speed_m_s;
   }
 
   constexpr bool are_asked_for() const noexcept { return acceleration_m_s2 > 0; }
@@ -60,8 +60,16 @@ struct MoveLimits {
   }
 
  private:
-  static constexpr int most_steps = 12;
+  static constexpr int halvings = 32, roots = 16;  // which leave less than 1e-9 of a speed
 
+  // Where the ramps take up all of the way, v r(v) = d, or the fastest. r grows between the root of v and v itself, so
+  // that the geometric mean of v and d / r(v) is off by a quarter of what v is at most.
+  [[gnu::cold, gnu::noinline]] Scalar highest_m_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
+    if (!(distance_m > 0)) return 0;
+    Scalar v = fastest_m_s;
+    for (int root = 0; root < roots; ++root) v = std::min(fastest_m_s, std::sqrt(v * (distance_m / ramps_s(v))));
+    return v;
+  }
   // Half of the time that it takes to speed up to v and to brake again.
   [[gnu::cold, gnu::noinline]] Scalar ramps_s(Scalar v) const noexcept {
     return (ramp_s(v, acceleration_m_s2) + ramp_s(v, deceleration_m_s2)) / 2;
