@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <type_traits>
 
 #include "breakaway/hal/clock.hpp"
@@ -65,6 +68,20 @@ TEST(Time, SecondsAreThoseOfTheNanoseconds) {
   for (const std::int64_t count : {0LL, 1LL, -1LL, 999'999'999LL, 86'400'000'000'000LL}) {
     EXPECT_DOUBLE_EQ(seconds(Duration{count}), static_cast<double>(count) * 1e-9);
     EXPECT_EQ(seconds(Time{Duration{count}}), seconds(Duration{count}));
+  }
+}
+
+// What a conversion of all 64 bits gives, by one rounding at most; exactly that where they fit into the mantissa or are
+// less than two seconds, as periods are.
+TEST(SecondsAs, AgreesWithAConversionOfAllBits) {
+  for (const std::int64_t ns : {0LL, 1LL, -1LL, 1'000'000LL, -1'000'001LL, 2'147'483'647LL, 2'147'483'648LL,
+                                -2'147'483'648LL, -2'147'483'649LL, 86'400'000'000'001LL, -315'360'000'000'000'007LL}) {
+    const Duration duration{ns};
+    EXPECT_EQ(breakaway::hal::seconds_as<double>(duration), static_cast<double>(ns) * 1e-9) << ns;
+    const float expected = static_cast<float>(ns) * 1e-9F;
+    const bool is_exact = ns >= 0 && ns < 1LL << 31;
+    const float tolerance = is_exact ? 0 : 2e-7F * std::max(std::abs(expected), ns < 0 ? 2.0F : 0.0F);
+    EXPECT_NEAR(breakaway::hal::seconds_as<float>(duration), expected, tolerance) << ns;
   }
 }
 

@@ -30,6 +30,7 @@
 #include "breakaway/firmware/timing_statistics.hpp"
 #include "breakaway/hal/can_port.hpp"
 #include "breakaway/hal/motor_drive.hpp"
+#include "breakaway/hal/time.hpp"
 #include "breakaway/law/control_types.hpp"
 
 namespace breakaway::firmware {
@@ -65,7 +66,7 @@ class ControlLoop {
   AddedAxis add_axis(const typename Drive::Config& drive, const Controller& controller,
                      AxisLimits<Scalar> limits) noexcept {
     if (count_ == MaxAxes) return {{}, AxisError::no_room};
-    const auto period_s = static_cast<Scalar>(config_.network.period.count()) * Scalar(1e-9);
+    const auto period_s = hal::seconds_as<Scalar>(config_.network.period);
     if (!(std::abs(controller.period_s() - period_s) <= Scalar(1e-6) * period_s))
       return {{}, AxisError::period_differs};
     if (taken(drive.node_id)) return {{}, AxisError::node_id_taken};

@@ -19,6 +19,7 @@
 #include "breakaway/firmware/node_numbers.hpp"
 #include "breakaway/firmware/supervisor.hpp"
 #include "breakaway/firmware/wiring.hpp"
+#include "breakaway/hal/time.hpp"
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/braked_kicks.hpp"
 #include "breakaway/law/k3_table.hpp"
@@ -171,7 +172,7 @@ struct NodeVerdict {
 // Returns the period as the law counts it.
 template <class Scalar>
 constexpr Scalar period_s(const LoopConfig& loop) noexcept {
-  return static_cast<Scalar>(loop.network.period.count()) * Scalar(1e-9);
+  return hal::seconds_as<Scalar>(loop.network.period);
 }
 
 namespace internal {

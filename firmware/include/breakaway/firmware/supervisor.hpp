@@ -363,8 +363,7 @@ class Supervisor {
   }
 
   Scalar since_previous_s(const Feedback& f) const noexcept {
-    constexpr Scalar seconds_per_tick = Scalar(1e-9);
-    return has_previous_ ? static_cast<Scalar>((f.sample_time - previous_time_).count()) * seconds_per_tick : Scalar{0};
+    return has_previous_ ? hal::seconds_as<Scalar>(f.sample_time - previous_time_) : Scalar{0};
   }
 
   // An axis that held, or waited before it set off, has all its time before it. One that noise leads in and out of its

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 namespace breakaway::hal {
 
@@ -24,6 +25,17 @@ struct TimeLine {
 using Time = TimeLine::time_point;
 
 constexpr double seconds(Duration duration) noexcept { return std::chrono::duration<double>{duration}.count(); }
+
+// The same in a step's scalar type, by one rounding more at most; a negative one may be off by that of two seconds. In
+// two halves, as a controller converts 32 bits by one instruction, and 64 by a routine of a hundred.
+template <class Scalar>
+constexpr Scalar seconds_as(Duration duration) noexcept {
+  constexpr int bits = 31;
+  constexpr auto half = std::int64_t{1} << bits;
+  const auto high = static_cast<std::int32_t>(duration.count() >> bits);
+  const auto low = static_cast<std::int32_t>(duration.count() & (half - 1));
+  return (static_cast<Scalar>(high) * static_cast<Scalar>(half) + static_cast<Scalar>(low)) * Scalar(1e-9);
+}
 
 // Seconds since the clock's epoch.
 constexpr double seconds(Time time) noexcept { return seconds(time.time_since_epoch()); }
