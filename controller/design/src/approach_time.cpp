@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kick_time.hpp"
 #include "planned_force.hpp"
 
 namespace breakaway::design {
@@ -74,8 +75,8 @@ double ends_s(const BrakedClass& axes, const law::BrakedKicks<Real>& kicks, cons
   const double jerk_s = move.jerk_m_s3 > 0 ? static_cast<double>(move.acceleration_m_s2 / move.jerk_m_s3) : 0;
   const double led_s = 2 * way.slower_m_s / way.speeding_m_s2 + jerks * jerk_s;
   const double brake_s = braking * way.switch_speed_m_s / way.gentle_m_s2 + 4 * axes.lag_s.most;
-  const double periods =
-      kicks.still_periods + kicks.either_way_periods + kicks.settling_periods + 2 * (axes.latency_periods + 2);
+  const int rest = detail::proofs_of_rest(axes) * (kicks.still_periods + kicks.either_way_periods);
+  const double periods = rest + kicks.settling_periods + 2 * (axes.latency_periods + 2);
   return led_s + brake_s + periods * axes.period_s;
 }
 

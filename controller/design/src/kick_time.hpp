@@ -9,6 +9,10 @@
 
 namespace breakaway::design::detail {
 
+// Readings of an axis that rests differ by noise, and the last one before it rested may hide until then that it moved:
+// such a proof begins anew, once.
+inline int proofs_of_rest(const BrakedClass& axes) { return axes.encoder_noise_m > 0 ? 2 : 1; }
+
 class KickTime {
  public:
   template <class Real>
@@ -31,9 +35,7 @@ class KickTime {
     const int latency = axes_.latency_periods;
     const double given = preload_periods_ + pulse_periods;
     const double calm = cut_periods + periods_to_calm(force_N, pulse_periods, cut_periods, cut_N);
-    // Readings of an axis that rests differ by noise, and the last one before it rested may hide until then that it
-    // moved: such a proof begins anew, once.
-    const int proofs = axes_.encoder_noise_m > 0 ? 2 : 1;
+    const int proofs = proofs_of_rest(axes_);
     const double braking = std::max(calm, stop_periods(force_N, pulse_periods)) + proofs * still_ + latency + 2;
     // An axis that rests later than the controller waits for has its brake taken off, and the longer proof begins.
     const double waited = force_N * coast_per_N_ * pulse_periods + still_ + settling_ + latency + 3;
