@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
-#include <string_view>
 
 namespace breakaway::evaluation {
 namespace {
@@ -13,12 +11,6 @@ std::string lag_text(const Identification& found) {
   const LatencyEstimate& latency = found.latency;
   if (!latency.lag_is_seen) return "a current loop too fast to be seen";
   return fmt::format("a current loop of {:.2g} ms", 1e3 * latency.lag_s);
-}
-
-// Smaller switches are named only where they decide.
-std::string_view mass_spread_text(const Identification& found) {
-  const bool smaller_decide = found.mass.spread > std::max(2 * found.mass.spread_of_greatest(), found.margins.mass);
-  return smaller_decide ? "what smaller ones are off in proportion" : "twice their spread";
 }
 
 std::string spring_text(const SpringEstimate& spring, const Margins& margins) {
@@ -42,15 +34,14 @@ std::string summary(const Identification& found) {
   const MassEstimate& mass = found.mass;
   const Margins& margins = found.margins;
   return fmt::format(
-             "  mass           {:.4g} kg +- {:.1f} %: {:.4g} to {:.4g} kg in {} switches of the force; the uncertainty "
-             "is "
-             "{}, and {:g} % at least\n"
+             "  mass           {:.4g} kg +- {:.1f} %: {:.4g} to {:.4g} kg in {} switches of the force; the most of "
+             "twice their spread ({:.1f} %), what smaller ones are off in proportion ({:.1f} %) and {:g} %\n"
              "  friction seen  {:.4g} to {:.4g} N in {} motions, from {:.4g} to {:.4g} m\n"
              "  bounds         {:.4g} to {:.4g} N, with a margin of {:g} % on either side\n",
              mass.mass_kg, 100 * found.mass_uncertainty, mass.seen_kg.least, mass.seen_kg.most, mass.switches,
-             mass_spread_text(found), 100 * margins.mass, found.friction_seen_N.least, found.friction_seen_N.most,
-             found.motions, found.travel_seen_m.least, found.travel_seen_m.most, found.bounds_N.least,
-             found.bounds_N.most, 100 * margins.friction) +
+             200 * mass.spread_of_greatest(), 100 * mass.spread, 100 * margins.mass, found.friction_seen_N.least,
+             found.friction_seen_N.most, found.motions, found.travel_seen_m.least, found.travel_seen_m.most,
+             found.bounds_N.least, found.bounds_N.most, 100 * margins.friction) +
          (found.spring ? spring_text(*found.spring, margins) : std::string{}) +
          (found.presliding_N_per_m
               ? fmt::format("  before sliding it bends: {:.2g} N/m at least\n", *found.presliding_N_per_m)
