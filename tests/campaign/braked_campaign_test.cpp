@@ -309,8 +309,9 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
     const double start_m = r.share() < 0.5 ? c.move->distance_m : -c.move->distance_m;
     const double longest_s =
         150 * c.period_s * (2 * design.kicks.either_way_periods + 1500) + 20 + 20 * design::least_move_s(*c.move);
+    const double encoder_offset = r.between(-0.5, 0.5);
     const auto end = testing::run_kicked_axis<float>(p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 2,
-                                                     50, r.between(-0.5, 0.5));
+                                                     50, encoder_offset, {}, disturbance(c, r));
     ++tally.runs;
     tally.furthest =
         std::max(tally.furthest, end.approach_beyond_m / design::approach_beyond_m(c, design, c.move->speed_m_s));
