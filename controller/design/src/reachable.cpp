@@ -9,16 +9,16 @@
 namespace breakaway::design::detail {
 namespace {
 
-// With three digits, to the side that is safe.
-double three_digits(double value, double (*whole)(double)) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+// With so many digits, to the side that is safe.
+double of_digits(int digits, double value, double (*whole)(double)) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
   return whole(value / unit) * unit;
 }
 double more(double value) {
-  return three_digits(value, [](double v) { return std::ceil(v); });
+  return of_digits(3, value, [](double v) { return std::ceil(v); });
 }
-double less(double value) {
-  return three_digits(value, [](double v) { return std::floor(v); });
+double less(double value, int digits = 3) {
+  return of_digits(digits, value, [](double v) { return std::floor(v); });
 }
 
 // The coarsest encoder whose readings tell the tolerance; none where noise alone hides it.
@@ -35,13 +35,14 @@ bool reaches(const BrakedClass& axes, double tolerance_m) {
   return kicks > 0 && kicks <= law::KickJudge<float>::most_kicks;
 }
 
-// About the longest period, not above that of the class, with which the tolerance can be promised.
+// About the longest period, not above that of the class, with which the tolerance can be promised. Of two digits, since
+// drives are told of their period as a whole number up to 255 and a power of ten.
 std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m) {
   constexpr double spacing = 0.9;
   constexpr int most_tried = 80;
   axes.fine_tolerance_m = 0;
   for (int i = 0; i < most_tried && axes.jitter_s <= most_jitter * axes.period_s; ++i) {
-    axes.period_s = less(axes.period_s);
+    axes.period_s = less(axes.period_s, 2);
     if (reaches(axes, tolerance_m)) return axes.period_s;
     axes.period_s *= spacing;
   }
