@@ -55,11 +55,14 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
+    const std::string remedy = least_m <= most_m
+                                   ? fmt::format("keep targets between {:.6g} and {:.6g} m", least_m, most_m)
+                                   : fmt::format("widen them to {:.3g} m on either side of every target", beyond_m);
     throw InputError{
         place(node, axis) +
         fmt::format("[controller] has a target at {:g} m, and an approach may go {:.3g} m beyond it, outside the "
-                    "[limits] of position; keep targets between {:.6g} and {:.6g} m",
-                    target_m, beyond_m, least_m, most_m)};
+                    "[limits] of position; {}",
+                    target_m, beyond_m, remedy)};
   };
   require(axis.controller.target_m);
   for (const TargetChange& change : axis.controller.targets) require(change.position_m);

@@ -237,11 +237,31 @@ settle_time_s = 0.2
       fmt::arg("settle", chosen.settle_tolerance_m));
 }
 
-NewNode examined(const KnownAxis& known, const Chosen& chosen) {
+NewNode written(const KnownAxis& known, const Chosen& chosen) {
   NewNode made{file_text(known, chosen), {}, {}};
   made.node = parse_node(made.text, std::string{name});
+  return made;
+}
+
+NewNode examined(const KnownAxis& known, const Chosen& chosen) {
+  NewNode made = written(known, chosen);
   made.report = examine(made.node).front();
   return made;
+}
+
+// Before it is known how much travel the axis needs.
+NewNode designed(const KnownAxis& known, const Chosen& chosen) {
+  NewNode made = written(known, chosen);
+  made.report = design::design_axis(axis_design(made.node, made.node.axes.front()));
+  return made;
+}
+
+void require_longer_move(const KnownAxis& known, const design::DesignReport& report) {
+  if (!report.braked || !(report.braked->least_tolerance_m > known.longest_move_m)) return;
+  throw InputError{fmt::format(
+      "the longest move, {:g} m, is shorter than what can be certified as on the target with these numbers, {:.3g} m; "
+      "give a longer move, a finer encoder or a higher rate",
+      known.longest_move_m, report.braked->least_tolerance_m)};
 }
 
 // There is no file yet to look into.
@@ -272,7 +292,8 @@ NewNode new_node(const KnownAxis& known) {
   const double reached_m_s = rounded_up(greatest_speed_m_s(known), 2);
   Chosen chosen{wide_m, wide_m + known.encoder_resolution_m, reached_m_s, most_speed_m_s, 1, std::min(1e9, counted_m)};
   chosen.approach_speed_m_s = approach_speed_m_s(known, parse_node(file_text(known, chosen), std::string{name}));
-  const NewNode first = examined(known, chosen);
+  const NewNode first = designed(known, chosen);
+  require_longer_move(known, first.report);
   require_certified(first);
   const design::BrakedPromise& wide = *first.report.braked;
   chosen.travel_m = std::max(travel_m(known), rounded_up(known.longest_move_m + wide.approach_beyond_m, 2));

@@ -61,12 +61,15 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
             std::string::npos);
   EXPECT_NE(why([](KnownAxis& k) { k.mass_kg = 1e12; }).find("the mass is 1e+12 kg, outside"), std::string::npos);
   const std::string coarse = why([](KnownAxis& k) { k.encoder_resolution_m = 1; });
-  EXPECT_NE(coarse.find("no accuracy can be certified"), std::string::npos) << coarse;
+  EXPECT_NE(coarse.find("give a longer move, a finer encoder or a higher rate"), std::string::npos) << coarse;
   EXPECT_EQ(coarse.find("the new file"), std::string::npos) << coarse << ": there is none";
   const std::string counts = why([](KnownAxis& k) {
     k.encoder_resolution_m = 1e-9;
     k.longest_move_m = 2.5;
   });
+  // The approach passes its target by more than 32 bits count.
+  const std::string beyond = why([](KnownAxis& k) { k = {1, 2.5, 25, 1e-9, 100, 50, 0.5}; });
+  EXPECT_NE(beyond.find("32 bits count less than 2.147 m"), std::string::npos) << beyond;
   for (const char* part : {"the longest move, 2.5 m", "6.4 m", "2.147 m", "1e-09 m a count", "3.1e-09 m at least"})
     EXPECT_NE(counts.find(part), std::string::npos) << part << " in " << counts;
   EXPECT_EQ(why([](KnownAxis& k) {
