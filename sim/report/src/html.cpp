@@ -167,7 +167,7 @@ std::string several_axes(const Scenario& s, const Result& r) {
 
 std::string to_html(const Scenario& s, const Result& r) {
   std::string sections = r.axes.size() == 1 ? one_axis(s, r) : several_axes(s, r);
-  if (r.loop) {
+  if (r.loop && !r.axes.front().trace.empty()) {
     const Picture picture = draw_bus_load(r);
     sections += format::html_section(picture.title, picture.svg, picture.caption);
   }

@@ -336,6 +336,7 @@ Picture bus_load(const AxisResult& result, const sil::LoopFigures& loop) {
 }  // namespace
 
 std::vector<Picture> draw_pictures(const config::Node& node, const Axis& axis, const AxisResult& result) {
+  if (result.trace.empty()) return {};
   std::vector<Picture> pictures{response(node, axis, result)};
   if (ever_off_target(result)) pictures.push_back(error_over_time(axis, judged_tolerance_m(node, axis), result));
   // Where an axis of several that push each other can stick is no matter of its own numbers.

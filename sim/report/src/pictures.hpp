@@ -15,7 +15,7 @@ struct Picture {
   std::string svg;
 };
 
-// The pictures of an axis for which its result holds something to see. Requires a recorded trace.
+// The pictures of an axis for which its recorded result holds something to see; none of one that never left its set-up.
 std::vector<Picture> draw_pictures(const config::Node& node, const config::Axis& axis, const sil::AxisResult& result);
 
 // The bus is shared by all axes. Requires a recorded trace and result.loop.

@@ -95,6 +95,8 @@ class AxisRun {
     result_.settled = judge_.settled() && result_.faults.empty();
     result_.settling_time_s = judge_.settling_time_s();
     result_.final_error_m = position_m() - target_m_;
+    // An axis whose drive could not be set up has stood where it was.
+    if (!watch_.looked()) watch_.look(position_m(), position_m() - target_m_, 0);
     result_.excursions = watch_.figures();
     result_.load_position_m = mechanism_.axis->load_position_m();
     result_.reached = judge_.reached();

@@ -44,10 +44,16 @@ class Judge {
   bool settled() const { return settled_; }
   double settling_time_s() const { return settled_ ? since_s_ - target_since_s_ : nan; }
   bool limit_cycle() const { return !settled_ && slips_ - slips_before_last_second_ >= 2; }
-  const std::vector<Reached>& reached() const { return reached_; }
+  std::vector<Reached> reached() const {
+    std::vector<Reached> since_target = reached_;
+    for (Reached& level : since_target) level.time_s = looked() ? since_target_s(level.time_s) : nan;
+    return since_target;
+  }
 
  private:
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  bool looked() const { return !std::isnan(error_m_); }
+  double since_target_s(double time_s) const { return time_s < target_since_s_ ? 0 : time_s - target_since_s_; }
   bool within(double tolerance_m) const { return std::abs(error_m_) <= tolerance_m; }
 
   const scenario::Run& run_;

@@ -342,6 +342,21 @@ TEST_F(Command, ReportsRunsInWhichLittleHappens) {
   EXPECT_EQ(exit_code_with("position_m = -4\nvelocity_m_s = -4", "position_m = 0"), 0);
 }
 
+// It never leaves its set-up, so that there is nothing to draw.
+TEST_F(Command, ReportsARunWhoseDriveCannotBeSetUp) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  std::string text = content(scenarios + "can_axis.toml");
+  const std::string file = scenario(text.insert(text.find("[bus]"), "[drive.quirks]\nfixed_mapping = \"differs\"\n\n"));
+  for (const std::string& command : {"simulate " + file, "study " + file + " --laws 0 --start -4 -4"}) {
+    const Ended ended = run(command + " --report " + path("a.html"));
+    EXPECT_EQ(ended.exit_code, 1) << command << ended.err;
+    EXPECT_TRUE(content(path("a.html")).ends_with("</html>\n")) << command;
+    EXPECT_EQ(ended.out.find("inf"), std::string::npos) << ended.out;
+    EXPECT_NE(ended.out.find(command.starts_with("study") ? "never" : "way            -4 to -4 m"), std::string::npos)
+        << ended.out;
+  }
+}
+
 TEST_F(Command, KeepsTheReportOfALongRunModest) {
   if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
   const std::string text = content(scenarios + "can_axis.toml") + "stop_when_settled = false\n";  // 30 s

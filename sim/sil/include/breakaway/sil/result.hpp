@@ -76,7 +76,7 @@ struct TimedFrame {
   hal::CanFrame frame;
 };
 
-// From time_s on the axis stayed within tolerance_m to the end; NaN if it did not.
+// From time_s on, since the last target change, the axis stayed within tolerance_m to the end; NaN if it did not.
 struct Reached {
   double tolerance_m = 0;
   double time_s = 0;
