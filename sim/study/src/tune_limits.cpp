@@ -58,8 +58,8 @@ std::optional<Improvement> higher_speed(const TunedAxis& axis, double factor) {
 // In microseconds, in which drives are told of it.
 double shortened_s(double period_s, double factor) { return std::round(period_s / factor * 1e6) / 1e6; }
 
-bool certified(const TunedAxis& axis, const Improvement& i, const TuneOptions& options) try {
-  const TunedAxis better = axis.changed(i.settings);
+bool certified(const TunedAxis& axis, const std::vector<config::Setting>& settings, const TuneOptions& options) try {
+  const TunedAxis better = axis.changed(settings);
   static_cast<void>(Search{better, options, [](double) {}}.tolerance());
   return true;
 } catch (const InputError&) {
@@ -100,18 +100,29 @@ namespace {
 double enough(const TunedAxis& axis, std::size_t place, const TuneOptions& options) {
   constexpr double most = 1024, fine = 1.1;
   double good = 2;
-  while (good <= most && !certified(axis, improvements(axis, good)[place], options)) good *= 2;
+  while (good <= most && !certified(axis, improvements(axis, good)[place].settings, options)) good *= 2;
   if (good > most) return std::numeric_limits<double>::infinity();
   for (double bad = good / 2; good / bad > fine;) {
     const double middle = std::sqrt(good * bad);
-    (certified(axis, improvements(axis, middle)[place], options) ? good : bad) = middle;
+    (certified(axis, improvements(axis, middle)[place].settings, options) ? good : bad) = middle;
   }
   return good;
 }
 
 }  // namespace
 
+// The numbers that are to be changed together, rounded to the side that does.
+std::string changes(const Improvement& i) {
+  const auto rounded = i.after < i.before ? config::rounded_down : config::rounded_up;
+  std::string text;
+  for (const config::Setting& s : i.settings)
+    text +=
+        fmt::format("{}[{}] {} = {:g}", text.empty() ? "" : " and ", s.table, s.key, rounded(std::stod(s.value), 2));
+  return text;
+}
+
 std::string remedy(const TunedAxis& axis, const TuneOptions& options) {
+  if (certified(axis, {}, options)) return {};  // what it lacks is no number of these
   const std::size_t count = improvements(axis, 2).size();
   std::vector<double> factors(count);
   const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
@@ -120,8 +131,7 @@ std::string remedy(const TunedAxis& axis, const TuneOptions& options) {
   const auto least = std::ranges::min_element(factors);
   if (least == factors.end() || !std::isfinite(*least)) return {};
   const Improvement i = improvements(axis, *least)[static_cast<std::size_t>(least - factors.begin())];
-  const double value = i.after < i.before ? config::rounded_down(i.after, 2) : config::rounded_up(i.after, 2);
-  return fmt::format("{} = {:.4g} makes it impossible; {:g} would do", i.key, i.before, value);
+  return fmt::format("{} = {:.4g} makes it impossible; {} would do", i.key, i.before, changes(i));
 }
 
 }  // namespace breakaway::study

@@ -103,7 +103,8 @@ bool stays_within(const TunedPoint& p) { return !(p.overshoot_m > p.gains.positi
 std::string unsettled(const StudyRow& row) {
   for (const StudyRun& run : row.runs) {
     if (run.settled) continue;
-    return "not settled under the law \"" + run.law + "\"" + (run.faults.empty() ? "" : ": " + run.faults.front().name);
+    return "not settled under the law \"" + run.law + "\"" +
+           (run.faults.empty() ? ": a longer [run] duration_s may do" : ": " + run.faults.front().name);
   }
   return {};
 }
