@@ -232,7 +232,7 @@ def bad_input_is_refused_by_name(build):
         vcan1_only = [*able, node, "--can", "vcan1", axis, "--wait", "0.5"]
         refuses(b, vcan1_only, "no drive answers")
         refuses(b, [node, "--can", "vcan0", "no.toml"], "cannot be read")
-        refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "certified")
+        refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "has 50 N")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "1"], "--max-force", "4.5")
         refuses(b, [node, "--can", "vcan0", axis, "--target", "11"], "target 11", "position_m = -10 to 10")
         refuses(b, [node, "--can", "vcan0", "sim/scenarios/can_axis_pid.toml"], "pid")

@@ -37,13 +37,13 @@ void apply_node_id(Node& node, unsigned node_id) {
 void lower_force_limit(Axis& axis, double max_force_N) {
   const double most_N = std::min(axis.controller.max_force_N, axis.drive->max_force_N());
   const double least_N = axis.friction.bounds.upper_N;
-  if (max_force_N > most_N || max_force_N < least_N) {
-    throw InputError{fmt::format(
-        "--max-force {}: axis {} is certified for forces from {} N, its upper friction bound, to {} N; choose one "
-        "between",
-        max_force_N, axis.name, least_N, most_N)};
+  constexpr double rounding = 1e-12;  // the drive's is a product
+  if (max_force_N > most_N * (1 + rounding) || max_force_N < least_N) {
+    throw InputError{
+        fmt::format("--max-force {:g}: axis {} has {:g} N, and its upper friction bound is {:g} N; choose one between",
+                    max_force_N, axis.name, most_N, least_N)};
   }
-  axis.controller.max_force_N = max_force_N;
+  axis.controller.max_force_N = std::min(max_force_N, most_N);
 }
 
 std::int32_t counts(double position_m, const Axis& axis) {
