@@ -319,7 +319,9 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
     tally.hardest = std::max(tally.hardest, end.approach_m_s2 / c.move->acceleration_m_s2);
     const std::string where = "move " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault);
-    EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s) << where;
+    // While samples are lost the last force goes on; in so short a time three in a row are not.
+    const double lost_m_s = 2 * (end.lost_samples > 0) * c.period_s * c.move->acceleration_m_s2;
+    EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s + lost_m_s) << where;
     EXPECT_LE(end.approach_m_s2, 1.001 * c.move->acceleration_m_s2) << where;
     EXPECT_LE(end.approach_beyond_m, design::approach_beyond_m(c, design, c.move->speed_m_s)) << where;
     const double approach_s = design::approach_s(c, design, 1e6, c.move->distance_m);
