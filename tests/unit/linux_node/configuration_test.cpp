@@ -179,7 +179,9 @@ TEST_F(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
   for (const double force_N : {4.4, 50.1}) {
     Options options = of(folder + "can_axis.toml");
     options.max_force_N = force_N;
-    EXPECT_NE(refusal(options).find("has 50 N, and its upper friction bound is 4.5 N; choose one between"), std::string::npos) << force_N;
+    EXPECT_NE(refusal(options).find("has 50 N, and its upper friction bound is 4.5 N; choose one between"),
+              std::string::npos)
+        << force_N;
   }
 }
 
