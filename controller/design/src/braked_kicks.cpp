@@ -16,7 +16,6 @@ namespace {
 
 using detail::KickClass;
 using detail::PlannedForce;
-using detail::spread;
 using detail::unseen_m;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double longest_count = 30000;  // of periods

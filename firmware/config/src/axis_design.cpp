@@ -10,6 +10,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/shell_word.hpp"
 #include "outside_class.hpp"
@@ -55,9 +56,9 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
-    const std::string remedy = least_m <= most_m
-                                   ? fmt::format("keep targets between {:.6g} and {:.6g} m", least_m, most_m)
-                                   : fmt::format("widen them to {:.3g} m on either side of every target", beyond_m);
+    const std::string remedy =
+        least_m <= most_m ? fmt::format("keep targets between {:.6g} and {:.6g} m", least_m, most_m)
+                          : fmt::format("widen them to {:g} m on either side of every target", rounded_up(beyond_m, 3));
     throw InputError{
         place(node, axis) +
         fmt::format("[controller] has a target at {:g} m, and an approach may go {:.3g} m beyond it, outside the "

@@ -60,6 +60,7 @@ class AxisRun {
   void release(double time_s) {
     mechanism_.axis->release(time_s);
     watch_.start_move(position_m() - target_m_);
+    look();
     note_fault(0);
     if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled in time"});
   }
@@ -79,7 +80,7 @@ class AxisRun {
     if (status.running && !status.feedback.fresh) ++periods_without_feedback_;
     note_kick(time_s, status.output.kicked, status.output.mode, static_cast<double>(status.output.force_N));
     note_fault(time_s);
-    watch_.look(position_m(), position_m() - target_m_, mechanism_.axis->state().velocity_m_s);
+    look();
     if (trace) note_sample(time_s, now, bus_load, status.output.mode);
   }
   void judge(double time_s) { judge_.look(time_s, target_m_); }
@@ -95,8 +96,6 @@ class AxisRun {
     result_.settled = judge_.settled() && result_.faults.empty();
     result_.settling_time_s = judge_.settling_time_s();
     result_.final_error_m = position_m() - target_m_;
-    // An axis whose drive could not be set up has stood where it was.
-    if (!watch_.looked()) watch_.look(position_m(), position_m() - target_m_, 0);
     result_.excursions = watch_.figures();
     result_.load_position_m = mechanism_.axis->load_position_m();
     result_.reached = judge_.reached();
@@ -112,6 +111,11 @@ class AxisRun {
   }
 
   double position_m() const { return mechanism_.axis->state().position_m; }
+
+  void look() {
+    const AxisState axis = mechanism_.axis->state();
+    watch_.look(axis.position_m, axis.position_m - target_m_, axis.velocity_m_s);
+  }
 
   void move_target(double target_m) {
     target_m_ = target_m;

@@ -25,7 +25,6 @@ class ExcursionWatch {
     figures_.peak_speed_m_s = std::max(figures_.peak_speed_m_s, std::abs(velocity_m_s));
   }
 
-  bool looked() const { return figures_.lowest_m <= figures_.highest_m; }
   const Excursions& figures() const { return figures_; }
 
  private:

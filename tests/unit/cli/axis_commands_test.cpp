@@ -342,6 +342,16 @@ TEST_F(Command, ReportsRunsInWhichLittleHappens) {
   EXPECT_EQ(exit_code_with("position_m = -4\nvelocity_m_s = -4", "position_m = 0"), 0);
 }
 
+// Both count from the last target.
+TEST_F(Command, StudySeesAnAxisWithinAMillimetreNoLaterThanSettled) {
+  const Ended ended = run("study " + scenarios + "move_axis.toml --laws 0");
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  std::smatch row;
+  const std::regex times{R"(4/4 +[0-9.]+ s +([0-9.]+) s +([0-9.]+) s)"};
+  ASSERT_TRUE(std::regex_search(ended.out, row, times)) << ended.out;
+  EXPECT_LE(std::stod(row[2]), std::stod(row[1])) << ended.out;
+}
+
 // It never leaves its set-up, so that there is nothing to draw.
 TEST_F(Command, ReportsARunWhoseDriveCannotBeSetUp) {
   if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";

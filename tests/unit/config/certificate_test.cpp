@@ -217,6 +217,13 @@ TEST(Certificate, RefusesTargetsThatAnApproachMayPassOutOfTheTravel) {
   EXPECT_EQ(why_not(with(text, "target_m = 0", "target_m = 0.99")), "");
   const std::string near = with(text, "target_m = 0", "target_m = 0.99999");
   EXPECT_NE(refusal([&] { examine(parse_node(near, "axis.toml")); }).find("an approach may go"), std::string::npos);
+  // Limits that leave no target room, and what is said of them.
+  const std::string narrow = with(text, "position_m = 1\n", "position_m = 1e-3\n");
+  const std::string said = refusal([&] { examine(parse_node(narrow, "axis.toml")); });
+  const auto at = said.find("widen them to ");
+  ASSERT_NE(at, std::string::npos) << said;
+  const std::string wide = said.substr(at + 14, said.find(' ', at + 14) - at - 14);
+  EXPECT_EQ(why_not(with(text, "position_m = 1\n", "position_m = " + wide + "\n")), "") << wide;
 }
 
 TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {

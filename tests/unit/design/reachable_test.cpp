@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
+#include <string_view>
 
 namespace breakaway::design {
 namespace {
@@ -53,6 +55,19 @@ TEST(WaysToReach, NameNoPeriodWithWhichKicksAreTooMany) {
     const std::string said = ways(c, tolerance_m);
     EXPECT_EQ(said.find("period_s"), std::string::npos) << said;
     EXPECT_NE(said.find(", or have the fine stage aim at it"), std::string::npos) << said;
+  }
+}
+
+// 60C2h holds a whole number up to 255 and a power of ten.
+TEST(WaysToReach, NamePeriodsThatDrivesCanBeTold) {
+  constexpr std::string_view key = "or shorten period_s to ";
+  for (const double tolerance_m : {1.7e-6, 1.5e-6, 1.3e-6, 1.1e-6, 0.9e-6, 0.8e-6, 0.7e-6}) {
+    const std::string said = ways(counted_axes(), tolerance_m);
+    const auto at = said.find(key);
+    ASSERT_NE(at, std::string::npos) << said;
+    const double period_us = 1e6 * std::stod(said.substr(at + key.size()));
+    const double unit_us = period_us > 255 ? 10 : 1;
+    EXPECT_NEAR(period_us / unit_us, std::round(period_us / unit_us), 1e-6) << said;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "../scratch_folder.hpp"
+#include "breakaway/config/new_node.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace {
@@ -183,6 +184,16 @@ TEST_F(LinuxNodeConfiguration, AForceLimitOutsideTheCertificateIsRefused) {
               std::string::npos)
         << force_N;
   }
+}
+
+// A drive's limit is a product, which rounding may leave below the number that the file says.
+TEST_F(LinuxNodeConfiguration, TheForceLimitOfTheFileIsNoneThatIsRefused) {
+  const breakaway::config::NewNode made = breakaway::config::new_node({12, 15, 28, 5e-7, 1000, 200, 0.4});
+  ASSERT_LT(made.node.axes.front().drive->max_force_N(), 200) << "this file does not show it";
+  std::ofstream{path("new.toml")} << made.text;
+  Options options = of(path("new.toml"));
+  options.max_force_N = 200;
+  EXPECT_EQ(refusal(options), "");
 }
 
 TEST_F(LinuxNodeConfiguration, AnotherNodeIdIsForASingleAxisOnly) {

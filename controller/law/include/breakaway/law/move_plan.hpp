@@ -40,16 +40,16 @@ struct MoveLimits {
     const Scalar v = highest_m_s(distance_m, fastest_m_s);
     return v > 0 ? distance_m / v + ramps_s(v) : Scalar{0};
   }
-  // The speed with which it takes this long, or the limit where it cannot. Up to the highest that there is the time
-  // falls.
+  // The speed with which it takes this long, or the limit where it cannot. d / v + r(v) is convex and falls up to the
+  // highest speed that there is, so that Newton's steps from d / t, which is too slow, come to it from below.
   [[gnu::cold]] Scalar speed_for_m_s(Scalar distance_m, Scalar time_s) const noexcept {
-    const Scalar highest = highest_m_s(distance_m, speed_m_s);
-    Scalar low = 0, high = highest;
-    for (int halving = 0; halving < halvings; ++halving) {
-      const Scalar v = (low + high) / 2;
-      (distance_m / v + ramps_s(v) > time_s ? low : high) = v;
+    Scalar v = distance_m / time_s;
+    for (int step = 0; step < most_steps && v > 0 && v < speed_m_s; ++step) {
+      const Scalar way_s = distance_m / v, falling_s = way_s - growing_s(v);
+      if (!(falling_s > 0)) return speed_m_s;
+      v += v * ((way_s + ramps_s(v) - time_s) / falling_s);
     }
-    return high < highest ? high : speed_m_s;
+    return v > 0 && v < speed_m_s ? v : speed_m_s;
   }
 
   constexpr bool are_asked_for() const noexcept { return acceleration_m_s2 > 0; }
@@ -60,23 +60,32 @@ struct MoveLimits {
   }
 
  private:
-  static constexpr int halvings = 32, roots = 16;  // which leave less than 1e-9 of a speed
+  static constexpr int most_steps = 16;  // each of which takes three quarters of what a time is off, or more
 
   // Where the ramps take up all of the way, v r(v) = d, or the fastest. r grows between the root of v and v itself, so
   // that the geometric mean of v and d / r(v) is off by a quarter of what v is at most.
   [[gnu::cold, gnu::noinline]] Scalar highest_m_s(Scalar distance_m, Scalar fastest_m_s) const noexcept {
     if (!(distance_m > 0)) return 0;
     Scalar v = fastest_m_s;
-    for (int root = 0; root < roots; ++root) v = std::min(fastest_m_s, std::sqrt(v * (distance_m / ramps_s(v))));
+    for (int step = 0; step < most_steps; ++step) v = std::min(fastest_m_s, std::sqrt(v * (distance_m / ramps_s(v))));
     return v;
   }
   // Half of the time that it takes to speed up to v and to brake again.
   [[gnu::cold, gnu::noinline]] Scalar ramps_s(Scalar v) const noexcept {
     return (ramp_s(v, acceleration_m_s2) + ramp_s(v, deceleration_m_s2)) / 2;
   }
-  [[gnu::cold, gnu::noinline]] Scalar ramp_s(Scalar v, Scalar acceleration) const noexcept {
-    const Scalar rise_s = jerk_m_s3 > 0 ? acceleration / jerk_m_s3 : Scalar{0};
-    return v < acceleration * rise_s ? 2 * std::sqrt(v / jerk_m_s3) : v / acceleration + rise_s;
+  // v times its slope.
+  [[gnu::cold, gnu::noinline]] Scalar growing_s(Scalar v) const noexcept {
+    return (ramp_growing_s(v, acceleration_m_s2) + ramp_growing_s(v, deceleration_m_s2)) / 2;
+  }
+  Scalar rise_s(Scalar acceleration) const noexcept { return jerk_m_s3 > 0 ? acceleration / jerk_m_s3 : Scalar{0}; }
+  // A ramp that does not reach its acceleration takes 2 sqrt(v / j), and one that does v / a + a / j.
+  [[gnu::cold, gnu::noinline]] Scalar ramp_growing_s(Scalar v, Scalar acceleration) const noexcept {
+    return v < acceleration * rise_s(acceleration) ? std::sqrt(v / jerk_m_s3) : v / acceleration;
+  }
+  Scalar ramp_s(Scalar v, Scalar acceleration) const noexcept {
+    const Scalar growing = ramp_growing_s(v, acceleration);
+    return growing + std::min(growing, rise_s(acceleration));
   }
 };
 
