@@ -160,9 +160,9 @@ TEST(VelocityEstimator, CountsAThousandLostSamples) {
 TEST(ApproachPlan, CountsAThousandLostSamples) {
   const auto kicks = kicks_of_the_scenes();
   ApproachPlan<float> plan{kicks.approach, 1e-3F, 1, 0};
-  plan.skip(0, 0);
+  plan.see(0, 0, 0, Reading::lost);
   EXPECT_FALSE(plan.see(-0.5F, 0, 0)) << "what was lost before the first reading counts for nothing";
-  for (int n = 0; n < longer_than_any_count; ++n) plan.skip(0, 0);
+  for (int n = 0; n < longer_than_any_count; ++n) plan.see(0, 0, 0, Reading::lost);
   plan.see(0.501F, 0, 0);
   EXPECT_NEAR(plan.velocity_m_s(), kicks.approach.correction, 1e-3F * kicks.approach.correction);
 }
@@ -236,7 +236,7 @@ TEST(ShapedMove, WhatIsLostBeforeItsFirstReadingCountsForNothing) {
   ShapedApproach<double> approach;
   approach.mass_kg = approach.acceleration_m_s2 = 1;
   ShapedMove<double> move{approach, 1e-3, 1, 0}, other{approach, 1e-3, 1, 0};
-  move.skip(0, 0);
+  move.see(0, 0, 0, Reading::lost);
   for (int n = 0; n < 50; ++n) {
     EXPECT_EQ(move.see(-0.1, 0, 0), other.see(-0.1, 0, 0));
     EXPECT_EQ(move.force_N(), other.force_N());

@@ -46,6 +46,8 @@ class ApproachPlan {
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
+        away_m_s_{Scalar(-0.1) * a.switch_speed_m_s},
+        passed_m_{-2 * a.switch_distance_m},
         move_{move_plan()},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
 
@@ -95,28 +97,39 @@ class ApproachPlan {
     retargeted_ = true;
     go_at_most(speed_limit_m_s_);
   }
-  // A period without a reading; otherwise as see().
-  void skip(Scalar force_N, Scalar command_N) noexcept {
-    if (!primed_) return;
-    remember(force_N, command_N);
-    velocity_ += acceleration(latency_) * period_s_;
-    if (missed_ >= 0 && missed_ < 1000) ++missed_;
-  }
 
   // Takes the newest position error and returns true when the brake is to take over. force_N: where the force is as
-  // this period begins; command_N: what was commanded in the last one.
-  bool see(Scalar x, Scalar force_N, Scalar command_N) noexcept {
-    if (!primed_) begin(x, force_N);
-    if (retargeted_ || passed_) face(x);
+  // this period begins; command_N: what was commanded in the last one. Where the reading is lost x is not looked at:
+  // the axis is reckoned on under its least friction, and reckons() says whether force_N() is to be asked. Otherwise
+  // the last force is to go on, because only a reading shows that an axis has arrived or which way a new target lies.
+  bool see(Scalar x, Scalar force_N, Scalar command_N, Reading reading = Reading::there) noexcept {
+    const bool is_read = reading == Reading::there;
+    if (!primed_) {
+      reckons_ = false;
+      if (!is_read) return false;
+      begin(x, force_N);
+    }
+    const bool turns = retargeted_ || passed_;
+    if (turns && is_read) face(x);
     remember(force_N, command_N);
-    estimate(x);
+    if (is_read)
+      estimate(x);
+    else
+      x = reckon();
     predict(x);
-    const Scalar owed_N = (force_N - command_N) * direction_;
-    speed_ += owed_N * a_->lag_s * per_mass_;
-    distance_ += owed_N * a_->lag_s * a_->lag_s * per_mass_;
-    passed_ = a_->move.are_asked_for() && distance_ < -2 * a_->switch_distance_m;
-    return distance_ <= take_over_m() && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
+    // A force that has yet to come brings no axis near that is not there.
+    const Scalar there_m = distance_;
+    count_owed(force_N, command_N);
+    const Scalar take_over = take_over_m();
+    const bool is_near = distance_ <= take_over && there_m <= take_over;
+    if (!is_read) {
+      reckons_ = !is_near && !turns;
+      return false;
+    }
+    passed_ = a_->move.are_asked_for() && distance_ < passed_m_;
+    return is_near && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
   }
+  bool reckons() const noexcept { return reckons_; }
 
   // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
   Scalar force_N() noexcept {
@@ -138,9 +151,10 @@ class ApproachPlan {
   // brake would stop it short of the target by most of it: such an axis goes on to where the brake leads it there,
   // unless it has less than a third of the speed that was planned there, because it might stick.
   Scalar take_over_m() const noexcept {
-    const Scalar most_m = a_->switch_distance_m, braked_m = speed_ * speed_ * half_per_gentle_;
-    const bool goes_on = move_.brakes_less_than(a_->gentle_m_s2) && braked_m > most_m / 9;
-    return goes_on ? std::min(braked_m, most_m) : most_m;
+    const Scalar most_m = a_->switch_distance_m;
+    if (!move_.brakes_less_than(a_->gentle_m_s2)) return most_m;
+    const Scalar braked_m = speed_ * speed_ * half_per_gentle_;
+    return braked_m > most_m / 9 ? std::min(braked_m, most_m) : most_m;
   }
 
   static constexpr Scalar least_speed = 8;     // of a move, as a multiple of that at which the brake takes over
@@ -169,7 +183,7 @@ class ApproachPlan {
     const MoveLimits<Scalar>& limits = a_->move;
     // By the last reading, because what a lagging current loop owes counts as acted in the speed of now. A speed about
     // zero is taken for that of an axis that rests.
-    const bool away = velocity_ * direction_ < Scalar(-0.1) * a_->switch_speed_m_s;
+    const bool away = velocity_ * direction_ < away_m_s_;
     const Scalar acceleration = move_.limits_jerk() ? move_.next(distance_, speed_, away)
                                                     : limits.within(down_the_curves(-limits.deceleration_m_s2), away);
     return direction_ * (a_->mass_kg * acceleration + (away ? -a_->friction_N : a_->friction_N));
@@ -180,7 +194,10 @@ class ApproachPlan {
     if (passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
     retargeted_ = passed_ = false;
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
-    if (towards != direction_) move_.turn();
+    if (towards != direction_) {
+      move_.turn();
+      speed_ = -speed_;
+    }
     direction_ = towards;
     forward_ = velocity_ * direction_ > a_->standing_m_s;
   }
@@ -190,7 +207,7 @@ class ApproachPlan {
     last_force_N_ = force_N;
     direction_ = x > 0 ? Scalar{-1} : Scalar{1};
     previous_m_ = x;
-    velocity_ = 0;
+    velocity_ = speed_ = skipped_m_ = 0;
     turns_ = 0;
     forward_ = false;
     missed_ = -1;  // the first reading tells no speed
@@ -203,12 +220,20 @@ class ApproachPlan {
   void remember(Scalar force_N, Scalar command_N) noexcept {
     const Scalar mean_N = command_N + (last_force_N_ - force_N) * a_->lag_s * per_period_;
     last_force_N_ = force_N;
-    // Friction opposes motion, whichever way the force acts; at rest it holds what it can.
-    Scalar friction_N = limited(mean_N, a_->friction_N);
-    if (velocity_ > 0) friction_N = a_->friction_N;
-    if (velocity_ < 0) friction_N = -a_->friction_N;
+    const Scalar friction_N = friction_against(moving_m_s(), mean_N);
     newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
     accelerations_[newest_] = (mean_N - friction_N) * per_mass_;
+  }
+  // Friction opposes motion, whichever way the force acts; at rest it holds what it can.
+  Scalar friction_against(Scalar v, Scalar force_N) const noexcept {
+    if (v > 0) return a_->friction_N;
+    if (v < 0) return -a_->friction_N;
+    return limited(force_N, a_->friction_N);
+  }
+  // Where noise is all that is seen, what was commanded since tells which way the axis moves.
+  Scalar moving_m_s() const noexcept {
+    if (!(std::abs(velocity_) < a_->standing_m_s)) return velocity_;
+    return std::abs(speed_) > a_->standing_m_s ? speed_ * direction_ : Scalar{0};
   }
   std::size_t place(std::size_t periods_ago) const noexcept {
     const std::size_t index = newest_ + periods_ago;
@@ -223,12 +248,24 @@ class ApproachPlan {
       return;
     }
     velocity_ += gain_m_s;
-    const auto periods = static_cast<Scalar>(missed_ + 1);
-    const Scalar mean_m_s = missed_ > 0 ? (x - previous_m_) * per_period_ / periods : (x - previous_m_) * per_period_;
-    velocity_ += a_->correction * (mean_m_s - (velocity_ - gain_m_s * periods / 2));
+    Scalar surprise_m_s = (x - previous_m_) * per_period_ - (velocity_ - gain_m_s / 2);
+    if (missed_ > 0) {
+      surprise_m_s = (surprise_m_s - skipped_m_ * per_period_) / static_cast<Scalar>(missed_ + 1);
+      missed_ = 0;
+      skipped_m_ = 0;
+    }
+    velocity_ += a_->correction * surprise_m_s;
     previous_m_ = x;
-    missed_ = 0;
     watch_turns(velocity_ * direction_);
+  }
+
+  // Where the axis was a latency ago, and its speed.
+  Scalar reckon() noexcept {
+    const Scalar gain_m_s = acceleration(latency_) * period_s_;
+    skipped_m_ += (velocity_ + gain_m_s / 2) * period_s_;
+    velocity_ += gain_m_s;
+    if (missed_ < 1000) ++missed_;
+    return previous_m_ + skipped_m_;
   }
 
   // What is read of an axis that hardly moves may point either way.
@@ -237,6 +274,12 @@ class ApproachPlan {
     if (!forward_ || !(towards_m_s < -a_->standing_m_s)) return;
     forward_ = false;
     if (turns_ < most_turns) ++turns_;
+  }
+
+  void count_owed(Scalar force_N, Scalar command_N) noexcept {
+    const Scalar owed_m_s = (force_N - command_N) * direction_ * a_->lag_s * per_mass_;
+    speed_ += owed_m_s;
+    distance_ += owed_m_s * a_->lag_s;
   }
 
   // Carries the estimate from the reading to now.
@@ -266,11 +309,14 @@ class ApproachPlan {
   Scalar max_speed_m_s_{};  // of this approach
   Scalar hard_m_s2_{};      // deceleration far away
   Scalar half_per_gentle_{};
+  Scalar away_m_s_{};  // an axis with less speed towards its target goes the other way,
+  Scalar passed_m_{};  // and one that is nearer has passed it
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
-  Scalar velocity_{};  // of the axis at the newest reading
-  Scalar speed_{};     // towards the target now
-  Scalar distance_{};  // to the point aimed at now
+  Scalar skipped_m_{};  // the way since then, in periods without a reading
+  Scalar velocity_{};   // of the axis a latency ago, when it was read or reckoned last
+  Scalar speed_{};      // towards the target now
+  Scalar distance_{};   // to the point aimed at now
   Scalar last_force_N_{};
   Scalar direction_ = 1;
   std::array<Scalar, most_latency_periods + 1> accelerations_{};
@@ -284,6 +330,7 @@ class ApproachPlan {
   bool primed_ = false;
   bool in_motion_ = false;   // as the approach began
   bool retargeted_ = false;  // since the last reading
+  bool reckons_ = false;     // without a reading
   bool passed_ = false;      // the target, by more than what brake and kicks are for
 };
 

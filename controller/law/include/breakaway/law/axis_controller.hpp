@@ -164,8 +164,8 @@ class AxisController {
     return {Scalar{0}, Scalar{0}, mode_, false};
   }
 
-  // A period whose sample was lost: a pulse goes on and ends on time, everything else holds its force and concludes
-  // nothing.
+  // A period whose sample was lost: a pulse goes on and ends on time, an approach by its plan; everything else holds
+  // its force and concludes nothing.
   ControlOutput<Scalar> without_sample() noexcept {
     if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
     if (braked_ != nullptr) return braked_without_sample();
@@ -279,24 +279,26 @@ class AxisController {
     }
   }
 
-  ControlOutput<Scalar> approach_to_brake(Scalar x) noexcept {
+  ControlOutput<Scalar> approach_to_brake(Scalar x, Reading reading = Reading::there) noexcept {
     if (plan_.waits()) return wait();
-    const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_);
+    const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_, reading);
     if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
     if (arrived) {
       mode_ = Mode::coast;
       cycle_.brake(plan_.heading(), plan_.braking_periods());
       return give(0);
     }
+    const bool is_read = reading == Reading::there;
     // It seems to stick, or the plan does not lead there.
-    if (cycle_.patient() || plan_.turned_often() || gets_stuck(x)) {
+    if (is_read && (cycle_.patient() || plan_.turned_often() || gets_stuck(x))) {
       // Only without a force can rest be proved.
       mode_ = Mode::coast;
       cycle_.forget_patience();
       cycle_.release(plan_.braking_periods());
       return give(0);
     }
-    return give(cycle_.whole_steps(plan_.force_N() + braked_->force_step_N / 2));
+    const Scalar force_N = is_read || plan_.reckons() ? plan_.force_N() : last_force_N_;
+    return give(cycle_.whole_steps(force_N + braked_->force_step_N / 2));
   }
 
   ControlFault judge_kick(Scalar x) noexcept {
@@ -346,8 +348,8 @@ class AxisController {
   }
 
   ControlOutput<Scalar> braked_without_sample() noexcept {
-    if (mode_ == Mode::approach) plan_.skip(cycle_.interval().middle_N(), last_force_N_);
     if constexpr (Parts::by_work) cycle_.skip();
+    if (mode_ == Mode::approach) return approach_to_brake(newest_m_, Reading::lost);
     return give(cycle_.whole_steps(last_force_N_ + braked_->force_step_N / 2));
   }
 

@@ -14,6 +14,9 @@ struct Measurement {
   bool fresh = true;          // false: no new sample came this period (a lost frame); the fields above are not read
 };
 
+// Whether a period has a new position.
+enum class Reading : std::uint8_t { there, lost };
+
 // The modes of AxisController, defined by the inequalities that lead into them.
 enum class Mode : std::uint8_t {
   approach,  // since the last target change, never certified at rest: damping k21

@@ -47,15 +47,14 @@ class ShapedMove {
   bool waits() const noexcept { return false; }
   void wait() noexcept {}
   void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }
-  // A period without a reading counts as one in which nothing changed.
-  void skip(Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
-    if (!primed_) return;
-    if (seen_ < most_periods) ++seen_;
-    remember(newest_m_);
-  }
 
-  // Takes the newest position error and returns true when the plan is over.
-  bool see(Scalar x, Scalar /*force_N*/, Scalar /*command_N*/) noexcept {
+  // Takes the newest position error and returns true when the plan is over. Where the reading is lost nothing counts as
+  // changed, and the last force is to go on.
+  bool see(Scalar x, Scalar /*force_N*/, Scalar /*command_N*/, Reading reading = Reading::there) noexcept {
+    if (reading == Reading::lost) {
+      skip();
+      return false;
+    }
     if (!primed_) {
       begin(x);
     } else {
@@ -79,6 +78,7 @@ class ShapedMove {
            a_->damping_Ns_per_m * (speed_m_s - v);
   }
 
+  bool reckons() const noexcept { return false; }
   bool turned_often() const noexcept { return false; }
   Scalar heading() const noexcept { return direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_m_s_; }
@@ -89,6 +89,12 @@ class ShapedMove {
     most_gain_m_ = std::min(a_->acceleration_m_s2 * share * period_s_, max_speed_m_s_) * period_s_;
     const Scalar most = max_speed_m_s_ / (a_->acceleration_m_s2 * share * period_s_);
     most_rising_ = most < Scalar(30000) ? std::max(static_cast<std::int32_t>(most), std::int32_t{1}) : 30000;
+  }
+
+  void skip() noexcept {
+    if (!primed_) return;
+    if (seen_ < most_periods) ++seen_;
+    remember(newest_m_);
   }
 
   void begin(Scalar x) noexcept {
