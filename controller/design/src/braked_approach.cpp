@@ -21,6 +21,7 @@ constexpr double soon_moving = 15;        // periods until an axis moves, well b
 constexpr double unseen_speed = 0.5;      // of the speed at which the brake takes over: so far may the estimate be off
 constexpr double unseen_gain = 4;         // times what an unknown mass and force gain add to it while it is not seen
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
+constexpr double misread_in_a_row = 2;    // periods with the wrong force, as an axis is to begin to brake
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
 
 // Of a class with limits of a move; what the drive cannot give is not planned.
@@ -131,8 +132,8 @@ double least_move_speed_m_s(const BrakedDesign<Real>& design) {
 // since. A reading that is off, by a count or by jitter, lets the plan take the axis for faster still. So the axis goes
 // slower than V by what is computed here, and must not stand. Far below the speed at which the brake takes over
 // friction stops the axis before a force that was planned too low comes back, and an axis that stands again and again
-// looks like one that is driven to and fro. While samples are lost the last force goes on, with all that a reading put
-// into it; in a long approach now and then two are lost in a row.
+// looks like one that is driven to and fro. While samples are lost the axis is reckoned on under its least friction,
+// with all that the last reading put into its speed; in a long approach now and then two are lost in a row.
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
   constexpr double moving = 1.25, of_switch_speed = 1.0 / 3;
@@ -163,23 +164,23 @@ double hand_over_m(const BrakedDesign<Real>& design) {
 
 namespace {
 
-// An axis that is to brake from the speed v by a_h, and goes on by a for tau since samples are lost, is taken back by a
-// deceleration of up to d. It goes further by (v + a tau)^2 / (2 d) - v^2 / (2 a_h) + v tau + a tau^2 / 2, which is
-// greatest at some v.
+// An axis that is to brake from the speed v by a_h, and goes on by a for tau because readings that jitter, or are lost,
+// have it taken for slower, is taken back by a deceleration of up to d. It goes further by
+// (v + a tau)^2 / (2 d) - v^2 / (2 a_h) + v tau + a tau^2 / 2, which is greatest at some v.
 template <class Real>
-double lost_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double fastest_m_s) {
+double misread_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double fastest_m_s) {
   const KickClass kicks{axes};
   const PlannedForce force{axes, kicks};
   const bool moves = plan.move.are_asked_for();
-  const double lost_s = detail::lost_in_a_row * axes.period_s, braking = static_cast<double>(plan.hard_m_s2);
+  const double misread_s = misread_in_a_row * axes.period_s, braking = static_cast<double>(plan.hard_m_s2);
   const double most_N = kicks.limit_N();
   const double sure = moves ? force.sure_deceleration(planned_deceleration_m_s2(axes, kicks))
                             : (force.gain_least * most_N + force.least_N) / force.heaviest_kg;
   const double given = (force.gain_most * most_N - force.least_N) / force.lightest_kg;
   const double speeding = moves ? std::min(given, axes.move->acceleration_m_s2) : given;
-  const double late_s = lost_s * (1 + speeding / sure), taken_back = std::max(1 / braking - 1 / sure, 0.0) / 2;
+  const double late_s = misread_s * (1 + speeding / sure), taken_back = std::max(1 / braking - 1 / sure, 0.0) / 2;
   const double v = std::min(fastest_m_s, late_s / (2 * taken_back));
-  return v * (late_s - v * taken_back) + speeding * lost_s * late_s / 2;
+  return v * (late_s - v * taken_back) + speeding * misread_s * late_s / 2;
 }
 
 }  // namespace
@@ -195,7 +196,7 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
       plan.move.are_asked_for() ? std::min(max_speed_m_s, static_cast<double>(plan.move.speed_m_s)) : max_speed_m_s;
   const double beyond_m = detail::hand_overs_beyond * hand_over_m(design) +
                           (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m +
-                          lost_beyond_m(axes, plan, fastest_m_s);
+                          misread_beyond_m(axes, plan, fastest_m_s);
   if (!axes.move) return beyond_m;
   const double in_move_m = axes.move->acceleration_m_s2 * T * T;
   if (!axes.move->jerk_m_s3) return beyond_m + in_move_m;

@@ -314,10 +314,8 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   if (c.move)
     conditions.emplace_back(
         "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "
-        "jerk is of what is planned; tested, not proved: that the speed stays within its limit to 1 %, and where "
-        "samples "
-        "are lost as the axis ends speeding up to what its acceleration adds in that time, " +
-        brief(2 * c.period_s * c.move->acceleration_m_s2) + " m/s for two");
+        "jerk is of what is planned; tested, not proved: that the speed stays within its limit to 1 %, also where "
+        "samples are lost");
   return conditions;
 }
 

@@ -118,7 +118,7 @@ constexpr double most_lag_with_jerk = 0.5;                                    //
 constexpr double most_unknown_with_jerk = 0.1;                                // of mass and force gain together
 
 // So far may an approach go beyond its target before brake and kicks take over, where it goes no faster than this, also
-// where samples are lost as it is to begin to brake: tested, not proved.
+// where readings that jitter or are lost are off as it is to begin to brake: tested, not proved.
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
 
