@@ -92,6 +92,7 @@ std::string summary(const config::Node& node, const ReportedRow& reported, doubl
                                    format::length_text(tolerance_m)));
   table.row("Settling time", fmt::format("median {}, worst {}", seconds(study::median_settling_time_s(row)),
                                          seconds(study::worst_settling_time_s(row))));
+  table.row("Within the tolerance for good", fmt::format("worst {}", seconds(study::worst_time_inside_s(row))));
   table.row("Worst error", format::length_text(study::worst_error_m(row)));
   table.row("Furthest past the target", format::length_text(study::worst_excursions(row).overshoot_m));
   table.row("Furthest past it by a kick", format::length_text(study::worst_excursions(row).beyond_m));

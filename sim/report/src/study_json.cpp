@@ -37,6 +37,7 @@ void write_row(format::JsonWriter& json, const StudiedAxis& axis, const StudyRow
   json.member("faulted", faulted_runs(row));
   json.member("median_settling_time_s", median_settling_time_s(row));
   json.member("worst_settling_time_s", worst_settling_time_s(row));
+  json.member("worst_time_inside_s", worst_time_inside_s(row));
   json.member("worst_law", slowest_run(row).law);
   json.member("worst_error_m", worst_error_m(row));
   write_excursions(json, worst_excursions(row));

@@ -166,6 +166,16 @@ double worst_settling_time_s(const StudyRow& row) {
   return row.runs.empty() ? std::numeric_limits<double>::quiet_NaN() : sorted_times(row).back();
 }
 
+double worst_time_inside_s(const StudyRow& row) {
+  const auto is_watched = [](const StudyRun& run) { return !run.reached.empty(); };
+  if (row.runs.empty() || !std::ranges::all_of(row.runs, is_watched)) return std::numeric_limits<double>::quiet_NaN();
+  const auto inside_s = [](const StudyRun& run) {
+    const double time_s = run.reached.back().time_s;
+    return std::isnan(time_s) ? std::numeric_limits<double>::infinity() : time_s;
+  };
+  return inside_s(*std::ranges::max_element(row.runs, {}, inside_s));
+}
+
 const StudyRun& slowest_run(const StudyRow& row) { return *std::ranges::max_element(row.runs, {}, time_or_infinity); }
 
 double worst_error_m(const StudyRow& row) {

@@ -20,6 +20,7 @@ struct Quantity {
 constexpr std::array quantities{
     Quantity{"worst_settling_s", [](const StudyRow& r) { return worst_settling_time_s(r); }},
     Quantity{"median_settling_s", [](const StudyRow& r) { return median_settling_time_s(r); }},
+    Quantity{"worst_time_inside_s", [](const StudyRow& r) { return worst_time_inside_s(r); }},
     Quantity{"worst_error_m", [](const StudyRow& r) { return worst_error_m(r); }},
     Quantity{"overshoot_m", [](const StudyRow& r) { return worst_excursions(r).overshoot_m; }},
     Quantity{"beyond_m", [](const StudyRow& r) { return worst_excursions(r).beyond_m; }},

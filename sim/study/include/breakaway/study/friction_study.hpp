@@ -72,6 +72,9 @@ void require_within_limits(const scenario::Scenario& scenario, const Start& star
 // Times of runs that never settled count as infinite. Empty rows give NaN.
 double median_settling_time_s(const StudyRow& row);
 double worst_settling_time_s(const StudyRow& row);
+// From when on every run stayed within the tolerance that is judged, at rest or kicked on within it. Infinite where one
+// did not; NaN of an empty row, and under the ideal law.
+double worst_time_inside_s(const StudyRow& row);
 double worst_error_m(const StudyRow& row);
 // The run that settled last or not at all, the first of several. Requires a run.
 const StudyRun& slowest_run(const StudyRow& row);
