@@ -247,6 +247,8 @@ constexpr CounterExample counter_examples[] = {
     {10099504, Start::as_drawn, "noise hides until late that it moved, and its proof of rest begins anew"},
     {10024422, Start::as_drawn, "passes its target as the sample is lost in which it was to begin to brake"},
     {10018059, Start::far_away, "the same"},
+    {20140503, Start::far_away, "taken for arrived by what its force still owed, further away than kicks are for"},
+    {20159589, Start::far_away, "passes its target as a sample is lost in which it was to brake"},
     {600024, Start::far_away, "ends its approach further away than kicks are for"},
     {600285, Start::far_away, "ends its approach further away than kicks are for"},
     {601090, Start::far_away, "ends its approach further away than kicks are for"},
@@ -254,6 +256,7 @@ constexpr CounterExample counter_examples[] = {
     {458, Start::slow, "the same with jitter"},
     {497, Start::slow, "the same with noise: what it was allowed is a fiftieth of what its brake takes over at"},
     {624, Start::slow, "a count a period is a third of its speed"},
+    {30200012, Start::slow, "turns again and again, as noise alone said on which side friction acts"},
     {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 
@@ -322,9 +325,7 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
     tally.hardest = std::max(tally.hardest, end.approach_m_s2 / c.move->acceleration_m_s2);
     const std::string where = "move " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault);
-    // While samples are lost the last force goes on.
-    const double lost_m_s = end.lost_in_a_row * c.period_s * c.move->acceleration_m_s2;
-    EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s + lost_m_s) << where;
+    EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s) << where;
     EXPECT_LE(end.approach_m_s2, 1.001 * c.move->acceleration_m_s2) << where;
     EXPECT_LE(end.approach_beyond_m, design::approach_beyond_m(c, design, c.move->speed_m_s)) << where;
     const double approach_s = design::approach_s(c, design, 1e6, c.move->distance_m);
@@ -359,7 +360,7 @@ void run_moves(Samples samples) {
 TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) { run_moves(Samples::all); }
 
 // One in a hundred of half of the runs, and noise.
-TEST(BrakedCampaign, EveryCertifiedMoveThatLosesSamplesGoesNoFasterThanTheyLetIt) { run_moves(Samples::some_lost); }
+TEST(BrakedCampaign, EveryCertifiedMoveThatLosesSamplesKeepsItsLimits) { run_moves(Samples::some_lost); }
 
 TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_TOLD_WRONG", 100);
