@@ -101,7 +101,7 @@ class ApproachPlan {
   // Takes the newest position error and returns true when the brake is to take over. force_N: where the force is as
   // this period begins; command_N: what was commanded in the last one. Where the reading is lost x is not looked at:
   // the axis is reckoned on under its least friction, and reckons() says whether force_N() is to be asked. Otherwise
-  // the last force is to go on, because only a reading shows that an axis has arrived or which way a new target lies.
+  // the last force is to go on, because only a reading shows that an axis has arrived or passed its target.
   bool see(Scalar x, Scalar force_N, Scalar command_N, Reading reading = Reading::there) noexcept {
     const bool is_read = reading == Reading::there;
     if (!primed_) {
@@ -109,13 +109,10 @@ class ApproachPlan {
       if (!is_read) return false;
       begin(x, force_N);
     }
-    const bool turns = retargeted_ || passed_;
-    if (turns && is_read) face(x);
     remember(force_N, command_N);
-    if (is_read)
-      estimate(x);
-    else
-      x = reckon();
+    if (!is_read) x = reckon();
+    if (retargeted_ || (passed_ && is_read)) face(x);
+    if (is_read) estimate(x);
     predict(x);
     // A force that has yet to come brings no axis near that is not there.
     const Scalar there_m = distance_;
@@ -123,7 +120,7 @@ class ApproachPlan {
     const Scalar take_over = take_over_m();
     const bool is_near = distance_ <= take_over && there_m <= take_over;
     if (!is_read) {
-      reckons_ = !is_near && !turns;
+      reckons_ = !is_near && !passed_;
       return false;
     }
     passed_ = a_->move.are_asked_for() && distance_ < passed_m_;
@@ -194,10 +191,7 @@ class ApproachPlan {
     if (passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
     retargeted_ = passed_ = false;
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
-    if (towards != direction_) {
-      move_.turn();
-      speed_ = -speed_;
-    }
+    if (towards != direction_) move_.turn();
     direction_ = towards;
     forward_ = velocity_ * direction_ > a_->standing_m_s;
   }
@@ -207,7 +201,7 @@ class ApproachPlan {
     last_force_N_ = force_N;
     direction_ = x > 0 ? Scalar{-1} : Scalar{1};
     previous_m_ = x;
-    velocity_ = speed_ = skipped_m_ = 0;
+    velocity_ = skipped_m_ = 0;
     turns_ = 0;
     forward_ = false;
     missed_ = -1;  // the first reading tells no speed
@@ -220,20 +214,16 @@ class ApproachPlan {
   void remember(Scalar force_N, Scalar command_N) noexcept {
     const Scalar mean_N = command_N + (last_force_N_ - force_N) * a_->lag_s * per_period_;
     last_force_N_ = force_N;
-    const Scalar friction_N = friction_against(moving_m_s(), mean_N);
+    const Scalar friction_N = friction_against(velocity_, mean_N);
     newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
     accelerations_[newest_] = (mean_N - friction_N) * per_mass_;
   }
-  // Friction opposes motion, whichever way the force acts; at rest it holds what it can.
+  // Friction opposes motion, whichever way the force acts; at rest it holds what it can. What noise alone may show says
+  // nothing of which way the axis moves: one that has set out is seen late, and moves as the force acts.
   Scalar friction_against(Scalar v, Scalar force_N) const noexcept {
-    if (v > 0) return a_->friction_N;
-    if (v < 0) return -a_->friction_N;
+    if (v > a_->standing_m_s) return a_->friction_N;
+    if (v < -a_->standing_m_s) return -a_->friction_N;
     return limited(force_N, a_->friction_N);
-  }
-  // Where noise is all that is seen, what was commanded since tells which way the axis moves.
-  Scalar moving_m_s() const noexcept {
-    if (!(std::abs(velocity_) < a_->standing_m_s)) return velocity_;
-    return std::abs(speed_) > a_->standing_m_s ? speed_ * direction_ : Scalar{0};
   }
   std::size_t place(std::size_t periods_ago) const noexcept {
     const std::size_t index = newest_ + periods_ago;

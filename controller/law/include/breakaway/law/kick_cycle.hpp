@@ -51,6 +51,7 @@ class KickCycle {
         ringing_m_{half_count_m_ * (kicks.spring.is_there() ? Scalar{3} : Scalar{1})},
         still_m_{ringing_m_},
         reverse_limit_m_{unseen_m * Scalar(2.5)},
+        brake_steps_{whole_steps(kicks.brake_N + kicks.force_step_N / 2)},
         latency_{latency} {
     limit_force(max_force_N);
     reduced_ = false;
@@ -228,7 +229,7 @@ class KickCycle {
       case Phase::cut:
         return -along * within_limit(cut_steps());
       case Phase::brake:
-        return -along * within_limit(whole_steps(kicks_->brake_N + kicks_->force_step_N / 2));
+        return -along * within_limit(brake_steps_);
       case Phase::released:
         return 0;
     }
@@ -243,11 +244,11 @@ class KickCycle {
   }
 
   // So much that the fastest loop reaches the brake's force at the end of the period. From above it comes down by
-  // itself.
+  // itself. Rounding must not lose the brake's last step, which a pulse may need to start from.
   std::int32_t preload_steps() const noexcept {
-    if (force().upper_N > kicks_->brake_N) return whole_steps(kicks_->brake_N + kicks_->force_step_N / 2);
+    if (force().upper_N > kicks_->brake_N) return brake_steps_;
     const Scalar left = kicks_->fast_lag;
-    return whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left));
+    return std::max(whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left)), brake_steps_);
   }
 
   // So much that the fastest loop has come down to the brake's force at the end of the longest cut, from the least
@@ -320,6 +321,7 @@ class KickCycle {
   Scalar furthest_m_{};
   Scalar direction_ = 1;
   std::int32_t most_steps_ = 0;
+  std::int32_t brake_steps_ = 0;
   std::int32_t pulse_steps_ = 0;
   std::int32_t calm_ = 0;
   std::int32_t still_ = 0;
