@@ -244,6 +244,7 @@ constexpr CounterExample counter_examples[] = {
      "a pulse of a hundred periods within one count, after which it was held as it still moved"},
     {8089988, Start::as_drawn,
      "creeps on for 12 s, by friction that steers it, and its plan expects to turn now and then"},
+    {30207351, Start::as_drawn, "its preload is rounded to a step less than a pulse may start from, and waits in vain"},
     {10099504, Start::as_drawn, "noise hides until late that it moved, and its proof of rest begins anew"},
     {10024422, Start::as_drawn, "passes its target as the sample is lost in which it was to begin to brake"},
     {10018059, Start::far_away, "the same"},

@@ -273,7 +273,7 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
 std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
-      "its places, and that one of four approaches ends where kicks begin, within reach_m or hand_over_m of the "
+      "its places, and that one of four approaches ends where kicks begin, within reach_m or 1.01 hand_over_m of the "
       "target, "
       "and none goes further than approach_beyond_m beyond it";
   const BrakedClass& c = *axis.braked;

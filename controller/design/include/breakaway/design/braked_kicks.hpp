@@ -97,7 +97,8 @@ double hand_over_m(const BrakedDesign<Real>& design);
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design);
 
-// The distance from which kicks may be needed: that, or what one kick can aim for, whichever is more.
+// The distance from which kicks may be needed: a hundredth more than hand_over_m, or what one kick can aim for,
+// whichever is more.
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design);
 
