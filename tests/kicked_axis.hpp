@@ -186,7 +186,6 @@ struct RunEnd {
   bool ends_by_name() const { return fault != law::ControlFault::none || external_motion || no_motion; }
   double approach_m_s = 0;   // the greatest |speed| in the approach,
   double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
-  int lost_in_a_row = 0;     // samples of it, the longest row
 };
 
 // The target moves on by this much, once.
@@ -214,7 +213,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   Real unseen_s = 0;
   bool holds = false;
   RunEnd end;
-  int held = 0, lost_now = 0;
+  int held = 0;
   double kicked_from = 0, force_began_s = 0;
   Real force_N = 0;
   const auto periods = static_cast<long>(longest_s / T);
@@ -243,8 +242,6 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     }
     const std::optional<double>& seen = samples.front();
     if (!seen && end.kicks > 0) ++end.lost_samples;
-    lost_now = seen ? 0 : lost_now + 1;
-    if (end.kicks == 0) end.lost_in_a_row = std::max(end.lost_in_a_row, lost_now);
     unseen_s += p.period_s;
     if (seen) {
       const auto travel_m = static_cast<Real>((*seen - std::exchange(newest, *seen)) * q);
