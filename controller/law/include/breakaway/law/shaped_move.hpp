@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "breakaway/law/control_types.hpp"
 #include "breakaway/law/work_kicks.hpp"
 
 namespace breakaway::law {
