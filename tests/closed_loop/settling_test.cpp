@@ -55,6 +55,7 @@ TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
       EXPECT_LE(run.excursions.peak_speed_m_s, 5.1) << run.law;
       EXPECT_LE(run.kicks, 8U) << run.law;
       EXPECT_TRUE(run.faults.empty()) << run.law;
+      EXPECT_GE(worst_time_inside_s(rows[i]), run.reached.back().time_s) << run.law;
     }
     EXPECT_LE(worst_settling_time_s(rows[i]), worst_s[i]);
     EXPECT_LE(worst_time_inside_s(rows[i]), inside_s[i]);

@@ -237,12 +237,9 @@ double bent_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) 
   return start_m_s * axes.force_gain.most * impulse_Ns / A + bend_m;
 }
 
-// Behind a latency an approach from rest ends where the axis is expected to be under its least friction: the last of
-// the approaches that the law tries may leave it a little further away.
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design) {
-  constexpr double left_beyond = 1.01;
-  return std::max(design.reach_m, left_beyond * hand_over_m(design));
+  return std::max(design.reach_m, detail::left_beyond * hand_over_m(design));
 }
 
 template struct BrakedDesign<float>;

@@ -8,6 +8,10 @@ namespace breakaway::design::detail {
 // So many times as far away as the brake takes over may an approach end, and a move go beyond its target: tested.
 constexpr double hand_overs_beyond = 10;
 
+// So many times as far away may the last approach that the law tries leave an axis: behind a latency one from rest ends
+// where the axis is expected to be under its least friction.
+constexpr double left_beyond = 1.01;
+
 // Samples, as in a long approach happens now and then.
 constexpr double lost_in_a_row = 2;
 

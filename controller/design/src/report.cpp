@@ -15,6 +15,7 @@
 #include "breakaway/stability/attractivity.hpp"
 #include "brief.hpp"
 #include "check.hpp"
+#include "planned_force.hpp"
 #include "reachable.hpp"
 #include "work_checks.hpp"
 
@@ -273,9 +274,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
 std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
-      "its places, and that one of four approaches ends where kicks begin, within reach_m or 1.01 hand_over_m of the "
-      "target, "
-      "and none goes further than approach_beyond_m beyond it";
+      "its places, and that one of four approaches ends where kicks begin, within reach_m or " +
+      brief(detail::left_beyond) + " hand_over_m of the target, and none goes further than approach_beyond_m beyond it";
   const BrakedClass& c = *axis.braked;
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +

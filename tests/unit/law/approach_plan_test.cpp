@@ -87,16 +87,41 @@ TEST(ApproachPlan, KeepsItsForceWhereOnlyAReadingTellsWhatIsToBeDone) {
   EXPECT_FALSE(goes_on) << "of an axis that is reckoned to have arrived";
 }
 
+// The target goes back to where the axis must brake at once, before it or behind it.
+TEST(ApproachPlan, PlansForANewTargetInAPeriodWithoutAReading) {
+  BrakedApproach<double> approach = approach_behind(0);
+  approach.move = {1, 20, 20, 0};
+  for (const double left_m : {0.001, -0.05}) {
+    ApproachPlan<double> seeing{approach, T, 1, 0}, plan{approach, T, 1, 0};
+    Mover axis;
+    double force_N = 0;
+    while (axis.v_m_s < 0.5) {
+      for (ApproachPlan<double>* one : {&seeing, &plan}) {
+        ASSERT_FALSE(one->see(axis.x_m, force_N, force_N));
+        force_N = one->force_N();
+      }
+      axis.run(force_N);
+    }
+    const double shift_m = axis.x_m + left_m;
+    seeing.retarget(shift_m);
+    plan.retarget(shift_m);
+    ASSERT_FALSE(seeing.see(axis.x_m - shift_m, force_N, force_N));
+    ASSERT_TRUE(reckons_on(plan, force_N));
+    const double seen_N = seeing.force_N();
+    EXPECT_LT(seen_N, 0);
+    EXPECT_NEAR(plan.force_N(), seen_N, 1e-6);
+  }
+}
+
 TEST(ApproachPlan, IsNotThereByAForceThatIsYetToCome) {
   BrakedApproach<double> approach = approach_behind(1e-3);
   approach.lag_s = 4 * T;
   const double there_m = -approach.short_of_target_m - approach.switch_distance_m;
   ApproachPlan<double> plan{approach, T, 1, 0}, near{approach, T, 1, 0};
+  // A command that leads 3 % of the way nearer once its force has come, and adds hardly any speed.
+  const double command_N = -0.03 * there_m * approach.mass_kg / (approach.lag_s * approach.lag_s);
   ASSERT_FALSE(plan.see(1.02 * there_m, 0, 0));
-  const double force_N = plan.force_N();
-  ASSERT_GT(force_N * approach.lag_s * approach.lag_s / approach.mass_kg, -0.02 * there_m)
-      << "once it has come it leads there";
-  EXPECT_FALSE(plan.see(1.02 * there_m, 0, force_N));
+  EXPECT_FALSE(plan.see(1.02 * there_m, 0, command_N));
   EXPECT_TRUE(near.see(0.98 * there_m, 0, 0));
 }
 
