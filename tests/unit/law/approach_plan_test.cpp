@@ -14,7 +14,7 @@ namespace {
 
 using breakaway::testing::axes_of_the_scenes;
 
-constexpr double T = 1e-3, away_m = -1;
+constexpr double sampling_s = 1e-3, away_m = -1;
 
 BrakedApproach<double> approach_behind(double lag_s) {
   return design::design_braked_kicks<double>(axes_of_the_scenes(lag_s)).kicks.approach;
@@ -25,8 +25,8 @@ struct Mover {
   double x_m = away_m, v_m_s = 0;
 
   void run(double force_N) {
-    const double gain_m_s = (force_N - 2.5) * T;
-    x_m += (v_m_s + gain_m_s / 2) * T;
+    const double gain_m_s = (force_N - 2.5) * sampling_s;
+    x_m += (v_m_s + gain_m_s / 2) * sampling_s;
     v_m_s += gain_m_s;
   }
 };
@@ -40,7 +40,7 @@ bool reckons_on(ApproachPlan<double>& plan, double force_N) {
 TEST(ApproachPlan, KeepsToItsSpeedInPeriodsWithoutAReading) {
   const BrakedApproach<double> approach = approach_behind(0);
   for (const int seen_of : {2, 3, 5}) {
-    ApproachPlan<double> plan{approach, T, 1, 0};
+    ApproachPlan<double> plan{approach, sampling_s, 1, 0};
     Mover axis;
     double force_N = 0, fastest_m_s = 0;
     for (int n = 0; axis.x_m < -0.3; ++n) {
@@ -57,7 +57,7 @@ TEST(ApproachPlan, KeepsToItsSpeedInPeriodsWithoutAReading) {
 
 TEST(ApproachPlan, BrakesInTimeInPeriodsWithoutAReading) {
   const BrakedApproach<double> approach = approach_behind(0);
-  ApproachPlan<double> plan{approach, T, 100, 0}, seeing{approach, T, 100, 0};
+  ApproachPlan<double> plan{approach, sampling_s, 100, 0}, seeing{approach, sampling_s, 100, 0};
   Mover axis, seen;
   double force_N = 0, seen_force_N = 0;
   // Until the one that sees every period begins to brake, the other sees every period as well.
@@ -77,7 +77,7 @@ TEST(ApproachPlan, BrakesInTimeInPeriodsWithoutAReading) {
 
 TEST(ApproachPlan, KeepsItsForceWhereOnlyAReadingTellsWhatIsToBeDone) {
   const BrakedApproach<double> approach = approach_behind(0);
-  ApproachPlan<double> plan{approach, T, 1, 0};
+  ApproachPlan<double> plan{approach, sampling_s, 1, 0};
   EXPECT_FALSE(reckons_on(plan, 0)) << "before the first";
   EXPECT_FALSE(plan.see(away_m, 0, 0));
   EXPECT_TRUE(reckons_on(plan, 0));
@@ -92,7 +92,7 @@ TEST(ApproachPlan, PlansForANewTargetInAPeriodWithoutAReading) {
   BrakedApproach<double> approach = approach_behind(0);
   approach.move = {1, 20, 20, 0};
   for (const double left_m : {0.001, -0.05}) {
-    ApproachPlan<double> seeing{approach, T, 1, 0}, plan{approach, T, 1, 0};
+    ApproachPlan<double> seeing{approach, sampling_s, 1, 0}, plan{approach, sampling_s, 1, 0};
     Mover axis;
     double force_N = 0;
     while (axis.v_m_s < 0.5) {
@@ -115,9 +115,9 @@ TEST(ApproachPlan, PlansForANewTargetInAPeriodWithoutAReading) {
 
 TEST(ApproachPlan, IsNotThereByAForceThatIsYetToCome) {
   BrakedApproach<double> approach = approach_behind(1e-3);
-  approach.lag_s = 4 * T;
+  approach.lag_s = 4 * sampling_s;
   const double there_m = -approach.short_of_target_m - approach.switch_distance_m;
-  ApproachPlan<double> plan{approach, T, 1, 0}, near{approach, T, 1, 0};
+  ApproachPlan<double> plan{approach, sampling_s, 1, 0}, near{approach, sampling_s, 1, 0};
   // A command that leads 3 % of the way nearer once its force has come, and adds hardly any speed.
   const double command_N = -0.03 * there_m * approach.mass_kg / (approach.lag_s * approach.lag_s);
   ASSERT_FALSE(plan.see(1.02 * there_m, 0, 0));
@@ -130,7 +130,7 @@ TEST(ApproachPlan, CountsFrictionAgainstTheForceWhereNoiseIsAllThatIsRead) {
   BrakedApproach<double> approach = approach_behind(0);
   approach.standing_m_s = 0.01;
   constexpr int latency = 3;
-  ApproachPlan<double> quiet{approach, T, 0.1, latency}, noisy{approach, T, 0.1, latency};
+  ApproachPlan<double> quiet{approach, sampling_s, 0.1, latency}, noisy{approach, sampling_s, 0.1, latency};
   double quiet_N = 0, noisy_N = 0;
   for (int n = 0; n < latency; ++n) {
     const double noise_m = n % 2 == 0 ? 0 : -1e-6 / approach.correction;
