@@ -94,9 +94,12 @@ double approach_s(const BrakedClass& axes, const BrakedDesign<Real>& design, dou
   const bool gets_on = least_approach_speed_m_s(axes, design) <= allowed_m_s && fast.speeding_m_s2 > 0;
   if (!gets_on) return std::numeric_limits<double>::infinity();
   const double end_s = ends_s(axes, kicks, fast);
-  const double again_s =
-      slow.time_s(detail::hand_overs_beyond * away_m) + end_s + kicks.patient_periods * axes.period_s;
-  return along_the_way * fast.time_s(distance_m - away_m) + end_s + again * again_s;
+  // A fast one may pass its target; slow ones end where kicks can mend what they leave.
+  const double left_m = detail::hand_overs_beyond * away_m;
+  const double passed_m = std::max(left_m, approach_beyond_m(axes, design, max_speed_m_s));
+  const double ways_s = slow.time_s(passed_m) + (again - 1) * slow.time_s(left_m);
+  return along_the_way * fast.time_s(distance_m - away_m) + end_s + ways_s +
+         again * (end_s + kicks.patient_periods * axes.period_s);
 }
 
 template double approach_s(const BrakedClass&, const BrakedDesign<float>&, double, double);

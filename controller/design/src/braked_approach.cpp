@@ -20,6 +20,7 @@ constexpr Interval steps_of_jerk{4, 64};  // that lead to the full deceleration
 constexpr double soon_moving = 15;        // periods until an axis moves, well before it would count as stuck
 constexpr double unseen_speed = 0.5;      // of the speed at which the brake takes over: so far may the estimate be off
 constexpr double unseen_gain = 4;         // times what an unknown mass and force gain add to it while it is not seen
+constexpr double passed_by_jerk = 0.5;    // of what the jerk adds to it in a period: by so much a plan passes its limit
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
 constexpr double misread_in_a_row = 2;    // periods with the wrong force, as an axis is to begin to brake
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
@@ -40,16 +41,18 @@ void limit(law::BrakedApproach<Real>& approach, const BrakedClass& axes, const K
   const double speeding = std::min(force.acceleration(axes.move->acceleration_m_s2), given);
   // The speed may be off as far as it is not seen, and as what is not known of the acceleration adds until it is.
   const double blind_s = static_cast<double>(approach.response_s) + axes.latency_periods * axes.period_s;
+  const double jerk = axes.move->jerk_m_s3.value_or(0);
   const double unseen_m_s = unseen_speed * static_cast<double>(approach.switch_speed_m_s) +
-                            unseen_gain * (spread(axes.mass_kg) + spread(axes.force_gain)) * speeding * blind_s;
+                            unseen_gain * (spread(axes.mass_kg) + spread(axes.force_gain)) * speeding * blind_s +
+                            passed_by_jerk * jerk * axes.period_s * axes.period_s;
   approach.move = {
       .speed_m_s = static_cast<Real>(std::max(axes.move->speed_m_s - unseen_m_s, least_planned * axes.move->speed_m_s)),
       .acceleration_m_s2 = static_cast<Real>(speeding),
       .deceleration_m_s2 = static_cast<Real>(braking),
-      .jerk_m_s3 = static_cast<Real>(axes.move->jerk_m_s3.value_or(0))};
+      .jerk_m_s3 = static_cast<Real>(jerk)};
   approach.hard_m_s2 = std::min(approach.hard_m_s2, static_cast<Real>(followed * force.sure_deceleration(braking)));
   // It answers a friction above the least so late that it ends short enough.
-  if (axes.move->jerk_m_s3) approach.short_of_target_m = 0;
+  if (jerk > 0) approach.short_of_target_m = 0;
 }
 
 // Below this speed a friction that rises from its least to its greatest stops the axis before the plan can answer.
@@ -187,8 +190,10 @@ double misread_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>
 
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
-  // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter.
-  constexpr double late = 3, late_by_jitter = 16, late_by_jerk = 2;
+  // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter; and
+  // as much again where jitter has a pattern, so that the force that answers a late sample always acts for a short
+  // period.
+  constexpr double late = 3, late_by_jitter = 16, in_pattern = 2, late_by_jerk = 2;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
   const double T = axes.period_s, old_s = axes.latency_periods * T + static_cast<double>(plan.response_s);
   const double in_a_period_m = static_cast<double>(plan.hard_m_s2) * T * old_s;
@@ -197,6 +202,7 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const double beyond_m = detail::hand_overs_beyond * hand_over_m(design) +
                           (late + late_by_jitter * axes.jitter_s / T) * in_a_period_m +
                           misread_beyond_m(axes, plan, fastest_m_s);
+  if (axes.jitter_s > 0) return in_pattern * beyond_m;  // with which no move is certified
   if (!axes.move) return beyond_m;
   const double in_move_m = axes.move->acceleration_m_s2 * T * T;
   if (!axes.move->jerk_m_s3) return beyond_m + in_move_m;

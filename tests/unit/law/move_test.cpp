@@ -49,7 +49,7 @@ TEST(MovePlan, KeepsEveryLimitAndEndsWhereTheBrakeTakesOver) {
       const double jerk = axis.step(T);
       ASSERT_LE(std::fabs(jerk), j * (1 + 1e-9)) << run << " at " << k;
       ASSERT_LE(std::fabs(axis.acceleration), a * (1 + 1e-12)) << run << " at " << k;
-      ASSERT_LE(axis.speed_m_s, V * 1.001 + j * T * T) << run << " at " << k;
+      ASSERT_LE(axis.speed_m_s, V * 1.001 + 0.5 * j * T * T) << run << " at " << k;
     }
     EXPECT_LT(k, 100000) << run;
     EXPECT_LT(std::fabs(axis.speed_m_s), 1.25 * w1 + a * T) << run;

@@ -101,7 +101,7 @@ class ApproachPlan {
   // Takes the newest position error and returns true when the brake is to take over. force_N: where the force is as
   // this period begins; command_N: what was commanded in the last one. Where the reading is lost x is not looked at:
   // the axis is reckoned on under its least friction, and reckons() says whether force_N() is to be asked. Otherwise
-  // the last force is to go on, because only a reading shows that an axis has arrived or passed its target.
+  // it is reckoned to have arrived or passed its target, which only a reading shows, and no force is to be given.
   bool see(Scalar x, Scalar force_N, Scalar command_N, Reading reading = Reading::there) noexcept {
     const bool is_read = reading == Reading::there;
     if (!primed_) {

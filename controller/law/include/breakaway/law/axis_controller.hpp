@@ -297,7 +297,7 @@ class AxisController {
       cycle_.release(plan_.braking_periods());
       return give(0);
     }
-    const Scalar force_N = is_read || plan_.reckons() ? plan_.force_N() : last_force_N_;
+    const Scalar force_N = is_read || plan_.reckons() ? plan_.force_N() : Scalar{0};
     return give(cycle_.whole_steps(force_N + braked_->force_step_N / 2));
   }
 
