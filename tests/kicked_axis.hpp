@@ -40,9 +40,13 @@ struct TrueAxis {
   int latency_periods = 1;
 };
 
+// Which periods are late: at random, or in a pattern, which adds up what drawn periods even out.
+enum class Jitter : std::uint8_t { drawn, every_other_period, every_other_force, samples_by_threes };
+
 // What else a loop on a bus brings along.
 struct Disturbance {
-  double jitter_s = 0;    // new forces begin, and samples are taken, up to this after their whole periods
+  double jitter_s = 0;  // new forces begin, and samples are taken, up to this after their whole periods
+  Jitter jitter = Jitter::drawn;
   double noise_m = 0;     // of a reading, whole counts either way
   double lost_share = 0;  // of samples
   std::uint64_t seed = 0;
@@ -150,6 +154,7 @@ class Disturber {
   };
   Delay next_delay() {
     if (!(d_.jitter_s > 0)) return {0, 0};
+    if (d_.jitter != Jitter::drawn) return next_of_pattern();
     const double force_s = d_.jitter_s * extreme_share();
     return {force_s * extreme_share(), force_s};
   }
@@ -157,6 +162,18 @@ class Disturber {
   bool loses_sample() { return d_.lost_share > 0 && share() < d_.lost_share; }
 
  private:
+  Delay next_of_pattern() {
+    const double late_s = periods_ % 2 == 1 ? d_.jitter_s : 0, by_threes_s = periods_ / 3 % 2 == 1 ? d_.jitter_s : 0;
+    ++periods_;
+    switch (d_.jitter) {
+      case Jitter::every_other_period:
+        return {late_s, late_s};
+      case Jitter::every_other_force:
+        return {0, late_s};
+      default:
+        return {by_threes_s, d_.jitter_s};
+    }
+  }
   double share() { return std::ldexp(static_cast<double>(bits_() >> 11), -53); }
   double extreme_share() {
     const double choice = share();
@@ -165,6 +182,7 @@ class Disturber {
 
   Disturbance d_;
   double noise_counts_;
+  long periods_ = 0;
   std::mt19937_64 bits_;
 };
 

@@ -37,8 +37,8 @@ testing::TrueAxis true_axis(const BrakedClass& c, Random& r) {
 }
 
 // Where runs start: of the second kind up to 1000 times as far away as kicks are for, of the third as far away as an
-// approach of this speed comes in a hundred thousand periods.
-enum class Start { as_drawn, far_away, slow };
+// approach of this speed comes in a hundred thousand periods, of the fourth far away where jitter has a pattern.
+enum class Start { as_drawn, far_away, slow, far_away_in_pattern };
 constexpr double furthest_m = 2;
 constexpr double usual_m_s = 10;
 
@@ -91,12 +91,29 @@ std::optional<CertifiedAxis> slow_axis(long number) {
   return axis;
 }
 
+// An axis of a number whose loop has jitter.
+std::optional<CertifiedAxis> axis_with_jitter(long number) {
+  Random r{static_cast<std::uint64_t>(number) + 4'000'000'000};
+  BrakedClass c = random_axes(r);
+  if (!(c.jitter_s > 0)) c.jitter_s = c.period_s * design::most_jitter * (r.share() < 0.3 ? 1 : r.share());
+  return certified(number, c, r);
+}
+
 std::optional<CertifiedAxis> axis_of(long number, Start from) {
+  if (from == Start::far_away_in_pattern) return axis_with_jitter(number);
   return from == Start::slow ? slow_axis(number) : certified_axis(number);
 }
 
 bool approach_gets_on(const CertifiedAxis& axis) {
   return design::least_approach_speed_m_s(axis.axes, axis.design) <= axis.max_approach_speed_m_s;
+}
+
+testing::Disturbance disturbance_of(CertifiedAxis& axis, Start from, int kind) {
+  using testing::Jitter;
+  constexpr Jitter patterns[] = {Jitter::every_other_period, Jitter::every_other_force, Jitter::samples_by_threes};
+  testing::Disturbance d = disturbance(axis.axes, axis.r);
+  if (from == Start::far_away_in_pattern) d.jitter = patterns[(axis.number + kind) % 3];
+  return d;
 }
 
 void run(CertifiedAxis& axis, Start from, Tally& tally) {
@@ -119,8 +136,9 @@ void run(CertifiedAxis& axis, Start from, Tally& tally) {
                                                std::max(3 * axis.design.floor_m, q), tolerance_m);
     // The target is a count. Where the tolerance is less than one, the places of the counts matter.
     const double encoder_offset = tolerance_m < q ? 0 : axis.r.between(-0.5, 0.5);
-    const auto end = testing::run_kicked_axis<float>(p, unused, axis.design.kicks, truth, friction, side * distance_m,
-                                                     0, longest_s, 4, 50, encoder_offset, {}, disturbance(c, axis.r));
+    const auto end =
+        testing::run_kicked_axis<float>(p, unused, axis.design.kicks, truth, friction, side * distance_m, 0, longest_s,
+                                        4, 50, encoder_offset, {}, disturbance_of(axis, from, kind));
     const double first_m = std::max(end.first_kick_m, tolerance_m);
     const double promised_s = axis.promise.most_s(first_m) + static_cast<double>(end.lost_samples) * c.period_s;
     tally.note(end, c, promised_s);
@@ -151,7 +169,8 @@ void run_all(Start from, long first, long axes) {
     ++tally.certified;
     if (from == Start::as_drawn || design::kicks_begin_m(axis->design) < furthest_m) run(*axis, from, tally);
   }
-  constexpr const char* says[] = {"", " from far away", " at little more than the least speed"};
+  constexpr const char* says[] = {"", " from far away", " at little more than the least speed",
+                                  " from far away under jitter in a pattern"};
   std::printf(
       "%ld of %ld axes certified, %ld runs%s, at most %ld kicks, %.3f of what may be beyond, %.3f of the time "
       "promised, %.3f of that of the approach, %.3f of its way beyond the target\n",
@@ -170,6 +189,10 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAway) {
 
 TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseAtLittleMoreThanItsLeastSpeed) {
   run_all(Start::slow, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_SLOW_AXES", 20));
+}
+
+TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseFromFarAwayUnderJitterInAPattern) {
+  run_all(Start::far_away_in_pattern, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_PATTERNED_AXES", 20));
 }
 
 // The target moves once: in the approach or between kicks, by what kicks are for or by as much as the axis is away.
@@ -248,6 +271,7 @@ constexpr CounterExample counter_examples[] = {
     {10099504, Start::as_drawn, "noise hides until late that it moved, and its proof of rest begins anew"},
     {10024422, Start::as_drawn, "passes its target as the sample is lost in which it was to begin to brake"},
     {10018059, Start::far_away, "the same"},
+    {40450827, Start::as_drawn, "reckoned to be there as a sample is lost, driven on, and later than said"},
     {20140503, Start::far_away, "taken for arrived by what its force still owed, further away than kicks are for"},
     {20159589, Start::far_away, "passes its target as a sample is lost in which it was to brake"},
     {600024, Start::far_away, "ends its approach further away than kicks are for"},
@@ -258,6 +282,8 @@ constexpr CounterExample counter_examples[] = {
     {497, Start::slow, "the same with noise: what it was allowed is a fiftieth of what its brake takes over at"},
     {624, Start::slow, "a count a period is a third of its speed"},
     {30200012, Start::slow, "turns again and again, as noise alone said on which side friction acts"},
+    {403552, Start::far_away_in_pattern, "goes a quarter further beyond than said: every other sample is late"},
+    {201499, Start::far_away_in_pattern, "a fifth further: it trusts readings little, and forces act late and early"},
     {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 
@@ -300,9 +326,23 @@ struct MoveTally {
   double furthest = 0, fastest = 0, hardest = 0, latest = 0;
 };
 
-enum class Samples { all, some_lost };
+// What else happens to the runs of a move. A target that moves does it while the move is under way.
+enum class Trouble { none, lost_samples, target_moves };
 
-void run_move(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, Random& r, Samples samples,
+testing::Retarget retarget_of(const BrakedClass& c, const design::BrakedDesign<float>& design, Random& r) {
+  const double near_m = design::hand_over_m(design) * r.decades(0.1, 10), far_m = 2 * c.move->distance_m * r.share();
+  const double shift_m = (r.share() < 0.5 ? near_m : far_m) * (r.share() < 0.5 ? 1 : -1);
+  return {.at_s = 0.7 * design::least_move_s(*c.move) * r.share(), .shift_m = shift_m};
+}
+
+// Where its target turns it back, force and friction brake an axis together for the moment in which it is taken for one
+// that stands, and its readings do not tell.
+double most_acceleration_m_s2(const BrakedClass& c, Trouble trouble) {
+  const double both_m_s2 = (c.friction.lower_N + c.friction.upper_N) / c.mass_kg.least;
+  return 1.001 * c.move->acceleration_m_s2 + (trouble == Trouble::target_moves ? both_m_s2 : 0);
+}
+
+void run_move(long number, const BrakedClass& c, const design::BrakedDesign<float>& design, Random& r, Trouble trouble,
               MoveTally& tally) {
   auto p = parameters(c, design.least_tolerance_m);
   p.max_approach_speed_m_s = 1e6F;
@@ -316,19 +356,22 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
     const double longest_s =
         150 * c.period_s * (2 * design.kicks.either_way_periods + 1500) + 20 + 20 * design::least_move_s(*c.move);
     const double encoder_offset = r.between(-0.5, 0.5);
+    const bool target_moves = trouble == Trouble::target_moves;
+    const auto retarget = target_moves ? retarget_of(c, design, r) : testing::Retarget{};
     const auto end = testing::run_kicked_axis<float>(
-        p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 2, 50, encoder_offset, {},
-        samples == Samples::all ? testing::Disturbance{} : disturbance(c, r));
+        p, unused, design.kicks, truth, friction, start_m, 0, longest_s, 2, 50, encoder_offset, retarget,
+        trouble == Trouble::lost_samples ? disturbance(c, r) : testing::Disturbance{});
     ++tally.runs;
-    tally.furthest =
-        std::max(tally.furthest, end.approach_beyond_m / design::approach_beyond_m(c, design, c.move->speed_m_s));
     tally.fastest = std::max(tally.fastest, end.approach_m_s / c.move->speed_m_s);
     tally.hardest = std::max(tally.hardest, end.approach_m_s2 / c.move->acceleration_m_s2);
     const std::string where = "move " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault);
     EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s) << where;
-    EXPECT_LE(end.approach_m_s2, 1.001 * c.move->acceleration_m_s2) << where;
-    EXPECT_LE(end.approach_beyond_m, design::approach_beyond_m(c, design, c.move->speed_m_s)) << where;
+    EXPECT_LE(end.approach_m_s2, most_acceleration_m_s2(c, trouble)) << where;
+    if (target_moves) continue;  // the others are promised from rest
+    const double approach_beyond_m = design::approach_beyond_m(c, design, c.move->speed_m_s);
+    tally.furthest = std::max(tally.furthest, end.approach_beyond_m / approach_beyond_m);
+    EXPECT_LE(end.approach_beyond_m, approach_beyond_m) << where;
     const double approach_s = design::approach_s(c, design, 1e6, c.move->distance_m);
     tally.latest = std::max(tally.latest, (end.kicks > 0 ? end.first_kick_s : end.time_s) / approach_s);
     EXPECT_LE(end.kicks > 0 ? end.first_kick_s : end.time_s, approach_s) << where;
@@ -337,20 +380,20 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
 }
 
 // The move of a number, where it is certified.
-void run_numbered_move(long number, Samples samples, MoveTally& tally) {
+void run_numbered_move(long number, Trouble trouble, MoveTally& tally) {
   Random r{static_cast<std::uint64_t>(number) + 5'000'000};
   BrakedClass c = random_axes(r);
   const auto design = random_move(c, r);
   if (!design) return;
   ++tally.moves;
-  run_move(number, c, *design, r, samples, tally);
+  run_move(number, c, *design, r, trouble, tally);
 }
 
-void run_moves(Samples samples) {
+void run_moves(Trouble trouble) {
   const long moves = asked_for("BREAKAWAY_BRAKED_MOVES", 100);
   MoveTally tally;
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0);
-  for (long number = first; number < first + moves; ++number) run_numbered_move(number, samples, tally);
+  for (long number = first; number < first + moves; ++number) run_numbered_move(number, trouble, tally);
   std::printf(
       "%ld of %ld moves, %ld runs, at most %.3f of the speed, %.3f of the acceleration, %.2f of what may be beyond, "
       "%.3f of the time of the approach\n",
@@ -358,10 +401,12 @@ void run_moves(Samples samples) {
   EXPECT_GE(tally.moves, moves / 2);
 }
 
-TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) { run_moves(Samples::all); }
+TEST(BrakedCampaign, EveryCertifiedMoveKeepsItsLimits) { run_moves(Trouble::none); }
 
 // One in a hundred of half of the runs, and noise.
-TEST(BrakedCampaign, EveryCertifiedMoveThatLosesSamplesKeepsItsLimits) { run_moves(Samples::some_lost); }
+TEST(BrakedCampaign, EveryCertifiedMoveThatLosesSamplesKeepsItsLimits) { run_moves(Trouble::lost_samples); }
+
+TEST(BrakedCampaign, EveryCertifiedMoveWhoseTargetMovesKeepsItsLimits) { run_moves(Trouble::target_moves); }
 
 TEST(BrakedCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_TOLD_WRONG", 100);
@@ -408,10 +453,11 @@ TEST(BrakedCampaign, MovesThatFailedOnceKeepTheirLimits) {
            {11546, "a thousandth further, under one friction"},
            {21237, "a fifth further, a force gain off by a tenth"},
            {30256, "was driven to and fro where the brake did not take over from a plan that braked harder"},
+           {702310, "reached its speed within seven periods of jerk, and went 2 % faster"},
            {7001124, "half as far again: friction fell, and the jerk let it be answered in ten periods"},
        }) {
     const long before = tally.moves;
-    run_numbered_move(example.number, Samples::all, tally);
+    run_numbered_move(example.number, Trouble::none, tally);
     EXPECT_EQ(tally.moves, before + 1) << "move " << example.number << " is refused, which " << example.what;
   }
 }
