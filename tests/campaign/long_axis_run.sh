@@ -6,9 +6,11 @@ if [[ $# -ne 3 ]]; then
   cat >&2 <<'HELP'
 Usage: tests/campaign/long_axis_run.sh FIRST COUNT DIRECTORY
 
-Runs the axes of COUNT numbers from FIRST under the coast "brake", a fifth of them from far away as well, and writes into
-DIRECTORY what was said of each 500 of them, and total.txt: how many were certified and run, and which failed. A lump that is there is left out, so that a run
-that was stopped goes on. BREAKAWAY_BUILD names the build directory (build/release).
+Runs the axes of COUNT numbers from FIRST under the coast "brake", a fifth of them from far away as well, and 20 of each
+500 at little more than their least speed and under jitter in a pattern (BREAKAWAY_FAR_AXES, BREAKAWAY_SLOW_AXES,
+BREAKAWAY_PATTERNED_AXES: so many of each 500). Writes into DIRECTORY what was said of each 500 of them, and total.txt:
+how many were certified and run, and which failed. A lump that is there is left out, so that a run that was stopped goes
+on. BREAKAWAY_BUILD names the build directory (build/release).
 
 Example: nice -n 19 tests/campaign/long_axis_run.sh 0 100000 /tmp/axes
 HELP
@@ -24,7 +26,7 @@ for ((number = first; number < first + count; number += lump)); do
   [[ -f $name.txt ]] && continue
   axes=$((first + count - number < lump ? first + count - number : lump))
   # Its exit status tells of failures, which the total lists.
-  BREAKAWAY_FIRST_AXIS=$number BREAKAWAY_BRAKED_AXES=$axes BREAKAWAY_FAR_AXES=$((axes / 5)) \
+  BREAKAWAY_FIRST_AXIS=$number BREAKAWAY_BRAKED_AXES=$axes BREAKAWAY_FAR_AXES=${BREAKAWAY_FAR_AXES:-$((axes / 5))} \
     "$test" --gtest_filter='*EveryCertifiedAxisKeepsItsPromise*' \
     > "$name.part" 2>&1 || true
   mv "$name.part" "$name.txt"
@@ -33,9 +35,12 @@ done
 cat "$directory"/axes_*.txt | awk '
   / axes certified, .* runs, / { certified += $1; axes += $3; runs += $6 }
   / runs from far away, / { far += $6 }
+  / runs at little more than / { slow += $6 }
+  / under jitter in a pattern, / { patterned += $6 }
   /^axis [0-9]+, friction/ { sub(",", "", $2); failed[$2] = 1 }
   END {
-    printf "%d of %d axes certified, %d runs and %d from far away, failed:", certified, axes, runs, far
+    printf "%d of %d axes certified, %d runs, %d from far away, %d slow and %d under jitter in a pattern, failed:", \
+      certified, axes, runs, far, slow, patterned
     for (axis in failed) printf " %s", axis
     print ""
   }' > "$directory/total.txt"
