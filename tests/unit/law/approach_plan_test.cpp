@@ -143,5 +143,18 @@ TEST(ApproachPlan, CountsFrictionAgainstTheForceWhereNoiseIsAllThatIsRead) {
   EXPECT_NEAR(noisy_N, quiet_N, 2);
 }
 
+// What follows an approach whose target moved is no slow one: it may have passed the target only.
+TEST(ApproachPlan, BeginsInMotionWhereItsTargetMovesOnTheWay) {
+  const BrakedApproach<double> approach = approach_behind(0);
+  ApproachPlan<double> plan{approach, sampling_s, 1, 0};
+  plan.retarget(0.1);
+  EXPECT_FALSE(plan.began_in_motion()) << "it had not set out";
+  EXPECT_FALSE(plan.see(away_m, 0, 0));
+  plan.retarget(0.1);
+  EXPECT_TRUE(plan.began_in_motion());
+  plan.restart();
+  EXPECT_FALSE(plan.began_in_motion());
+}
+
 }  // namespace
 }  // namespace breakaway::law

@@ -83,14 +83,15 @@ class ApproachPlan {
     waiting_periods_ = static_cast<std::int32_t>(std::min(early_s * per_period_, longest_wait));
     velocity_ = 0;
   }
-  // The approach that has begun finds the axis in motion.
+  // The approach that has begun finds the axis in motion, as its target does that moves on the way.
   void set_off_at_once() noexcept { in_motion_ = true; }
   bool began_in_motion() const noexcept { return in_motion_; }
   bool waits() const noexcept { return waiting_periods_ > 0; }
   // A period of that, in the place of see().
   void wait() noexcept { --waiting_periods_; }
-  // The target of a move went on by this much: it goes on from where it is, as it moves.
+  // The target went on by this much: the approach goes on from where it is, as it moves.
   [[gnu::cold]] void retarget(Scalar shift_m) noexcept {
+    in_motion_ = primed_;
     previous_m_ -= shift_m;
     waiting_periods_ = 0;
     turns_ = 0;
@@ -318,7 +319,7 @@ class ApproachPlan {
   std::uint8_t turns_ = 0;  // from towards the target to away from it
   bool forward_ = false;
   bool primed_ = false;
-  bool in_motion_ = false;   // as the approach began
+  bool in_motion_ = false;   // as the approach began, or its target moved
   bool retargeted_ = false;  // since the last reading
   bool reckons_ = false;     // without a reading
   bool passed_ = false;      // the target, by more than what brake and kicks are for

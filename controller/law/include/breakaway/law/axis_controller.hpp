@@ -70,13 +70,13 @@ class AxisController {
     return mode_ == Mode::kick ? pulse(pd_.feedback_N(p_, x, v)) : flow(x, v);
   }
 
-  // The target moved by shift_m: the next position error will be smaller by it. The axis starts a new approach; a move
-  // that is under way goes on from where it is.
+  // The target moved by shift_m: the next position error will be smaller by it. An approach of the coast "brake" that is
+  // under way goes on from where it is, because it knows how fast it moves; otherwise the axis starts a new one.
   [[gnu::cold]] void shift_target(Scalar shift_m) noexcept {
     pd_.shift_origin(shift_m);
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
-    const bool goes_on = braked_ != nullptr && mode_ == Mode::approach && goes_on_when_moved();
+    const bool goes_on = !Parts::by_work && braked_ != nullptr && mode_ == Mode::approach;
     const bool rests = mode_ == Mode::hold;
     if (!goes_on) {
       restart();
@@ -215,13 +215,6 @@ class AxisController {
     return finishes_on_spring(x) ? conclude(x) : fail(ControlFault::drifting);
   }
 
-  // A move with limits, which goes on from where it is when its target moves.
-  bool goes_on_when_moved() const noexcept {
-    if constexpr (Parts::by_work)
-      return false;
-    else
-      return braked_->approach.move.are_asked_for();
-  }
   // An axis that left its hold by more is approached again.
   Scalar far_m() const noexcept {
     if constexpr (Parts::by_work)
