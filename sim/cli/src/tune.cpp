@@ -37,8 +37,9 @@ void print_limit(const DoubledLimit& limit, const Tuning& tuning) {
   if (!limit.why_not.empty()) return fmt::print("  {:<28} {}: {}\n", limit.name, limit.change, limit.why_not);
   fmt::print("  {:<28} {}: {:.3f} s instead of {:.3f} s", limit.name, limit.change, limit.best.worst_settling_s,
              tuning.chosen.worst_settling_s);
-  if (limit.least_tolerance_m > 0)
-    fmt::print(", certified to {:g} m instead of {:g} m", limit.least_tolerance_m, tuning.least_tolerance_m);
+  const double now_m = limit.least_tolerance_m, before_m = tuning.least_tolerance_m;
+  if (now_m > 0 && now_m == before_m) fmt::print(", certified to the same {:g} m", now_m);
+  if (now_m > 0 && now_m != before_m) fmt::print(", certified to {:g} m instead of {:g} m", now_m, before_m);
   if (tuning.objective == Objective::gentle)
     fmt::print(", with {:.4g} N instead of {:.4g} N", limit.best.peak_force_N, tuning.chosen.peak_force_N);
   fmt::print("\n");
