@@ -29,13 +29,15 @@ double time_s(const BrakedClass& c, double max_speed_m_s, double distance_m) {
 TEST(ApproachTime, IsThatOfTheFastestMoveWhereNothingIsUnknown) {
   const BrakedClass c = class_with(3, 3.1);
   const double speeding = (50 - 3.1) / 1, braking = 0.8 * (50 + 3) / 1;
+  // The stop, the proof of rest, and three slow approaches, of which the first may come back from approach_beyond_m.
+  constexpr double end_s = 0.055;
   for (const double distance_m : {0.1, 1.0, 10.0}) {
     const double bang_bang_s = std::sqrt(2 * distance_m * (1 / speeding + 1 / braking));
     EXPECT_GT(time_s(c, 1e3, distance_m), bang_bang_s);
-    EXPECT_LT(time_s(c, 1e3, distance_m), 1.06 * bang_bang_s + 0.03);
+    EXPECT_LT(time_s(c, 1e3, distance_m), 1.06 * bang_bang_s + end_s);
     const double cruise_s = distance_m / 0.5 + 0.25 * (1 / speeding + 1 / braking);
     EXPECT_GT(time_s(c, 0.5, distance_m), cruise_s);
-    EXPECT_LT(time_s(c, 0.5, distance_m), 1.06 * cruise_s + 0.03);
+    EXPECT_LT(time_s(c, 0.5, distance_m), 1.06 * cruise_s + end_s);
   }
 }
 
