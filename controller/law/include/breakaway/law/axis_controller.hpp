@@ -70,8 +70,8 @@ class AxisController {
     return mode_ == Mode::kick ? pulse(pd_.feedback_N(p_, x, v)) : flow(x, v);
   }
 
-  // The target moved by shift_m: the next position error will be smaller by it. An approach of the coast "brake" that is
-  // under way goes on from where it is, because it knows how fast it moves; otherwise the axis starts a new one.
+  // The target moved by shift_m: the next position error will be smaller by it. An approach of the coast "brake" that
+  // is under way goes on from where it is, because it knows how fast it moves; otherwise the axis starts a new one.
   [[gnu::cold]] void shift_target(Scalar shift_m) noexcept {
     pd_.shift_origin(shift_m);
     newest_m_ -= shift_m;
