@@ -75,7 +75,7 @@ TEST(ApproachPlan, BrakesInTimeInPeriodsWithoutAReading) {
   EXPECT_NEAR(std::clamp(plan.force_N(), -50.0, 50.0), seen_force_N, 1e-6);
 }
 
-TEST(ApproachPlan, KeepsItsForceWhereOnlyAReadingTellsWhatIsToBeDone) {
+TEST(ApproachPlan, PlansNoForceWhereOnlyAReadingTellsWhatIsToBeDone) {
   const BrakedApproach<double> approach = approach_behind(0);
   ApproachPlan<double> plan{approach, sampling_s, 1, 0};
   EXPECT_FALSE(reckons_on(plan, 0)) << "before the first";
