@@ -47,8 +47,9 @@ enum class Jitter : std::uint8_t { drawn, every_other_period, every_other_force,
 struct Disturbance {
   double jitter_s = 0;  // new forces begin, and samples are taken, up to this after their whole periods
   Jitter jitter = Jitter::drawn;
-  double noise_m = 0;     // of a reading, whole counts either way
-  double lost_share = 0;  // of samples
+  double noise_m = 0;         // of a reading, whole counts either way
+  double analog_noise_m = 0;  // of what is counted, either way
+  double lost_share = 0;      // of samples
   std::uint64_t seed = 0;
 };
 
@@ -159,6 +160,7 @@ class Disturber {
     return {force_s * extreme_share(), force_s};
   }
   double noise_counts() { return noise_counts_ > 0 ? std::round((2 * extreme_share() - 1) * noise_counts_) : 0; }
+  double analog_noise_m() { return d_.analog_noise_m > 0 ? (2 * extreme_share() - 1) * d_.analog_noise_m : 0; }
   bool loses_sample() { return d_.lost_share > 0 && share() < d_.lost_share; }
 
  private:
@@ -244,7 +246,8 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
       force_began_s = std::max(force_began_s, until_s);
     };
     pass(now_s + delay.sample_s);
-    const double counts = std::round(axis.position_m() / q + encoder_offset) - encoder_offset;
+    const double counted_m = axis.position_m() + disturber.analog_noise_m();
+    const double counts = std::round(counted_m / q + encoder_offset) - encoder_offset;
     samples.emplace_back(counts + disturber.noise_counts());
     given_N.push_back(axis.given_N() - static_cast<double>(p.feedforward_N));
     if (disturber.loses_sample()) samples.back().reset();

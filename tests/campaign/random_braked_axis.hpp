@@ -85,7 +85,7 @@ inline law::AxisParameters<float> parameters(const BrakedClass& c, double tolera
   p.max_approach_speed_m_s = 10;
   p.position_tolerance_m = static_cast<float>(tolerance_m);
   p.encoder_resolution_m = static_cast<float>(c.encoder_resolution_m);
-  p.encoder_noise_m = static_cast<float>(c.encoder_noise_m);
+  p.encoder_noise_m = static_cast<float>(c.flicker_m() / 2);
   p.period_s = static_cast<float>(c.period_s);
   p.latency_periods = static_cast<std::uint8_t>(c.latency_periods);
   p.coast = law::Coast::brake;
@@ -226,6 +226,12 @@ inline Friction friction_of_kind(int kind, const BrakedClass& c, std::uint64_t s
         return now.slips_now || (closing && std::fabs(now.position_m) > 4 * length_m) ? B : A;
       };
   }
+}
+
+// Anywhere inside what is told.
+inline testing::TrueAxis true_axis(const BrakedClass& c, Random& r) {
+  return {r.inside(c.mass_kg), r.inside(c.force_gain), r.inside(c.lag_s), r.inside({-c.load_N, c.load_N}),
+          c.latency_periods};
 }
 
 // A number from the environment.

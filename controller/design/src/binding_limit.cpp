@@ -22,6 +22,7 @@ constexpr std::array limits{
           [](BrakedClass& c) {
             c.encoder_resolution_m /= 2;
             c.encoder_noise_m /= 2;
+            c.rounding_m /= 2;
           }},
     Limit{"the step of force", [](BrakedClass& c) { c.force_step_N /= 2; }},
     Limit{"the time constant of the current loop",

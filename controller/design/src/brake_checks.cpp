@@ -31,7 +31,7 @@ Check tolerance_check(const AxisDesign& axis, const BrakedDesign<float>& design)
   const bool holds = least_m <= axis.position_tolerance_m * (1 + bound_rounding);
   return below("tolerance_above_floor", fine ? reading : "the floor of the kick table, and " + reading, least_m,
                axis.position_tolerance_m, "the least tolerance against position_tolerance_m",
-               holds ? "" : ways_to_reach(c, design, axis.position_tolerance_m), Equality::holds);
+               holds ? "" : ways_to_reach(c, design, axis.position_tolerance_m, axis.least_period_s), Equality::holds);
 }
 
 // The six conditions of the coast "brake", and that rest can be seen. Of them follows what the promise says.
@@ -64,8 +64,9 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
         "approach_gets_on",
         "the force that leads to the greatest speed must exceed all friction, and nothing may stop the axis on its way",
         least_approach_speed_m_s(c, design), axis.max_approach_speed_m_s,
-        "the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths "
-        "of [limits] speed_m_s",
+        std::string{"the speed that an approach must be allowed against max_approach_speed_m_s, and nine tenths of "
+                    "[limits] speed_m_s"} +
+            (c.jitter_s > 0 ? " less what samples may be late by" : ""),
         "raise these, know friction better, or use a finer encoder", Equality::holds));
   const double from_m = kicks_begin_m(design);
   const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));

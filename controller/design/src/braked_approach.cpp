@@ -189,6 +189,19 @@ double misread_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>
 }  // namespace
 
 template <class Real>
+double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
+  constexpr double kept = 1.01;  // by a move
+  if (axes.move) return kept * std::min(max_speed_m_s, axes.move->speed_m_s);
+  // One that its drive throws past the target within a period is thrown back as hard.
+  const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const KickClass kicks{axes};
+  const PlannedForce force{axes, kicks};
+  const double thrown = (force.gain_most * kicks.limit_N() - force.least_N) / force.lightest_kg;
+  return std::max(max_speed_m_s + detail::faster_than_planned_m_s(axes, plan, max_speed_m_s),
+                  thrown * static_cast<double>(plan.response_s));
+}
+
+template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
   // What the plan asks of the drive, by so many times the age of what it knows, and by so much more under jitter; and
   // as much again where jitter has a pattern, so that the force that answers a late sample always acts for a short
@@ -225,6 +238,8 @@ template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<
 template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<double>&);
 template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
+template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<float>&, double);
+template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<double>&, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&, double);
 

@@ -173,6 +173,18 @@ std::uint16_t patient_periods(const BrakedClass& axes, const KickClass& kicks, c
   return counted((std::isfinite(moving) ? std::max(shown, moving) : shown) + 30 + axes.latency_periods + settling);
 }
 
+// A position error is rounded to the digits that a Real has, the more the further away, and what it changes by in a
+// period is off by as much. The slowest axis that sets off must show more than that before it counts as stuck.
+template <class Real>
+double farthest_m(const BrakedClass& axes, const KickClass& kicks, const law::BrakedKicks<Real>& k) {
+  const double surplus_N = least_surplus_N(axes, kicks, k);
+  if (!(surplus_N > 0)) return infinity;
+  const double blind = axes.latency_periods + (axes.lag_s.most > 0 ? k.settling_periods : 0);
+  const double seen_s = (k.patient_periods - blind) * axes.period_s - 2 * axes.jitter_s;
+  const double way_m = surplus_N / axes.mass_kg.most * seen_s * seen_s / 2 - unseen_m(axes);
+  return std::max(way_m, 0.0) / (2 * static_cast<double>(std::numeric_limits<Real>::epsilon()));
+}
+
 // Of a list each pulse is known with its very cut, so that a weaker one may go further than the list says.
 template <class Real>
 bool is_fine(double tolerance_m, const BrakedDesign<Real>& design) {
@@ -206,6 +218,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   design.kicks = numbers<Real>(axes, kicks, design.rest_is_seen);
   design.kicks.table = builder.table();
   design.kicks.patient_periods = patient_periods(axes, kicks, design.kicks);
+  design.farthest_m = farthest_m(axes, kicks, design.kicks);
   design.kicks.least_seen_N = static_cast<Real>(builder.seen_N().least);
   design.kicks.most_seen_N = static_cast<Real>(builder.seen_N().most);
   const Interval range = builder.range_m();

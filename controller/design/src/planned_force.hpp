@@ -23,7 +23,7 @@ inline double spread(const Interval& interval) {
 }
 
 // What readings may differ by while they count as unchanged, and the reading errors at both ends.
-inline double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 4 * axes.encoder_noise_m; }
+inline double unseen_m(const BrakedClass& axes) { return axes.encoder_resolution_m + 2 * axes.flicker_m(); }
 
 // Planned is u = m a + A' for the mass m that is told, and what acts is between these.
 struct PlannedForce {
@@ -68,6 +68,25 @@ double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproac
   const double misread_m_s = correction * unseen_m(axes) / axes.period_s, lost_s = lost_in_a_row * axes.period_s;
   return PlannedForce{axes, KickClass{axes}}.needed_acceleration() * (response_s + unseen_s + lost_s) +
          misread_m_s * (1 + lost_s / response_s);
+}
+
+// By how much an axis may go faster than its plan lets it: what the greatest gain and the least mass add until readings
+// show it, a reading that is off, what a lagging force goes on to add, a friction that falls until it is answered, and
+// what the axis seems slower by where a sample is late.
+template <class Real>
+double faster_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double allowed_m_s) {
+  constexpr double more = 2, goes_on = 0.25, rounding = 0.01;  // tested
+  const KickClass kicks{axes};
+  const PlannedForce force{axes, kicks};
+  const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
+  const double late_s = axes.latency_periods * axes.period_s,
+               unseen_s = axes.period_s * (1 / correction - 0.5) + late_s;
+  const double planned = std::min((kicks.limit_N() - force.least_N) / force.told_kg, allowed_m_s / response_s);
+  const double misread_m_s = correction * unseen_m(axes) / axes.period_s;
+  return more * ((force.exceeded_by(planned) - planned) * unseen_s + force.exceeded_by(0) * response_s + misread_m_s) +
+         goes_on * planned * axes.lag_s.most +
+         (force.most_N - force.least_N) / force.lightest_kg * (response_s + late_s) +
+         (axes.jitter_s / axes.period_s + rounding) * allowed_m_s;
 }
 
 }  // namespace breakaway::design::detail

@@ -37,16 +37,39 @@ bool reaches(const BrakedClass& axes, double tolerance_m) {
 
 // About the longest period, not above that of the class, with which the tolerance can be promised. Of two digits, since
 // drives are told of their period as a whole number up to 255 and a power of ten.
-std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m) {
+std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m, double least_period_s) {
   constexpr double spacing = 0.9;
   constexpr int most_tried = 80;
   axes.fine_tolerance_m = 0;
   for (int i = 0; i < most_tried && axes.jitter_s <= most_jitter * axes.period_s; ++i) {
     axes.period_s = less(axes.period_s, 2);
+    if (axes.period_s < least_period_s * (1 - 1e-9)) break;
     if (reaches(axes, tolerance_m)) return axes.period_s;
     axes.period_s *= spacing;
   }
   return {};
+}
+
+// Below the floor the fine stage may aim at a tolerance, where kicks are no list of pulses.
+std::string by_fine_stage(const BrakedClass& axes, const BrakedDesign<float>& design) {
+  return "have the fine stage aim at it and state [run] settle_tolerance_m = " +
+         brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
+         (axes.fine_tolerance_m > 0 ? "" : ", without fine_stage = false");
+}
+
+// With finer steps of force there is a pulse for every distance.
+std::string by_finer_steps(BrakedClass axes, double tolerance_m) {
+  const std::string drive = ", or take a drive with steps of force of ";
+  std::string with_fine_stage;
+  for (int steps = 65; steps < 10000; steps *= 2) {
+    axes.force_step_N = less(axes.max_force_N / steps);
+    const std::string of = drive + brief(axes.force_step_N) + " N";
+    if (reaches(axes, tolerance_m)) return of;
+    const auto design = design_braked_kicks<float>(axes);
+    if (with_fine_stage.empty() && design.possible() && !design.kicks.table.list)
+      with_fine_stage = of + ", " + by_fine_stage(axes, design);
+  }
+  return with_fine_stage;
 }
 
 }  // namespace
@@ -56,7 +79,8 @@ double error_at_rest_m(const BrakedClass& axes, double reached_m) {
   return reached_m + (bends ? 2 * axes.encoder_resolution_m : axes.reading_error_m());
 }
 
-std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
+std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m,
+                          double least_period_s) {
   if (!design.possible()) return "mend the other checks first";
   std::string ways = "widen it to " + brief(more(design.least_tolerance_m)) + " m";
   BrakedClass finer = axes;
@@ -65,20 +89,17 @@ std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& de
     const auto count_m = coarsest_count_m(axes, design, tolerance_m);
     if (!count_m) return ways + ", or take an encoder with less noise";
     finer.encoder_resolution_m = *count_m;
-    ways += ", or take an encoder_resolution_m of " + brief(*count_m) + " m";
   }
   // The ringing on bristles asks for a long period.
   const bool bends = axes.presliding_stiffness_N_per_m > 0;
-  const auto period_s = bends ? std::nullopt : longest_period_s(finer, tolerance_m);
-  if (period_s)
-    ways += std::string{told ? ", or shorten" : " with a"} + (told ? " period_s to " : " period_s of ") +
-            brief(*period_s) + " s";
-  if (!told) return ways;
-  if (design.kicks.table.list)
-    return ways + ", or take a drive with steps of force of " + brief(less(axes.max_force_N / 65)) + " N";
-  return ways + ", or have the fine stage aim at it and state [run] settle_tolerance_m = " +
-         brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
-         (axes.fine_tolerance_m > 0 ? "" : ", without fine_stage = false");
+  const auto period_s = bends ? std::nullopt : longest_period_s(finer, tolerance_m, least_period_s);
+  if (!told) {
+    const std::string encoder = ", or take an encoder_resolution_m of " + brief(finer.encoder_resolution_m) + " m";
+    if (period_s) return ways + encoder + " with a period_s of " + brief(*period_s) + " s";
+    return reaches(finer, tolerance_m) ? ways + encoder : ways;
+  }
+  if (period_s) ways += ", or shorten period_s to " + brief(*period_s) + " s";
+  return ways + (design.kicks.table.list ? by_finer_steps(axes, tolerance_m) : ", or " + by_fine_stage(axes, design));
 }
 
 }  // namespace breakaway::design::detail

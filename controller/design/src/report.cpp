@@ -226,6 +226,8 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,
                   .approach_beyond_m = approach_beyond_m(c, design, axis.max_approach_speed_m_s),
+                  .approach_peak_m_s = approach_peak_m_s(c, design, axis.max_approach_speed_m_s),
+                  .farthest_m = design.farthest_m,
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .longest_way_m = axis.longest_way_m,
                   .approach_s = longest_approach_s(axis, design),
@@ -298,6 +300,8 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
           "what a frame of somebody else on the wire delays it by is within that",
       "the axis rests when it is enabled; the speed of one that moves may be seen too late, and its run end by name",
       tested};
+  if (std::isfinite(axis.following_error_m))
+    conditions.push_back("a target moves while the axis rests, or following_error_m leaves it the way to turn");
   if (c.presliding_stiffness_N_per_m > 0)
     conditions.push_back(
         "friction is a spring of " + brief(c.presliding_stiffness_N_per_m) +

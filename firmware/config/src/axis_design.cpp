@@ -38,15 +38,36 @@ double granted_N(const Axis& axis, double force_N) {
   return std::abs(steps - std::round(steps)) < 1e-6 ? force_N : std::floor(steps) * step_N;
 }
 
+// To so many digits that people write, towards 0 on the side of `sign`, away from it on the other one.
+double rounded_inwards(double value, double sign) {
+  constexpr int digits = 6;
+  if (value == 0) return 0;
+  const double size = std::abs(value);
+  return std::copysign(value * sign > 0 ? rounded_down(size, digits) : rounded_up(size, digits), value);
+}
+
 // A kick must not run into a limit that the axis stops for.
 void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
   const double kick_m_s = report.braked ? report.braked->peak_speed_m_s
                           : report.work ? report.work->peak_speed_m_s
                                         : report.largest_impulse_Ns / axis.mass_kg;
   if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
-  throw InputError{place(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:.4g} m/s that the largest "
+  throw InputError{place(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:g} m/s that the largest "
                                                    "kick gives the axis; raise it",
-                                                   axis.limits.speed_m_s, kick_m_s)};
+                                                   axis.limits.speed_m_s, rounded_up(kick_m_s, 4))};
+}
+
+// Nor must an approach, whose speed is off as readings and what is not known of the axis have it.
+void require_room_for_speed(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !report.braked || axis.limits.speed_m_s >= report.braked->approach_peak_m_s) return;
+  const auto allowed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
+  const double peak_m_s = report.braked->approach_peak_m_s;
+  throw InputError{
+      place(node, axis) +
+      fmt::format("[limits] speed_m_s is {:g}, and an approach that is allowed {:.4g} m/s may reach {:g} "
+                  "m/s; raise it to {:g} with [controller] max_approach_speed_m_s = {:g}, or know mass and "
+                  "force gain better, or use a finer encoder",
+                  axis.limits.speed_m_s, allowed_m_s, rounded_up(peak_m_s, 3), rounded_up(peak_m_s, 3), allowed_m_s)};
 }
 
 // An approach may go beyond its target.
@@ -57,7 +78,8 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
     const std::string remedy =
-        least_m <= most_m ? fmt::format("keep targets between {:.6g} and {:.6g} m", least_m, most_m)
+        least_m <= most_m ? fmt::format("keep targets between {:.6g} and {:.6g} m", rounded_inwards(least_m, -1),
+                                        rounded_inwards(most_m, 1))
                           : fmt::format("widen them to {:g} m on either side of every target", rounded_up(beyond_m, 3));
     throw InputError{
         place(node, axis) +
@@ -69,16 +91,29 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
   for (const TargetChange& change : axis.controller.targets) require(change.position_m);
 }
 
-// Under the coast "work" an approach counts its periods, and a float holds its plan, over so much only.
+// Under the coast "work" an approach counts its periods, and a float holds its plan, over so much only. Under "brake" a
+// float must tell a slow axis that sets off from one that sticks.
+struct Farthest {
+  double most_m = unlimited;
+  std::string_view coast, remedy;
+};
+Farthest farthest(const design::DesignReport& report) {
+  if (report.work) return {report.work->farthest_m, "work", "narrow that, or raise max_approach_speed_m_s"};
+  if (report.braked)
+    return {report.braked->farthest_m, "brake", "narrow that, take a coarser encoder, or a stronger drive"};
+  return {};
+}
+
 void require_reachable_targets(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  if (!report.certified || !report.work) return;
-  const double most_m = report.work->farthest_m, room_m = axis.limits.position_max_m - axis.limits.position_min_m;
+  const auto [most_m, coast, remedy] = farthest(report);
+  if (!report.certified || !(most_m < unlimited)) return;
+  const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
   const auto require = [&](double way_m, std::string_view what) {
     if (way_m <= most_m) return;
     throw InputError{place(node, axis) +
-                     fmt::format("{} {:g} m away, and under the coast \"work\" an approach is certified over {:.4g} m "
-                                 "at most; narrow that, or raise max_approach_speed_m_s",
-                                 what, way_m, most_m)};
+                     fmt::format("{} {:g} m away, and under the coast \"{}\" an approach is certified "
+                                 "over {:.4g} m at most; {}",
+                                 what, way_m, coast, most_m, remedy)};
   };
   if (room_m < unlimited) return require(room_m, "[limits] of position let a target be");
   double from_m = axis.controller.target_m;
@@ -86,6 +121,13 @@ void require_reachable_targets(const Node& node, const Axis& axis, const design:
     require(std::abs(change.position_m - from_m), "[controller] has a target that is");
     from_m = change.position_m;
   }
+}
+
+void require_room(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  require_room_for_kicks(node, axis, report);
+  require_room_for_speed(node, axis, report);
+  require_room_for_approaches(node, axis, report);
+  require_reachable_targets(node, axis, report);
 }
 
 // Of a move, or from one end of the travel to the other. Where moves end together, each waits for the slowest.
@@ -116,7 +158,9 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .current_loop_lag_s = axis.drive ? axis.drive->current_loop_time_constant_s : 0,
           .position_tolerance_m = accuracy_m(node, axis),
           .max_approach_speed_m_s = p.max_approach_speed_m_s,
+          .least_period_s = least_period_s(node),
           .longest_way_m = longest_way_m(node, axis),
+          .following_error_m = axis.limits.following_error_m,
           .settle_tolerance_m = node.settle_tolerance_m,
           .braked = p.coast == law::Coast::brake ? std::optional{braked_class(node, axis)} : std::nullopt,
           .work = p.coast == law::Coast::work ? std::optional{braked_class(node, axis)} : std::nullopt,
@@ -128,9 +172,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
   std::vector<design::DesignReport> reports;
   for (const Axis& axis : node.axes) {
     reports.push_back(design::design_axis(axis_design(node, axis)));
-    require_room_for_kicks(node, axis, reports.back());
-    require_room_for_approaches(node, axis, reports.back());
-    require_reachable_targets(node, axis, reports.back());
+    require_room(node, axis, reports.back());
   }
   return reports;
 } catch (const InputError& error) {
@@ -140,9 +182,7 @@ std::vector<design::DesignReport> examine(const Node& node) try {
 std::string why_not_certified(const Node& node, const Axis& axis) try {
   if (node.coupling) return examine_machine(node).reason;
   const design::DesignReport report = design::design_axis(axis_design(node, axis));
-  require_room_for_kicks(node, axis, report);
-  require_room_for_approaches(node, axis, report);
-  require_reachable_targets(node, axis, report);
+  require_room(node, axis, report);
   return report.certified ? std::string{} : report.reasons.front();
 } catch (const InputError& error) {
   return error.what();

@@ -27,11 +27,20 @@ std::optional<design::SpringLoad> spring_load(const Axis& axis) {
 }
 
 // The supervisor stops an axis beyond its speed limit. A move has a margin of its own; any other approach goes as fast
-// as its force allows, or its spring under the coast "pd".
-double approach_speed_m_s(const Axis& axis) {
+// as its force allows, or its spring under the coast "pd", and faster than it is read by where samples come late.
+double approach_speed_m_s(const Node& node, const Axis& axis) {
   constexpr double share_of_limit = 0.9;
   const double asked_m_s = axis.controller.max_approach_speed_m_s;
-  return axis.move ? asked_m_s : std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s);
+  if (axis.move || !(axis.limits.speed_m_s < unlimited)) return asked_m_s;
+  const double late = node.loop ? axis.uncertainty.jitter_s / node.period_s() : 0;
+  return std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s / (1 + late));
+}
+
+double rounding_m(const Axis& axis) { return axis.drive && axis.drive->odrive ? axis.drive->odrive->rounding_m : 0; }
+
+double flicker_m(const Axis& axis) {
+  if (!axis.drive) return 2 * axis.uncertainty.encoder_noise_m;
+  return design::flicker_m(axis.uncertainty.encoder_noise_m, rounding_m(axis), axis.drive->encoder_resolution_m);
 }
 
 }  // namespace
@@ -69,10 +78,10 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.friction = {static_cast<Real>(axis.friction.bounds.lower_N), static_cast<Real>(axis.friction.bounds.upper_N)};
   p.max_force_N = static_cast<Real>(law_force_N(axis));
   p.feedforward_N = static_cast<Real>(feedforward_N(axis));
-  p.max_approach_speed_m_s = static_cast<Real>(approach_speed_m_s(axis));
+  p.max_approach_speed_m_s = static_cast<Real>(approach_speed_m_s(node, axis));
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
-  p.encoder_noise_m = static_cast<Real>(axis.uncertainty.encoder_noise_m);
+  p.encoder_noise_m = static_cast<Real>(flicker_m(axis) / 2);
   p.period_s = static_cast<Real>(node.period_s());
   p.latency_periods = axis.latency_periods;
   p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;
@@ -96,6 +105,7 @@ design::BrakedClass braked_class(const Node& node, const Axis& axis) {
           .jitter_s = u.jitter_s,
           .encoder_resolution_m = axis.drive->encoder_resolution_m,
           .encoder_noise_m = u.encoder_noise_m,
+          .rounding_m = rounding_m(axis),
           .latency_periods = axis.latency_periods,
           .presliding_stiffness_N_per_m = axis.friction.presliding_stiffness_N_per_m,
           .fine_tolerance_m = axis.controller.impulsive->fine_stage ? tolerance_m(node, axis) : 0,

@@ -13,8 +13,10 @@
 
 namespace breakaway::config {
 
-// Heartbeats count milliseconds in 16 bits (1016h and 1017h).
-inline constexpr Range heartbeat{1e-3, 65.535};
+// Heartbeats count milliseconds in 16 bits (1016h and 1017h). A drive is set up once one was heard, and has 10 s for
+// that.
+inline constexpr Range heartbeat{1e-3, 5};
+inline constexpr Range heartbeat_timeout{1e-3, 65.535};
 inline constexpr Range anywhere{-1e9, 1e9};
 inline constexpr Range up_to_a_second{0, 1};
 

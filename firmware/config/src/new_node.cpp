@@ -259,9 +259,9 @@ NewNode designed(const KnownAxis& known, const Chosen& chosen) {
 void require_longer_move(const KnownAxis& known, const design::DesignReport& report) {
   if (!report.braked || !(report.braked->least_tolerance_m > known.longest_move_m)) return;
   throw InputError{fmt::format(
-      "the longest move, {:g} m, is shorter than what can be certified as on the target with these numbers, {:.3g} m; "
+      "the longest move, {:g} m, is shorter than what can be certified as on the target with these numbers, {:g} m; "
       "give a longer move, a finer encoder or a higher rate",
-      known.longest_move_m, report.braked->least_tolerance_m)};
+      known.longest_move_m, rounded_up(report.braked->least_tolerance_m, 4))};
 }
 
 // There is no file yet to look into.

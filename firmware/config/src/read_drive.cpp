@@ -90,7 +90,7 @@ std::vector<Key> rows_of_any_drive(Drive& d) {
       optional("invert_direction", boolean(d.invert_direction)),
       optional("encoder", choice(d.absolute_encoder, {{"incremental", false}, {"absolute", true}})),
       optional("heartbeat_period_s", duration_s(d.heartbeat_period, heartbeat)),
-      optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat)),
+      optional("heartbeat_timeout_s", duration_s(d.heartbeat_timeout, heartbeat_timeout)),
   };
 }
 

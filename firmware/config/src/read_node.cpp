@@ -21,6 +21,8 @@
 namespace breakaway::config {
 namespace {
 
+constexpr double shortest_period_s = 1e-5;  // that a file may ask for
+
 using firmware::FaultScope;
 using firmware::MovesEnd;
 
@@ -28,7 +30,7 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
   Loop loop;
   section.read(
       std::vector<Key>{
-          required("period_s", duration_s(loop.period, {1e-5, 1})),
+          required("period_s", duration_s(loop.period, {shortest_period_s, 1})),
           optional("node_id", integer([&](std::int64_t n) { loop.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
           optional("heartbeat_period_s", duration_s(loop.heartbeat_period, heartbeat)),
           optional("command_timeout_s", duration_s(loop.command_timeout, {1e-2, 60})),
@@ -267,12 +269,19 @@ Need need_of_canopen(const Node& node) {
   return {budget.needed_us, budget.available_us, budget.least_period, axes <= budget.max_axes};
 }
 
+Need need_of_bus(const Node& node) { return speaks_odrive(node) ? need_of_odrives(node) : need_of_canopen(node); }
+
 }  // namespace
+
+double least_period_s(const Node& node) {
+  if (!node.loop || !node.bit_rate) return shortest_period_s;
+  return std::max(shortest_period_s, hal::seconds(rounded_up(need_of_bus(node).least_period)));
+}
 
 void require_fitting_bus(const Node& node) {
   if (!node.loop || !node.bit_rate) return;
   const auto axes = node.axes.size();
-  const Need budget = speaks_odrive(node) ? need_of_odrives(node) : need_of_canopen(node);
+  const Need budget = need_of_bus(node);
   if (budget.fits) return;
   throw InputError{fmt::format("{} {} at [loop] period_s = {} {} not fit a [bus] of {} bit/s: a period needs {} us on "
                                "the bus and has {} us; "

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "breakaway/format/html_page.hpp"
 #include "breakaway/format/length_text.hpp"
@@ -81,6 +82,8 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");
   table.quantity("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
+  if (std::isfinite(promise.approach_peak_m_s))
+    table.quantity("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
   table.quantity("Brake", promise.brake_N, "N");
   table.quantity("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");

@@ -1,6 +1,7 @@
 #include "breakaway/report/design_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "breakaway/config/axis_design.hpp"
@@ -40,6 +41,7 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   json.member("aim_lost", promise.aim_lost);
   json.member("table_bytes", promise.table_bytes);
   json.member("approach_beyond_m", promise.approach_beyond_m);
+  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
   if (promise.approach_s > 0) {
     json.member("longest_way_m", promise.longest_way_m);
     json.member("approach_s", promise.approach_s);

@@ -1,14 +1,20 @@
 // A certificate takes in everything that a file says, or is refused.
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <string>
+#include <utility>
 
+#include "../number_after.hpp"
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "certificate_scene.hpp"
 
 namespace breakaway::config {
 namespace {
+
+using breakaway::testing::number_after;
+using breakaway::testing::word_after;
 
 TEST(Certificate, IsGivenToTheSceneThatTheseTestsSpoil) {
   EXPECT_EQ(why_not(scene), "");
@@ -224,6 +230,80 @@ TEST(Certificate, RefusesTargetsThatAnApproachMayPassOutOfTheTravel) {
   ASSERT_NE(at, std::string::npos) << said;
   const std::string wide = said.substr(at + 14, said.find(' ', at + 14) - at - 14);
   EXPECT_EQ(why_not(with(text, "position_m = 1\n", "position_m = " + wide + "\n")), "") << wide;
+}
+
+std::string told_of(const std::string& text) {
+  return refusal([&] { examine(parse_node(text, "axis.toml")); });
+}
+
+// The scene without its move, in other numbers.
+std::string in_numbers(std::initializer_list<std::pair<const char*, const char*>> numbers) {
+  std::string text = without_move();
+  for (const auto& [was, is] : numbers) text = with(text, was, is);
+  return text;
+}
+
+// An encoder of 0.2 mm shows late what a force gain that is off by a tenth makes of 130 g.
+TEST(Certificate, AsksForASpeedLimitAboveWhatAnApproachMayReach) {
+  const std::string coarse = in_numbers({{"mass_kg = 1\n", "mass_kg = 0.13\n"},
+                                         {"k1_N_per_m = 400", "k1_N_per_m = 50"},
+                                         {"k21_Ns_per_m = 32", "k21_Ns_per_m = 4"},
+                                         {"lower_N = 2.5", "lower_N = 0.46"},
+                                         {"upper_N = 4.5", "upper_N = 0.48"},
+                                         {"force_N = 0.3\n", ""},
+                                         {"force_gain = 0.02", "force_gain = 0.1"},
+                                         {"max_force_N = 48", "max_force_N = 0.72"},
+                                         {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.01"},
+                                         {"encoder_resolution_m = 1e-6", "encoder_resolution_m = 2e-4"},
+                                         {"position_tolerance_m = 5e-6", "position_tolerance_m = 4e-4"},
+                                         {"max_approach_speed_m_s = 5", "max_approach_speed_m_s = 0.7"}});
+  EXPECT_EQ(why_not(coarse), "");
+  const auto limited = [&](const std::string& m_s) { return with(coarse, "\nspeed_m_s = 20", "\nspeed_m_s = " + m_s); };
+  const std::string said = told_of(limited("0.75"));
+  EXPECT_NE(said.find("an approach that is allowed 0.675 m/s may reach"), std::string::npos) << said;
+  const std::string enough = limited(word_after(said, "raise it to "));
+  const std::string speed = "max_approach_speed_m_s = " + word_after(said, "max_approach_speed_m_s = ");
+  EXPECT_EQ(why_not(with(enough, "max_approach_speed_m_s = 0.7", speed)), "");
+}
+
+// Samples that come late in turn let an axis seem slower than it is.
+TEST(Certificate, LeavesAnApproachLessOfItsSpeedLimitUnderJitter) {
+  const std::string limited =
+      with(with(without_move(), "max_approach_speed_m_s = 5\n", ""), "speed_m_s = 20", "speed_m_s = 8");
+  const auto speed_m_s = [](const std::string& text) {
+    const Node node = parse_node(text, "axis.toml");
+    return axis_design(node, node.axes.front()).max_approach_speed_m_s;
+  };
+  EXPECT_DOUBLE_EQ(speed_m_s(limited), 0.9 * 8);
+  EXPECT_DOUBLE_EQ(speed_m_s(more("[uncertainty]", "jitter_s = 2.5e-4", limited)), 0.9 * 8 / 1.25);
+}
+
+TEST(Certificate, OffersTargetsThatItTakes) {
+  const std::string said = told_of(with(scene, "target_m = 0", "target_m = 0.99999"));
+  const std::string least = word_after(said, "keep targets between ");
+  const std::string most = word_after(said, joined({"between ", least, " and "}));
+  for (const std::string& target : {least, most})
+    EXPECT_EQ(why_not(with(scene, "target_m = 0", "target_m = " + target)), "") << target;
+}
+
+// A weak drive moves 240 kg so slowly at first that a float tells nothing of it in what counts as standing.
+TEST(Certificate, IsNotForWaysOverWhichAFloatTellsNoSlowAxisFromOneThatSticks) {
+  const std::string heavy = in_numbers({{"mass_kg = 1\n", "mass_kg = 240\n"},
+                                        {"k22_Ns_per_m = 60", "k22_Ns_per_m = 1000"},
+                                        {"lower_N = 2.5", "lower_N = 2.34"},
+                                        {"upper_N = 4.5", "upper_N = 2.35"},
+                                        {"force_N = 0.3\n", ""},
+                                        {"max_force_N = 48", "max_force_N = 4"},
+                                        {"rated_torque_Nm = 0.5", "rated_torque_Nm = 0.1"},
+                                        {"encoder_resolution_m = 1e-6", "encoder_resolution_m = 1e-7"}});
+  EXPECT_EQ(why_not(heavy), "");
+  const auto within = [&](const std::string& m) {
+    return with(heavy, "\nposition_m = 1\n", "\nposition_m = " + m + "\n");
+  };
+  const std::string said = told_of(within("100"));
+  EXPECT_NE(said.find("[limits] of position let a target be 200 m away"), std::string::npos) << said;
+  const std::string near = std::to_string(0.49 * number_after(said, "is certified over "));
+  EXPECT_EQ(why_not(within(near)), "") << near;
 }
 
 TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {

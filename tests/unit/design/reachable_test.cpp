@@ -7,8 +7,12 @@
 #include <string>
 #include <string_view>
 
+#include "../number_after.hpp"
+
 namespace breakaway::design {
 namespace {
+
+using testing::number_after;
 
 BrakedClass counted_axes() {
   BrakedClass c;
@@ -20,8 +24,8 @@ BrakedClass counted_axes() {
   return c;
 }
 
-std::string ways(const BrakedClass& c, double tolerance_m) {
-  return detail::ways_to_reach(c, design_braked_kicks<float>(c), tolerance_m);
+std::string ways(const BrakedClass& c, double tolerance_m, double least_period_s = 1e-5) {
+  return detail::ways_to_reach(c, design_braked_kicks<float>(c), tolerance_m, least_period_s);
 }
 
 TEST(WaysToReach, NameLessNoiseWhereNoCountOfAnEncoderWouldDo) {
@@ -69,6 +73,44 @@ TEST(WaysToReach, NamePeriodsThatDrivesCanBeTold) {
     const double unit_us = period_us > 255 ? 10 : 1;
     EXPECT_NEAR(period_us / unit_us, std::round(period_us / unit_us), 1e-6) << said;
   }
+}
+
+// A bus has no room for the frames of any shorter one.
+TEST(WaysToReach, NameNoPeriodThatDoesNotFitTheBus) {
+  const double period_s = number_after(ways(counted_axes(), 0.9e-6), "or shorten period_s to ");
+  EXPECT_NE(ways(counted_axes(), 0.9e-6, period_s).find("period_s"), std::string::npos);
+  const std::string said = ways(counted_axes(), 0.9e-6, 1.01 * period_s);
+  EXPECT_EQ(said.find("period_s"), std::string::npos) << said;
+}
+
+// 50 steps of force are a list of pulses with gaps.
+TEST(WaysToReach, NameStepsOfForceThatReachTheToleranceByThemselvesOrWithTheFineStage) {
+  for (const double share : {0.3, 0.6, 0.9, 0.99}) {
+    BrakedClass c = counted_axes();
+    c.encoder_resolution_m = 1e-8;
+    c.force_step_N = 1;
+    const double tolerance_m = share * design_braked_kicks<float>(c).least_tolerance_m;
+    const std::string said = ways(c, tolerance_m);
+    c.force_step_N = number_after(said, "with steps of force of ");
+    const auto finer = design_braked_kicks<float>(c);
+    ASSERT_TRUE(finer.possible()) << said;
+    if (said.find("fine stage") == std::string::npos)
+      EXPECT_LE(finer.least_tolerance_m, tolerance_m) << said;
+    else
+      EXPECT_LE(detail::error_at_rest_m(c, finer.least_tolerance_m), number_after(said, "settle_tolerance_m = "));
+  }
+}
+
+// With more jitter no shorter period is left, and the count alone does not mend the floor.
+TEST(WaysToReach, NameACountByItselfOnlyWhereThatIsEnough) {
+  BrakedClass c = counted_axes();
+  c.jitter_s = 0.45e-3;
+  c.encoder_resolution_m = 1e-5;
+  const std::string said = ways(c, 1e-6);
+  EXPECT_TRUE(said.starts_with("widen it to ")) << said;
+  EXPECT_EQ(said.find("encoder_resolution_m"), std::string::npos) << said;
+  c.jitter_s = 0;
+  EXPECT_NE(ways(c, 1e-6).find("encoder_resolution_m"), std::string::npos) << ways(c, 1e-6);
 }
 
 // The instants of the loop may be off by half a period at most.

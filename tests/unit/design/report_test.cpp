@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "../../../controller/design/src/check.hpp"
+#include "../number_after.hpp"
 #include "../refusal.hpp"
 
 namespace {
 
 using namespace breakaway::design;
+using breakaway::testing::number_after;
 using breakaway::testing::refusal;
 
 // Section V of [I] behind a drive of 50 N at 1 kHz with an encoder of 1 um.
@@ -212,11 +214,16 @@ TEST(DesignReport, CertifiesTheBrakeByItsOwnConditions) {
   EXPECT_FALSE(design_axis(example()).braked.has_value());
 }
 
-// Of a sentence, the number behind these words.
-double number_after(const std::string& sentence, const std::string& words) {
-  const auto place = sentence.find(words);
-  if (place == std::string::npos) ADD_FAILURE() << words << " in: " << sentence;
-  return place == std::string::npos ? 0 : std::stod(sentence.substr(place + words.size()));
+TEST(DesignReport, SaysThatALimitOfTheFollowingErrorMustLeaveTheWayToTurn) {
+  AxisDesign axis = braked_example();
+  const auto said = [&axis] {
+    const auto conditions = design_axis(axis).conditions;
+    return std::count_if(conditions.begin(), conditions.end(),
+                         [](const std::string& c) { return c.find("following_error_m") != std::string::npos; });
+  };
+  EXPECT_EQ(said(), 0);
+  axis.following_error_m = 0.1;
+  EXPECT_EQ(said(), 1);
 }
 
 TEST(DesignReport, PromisesTheFloorWhereTheFineStageAimsBelowIt) {

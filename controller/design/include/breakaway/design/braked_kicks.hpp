@@ -10,6 +10,8 @@
 // force gain and falls with the lag, for the kicks that the table holds, is not proved but tested over random kicks.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -32,6 +34,14 @@ struct MoveRequest {
   std::optional<double> jerk_m_s3{};  // of what is planned; friction that jumps moves the axis as it likes
 };
 
+// By how much readings of an axis at rest may differ [m]. Noise however small takes a place at the edge of a count to
+// either side of it, so that they differ by whole counts; rounding adds its own at each of two places.
+inline double flicker_m(double noise_m, double rounding_m, double resolution_m) {
+  constexpr double rounding = 1e-6;  // of a count: so much above whole ones is none
+  const double counts = std::ceil(2 * (noise_m - rounding_m) / resolution_m - rounding);
+  return std::max(counts, 0.0) * resolution_m + 2 * rounding_m;
+}
+
 // The axes that the kicks are made for. All but lags, load_N, jitter_s, encoder_resolution_m, encoder_noise_m and
 // latency_periods must be above 0, and jitter_s at most most_jitter of the period.
 struct BrakedClass {
@@ -47,6 +57,7 @@ struct BrakedClass {
       0;  // by which the instants of sampling and of new forces are off whole periods, one against another
   double encoder_resolution_m = 0;
   double encoder_noise_m = 0;  // by which a reading is off beside half a count, either way
+  double rounding_m = 0;       // the share of that which is the same at the same place, as that of a float
   int latency_periods = 1;
   double presliding_stiffness_N_per_m = 0;  // of friction before it slides, at least; 0: it holds at once
   double fine_tolerance_m = 0;  // law::FineStage aims at this tolerance where it is below the least; 0: never
@@ -54,6 +65,7 @@ struct BrakedClass {
   std::optional<SpringLoad> spring_load{};  // mass_kg and friction are of both then
 
   double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
+  double flicker_m() const { return design::flicker_m(encoder_noise_m, rounding_m, encoder_resolution_m); }
 };
 
 constexpr int longest_pulse_periods = 255;
@@ -74,6 +86,7 @@ struct BrakedDesign {
   double reach_m = 0;         // up to here: beyond it kicks are those of the table's end
   double aim_lost = 0;        // largest share of the distance by which a kick aims short, rounding to steps apart
   double peak_speed_m_s = 0;  // which no kick exceeds, from rest anywhere
+  double farthest_m = 0;  // from further away Real no longer tells an axis that sets off slowly from one that sticks
   std::size_t table_bytes = 0;
 
   double least_reading_m = 0;  // no tolerance below this can be told from another reading
@@ -117,6 +130,10 @@ bool keeps_speed(const BrakedClass& axes, const BrakedDesign<Real>& design);  //
 Interval jerk_m_s3(const BrakedClass& axes);                                  // of a class with a move
 constexpr double most_lag_with_jerk = 0.5;                                    // of the period
 constexpr double most_unknown_with_jerk = 0.1;                                // of mass and force gain together
+
+// The speed that an approach may reach which is to go no faster than this, [m/s]: tested, not proved.
+template <class Real>
+double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
 
 // So far may an approach go beyond its target before brake and kicks take over, where it goes no faster than this, also
 // where readings that jitter or are lost are off as it is to begin to brake: tested, not proved.

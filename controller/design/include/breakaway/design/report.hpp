@@ -28,7 +28,9 @@ struct AxisDesign {
   double current_loop_lag_s{};              // time constant of the drive's current loop
   double position_tolerance_m{};            // the accuracy asked for, > 0
   double max_approach_speed_m_s = std::numeric_limits<double>::infinity();
-  double longest_way_m{};               // from a target to the next one; 0: none is stated
+  double least_period_s{};  // a shorter one is of no use as a remedy: its frames would not fit the bus
+  double longest_way_m{};   // from a target to the next one; 0: none is stated
+  double following_error_m = std::numeric_limits<double>::infinity();  // beyond which the axis is stopped
   double settle_tolerance_m{};          // true error that will do where that is below the floor; 0: none will
   std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake",
   std::optional<BrakedClass> work{};    // and where it is "work"
@@ -52,6 +54,8 @@ struct BrakedPromise {
   double aim_lost;        // share of the distance by which the table aims short
   std::size_t table_bytes;
   double approach_beyond_m;  // that an approach may go past its target, tested
+  double approach_peak_m_s;  // that it may reach where its speed is limited, tested; else infinite
+  double farthest_m;         // a target that the law is certified to reach
   double least_move_s;       // that the longest move takes under any law; 0: none is stated
   double longest_way_m;      // from rest over which
   double approach_s;         // the approach takes at most, up to the first kick or the hold, tested; 0: nothing is said

@@ -46,7 +46,8 @@ class ApproachPlan {
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
-        away_m_s_{Scalar(-0.1) * a.switch_speed_m_s},
+        turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.1) * a.switch_speed_m_s)
+                                            : a.standing_m_s},
         passed_m_{-2 * a.switch_distance_m},
         move_{move_plan()},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
@@ -69,12 +70,12 @@ class ApproachPlan {
   void go_slowly() noexcept { go_at_most(std::min(a_->switch_speed_m_s, speed_limit_m_s_)); }
   // A move from rest over this distance; 0 where moves have no limits.
   [[gnu::cold]] Scalar move_time_s(Scalar distance_m) const noexcept {
-    return a_ != nullptr && a_->move.are_asked_for() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};
+    return has_limits() ? a_->move.time_s(distance_m, speed_limit_m_s_) : Scalar{0};
   }
   // The move over this distance, which has begun, is to take this long. One that would become too slow for its speed to
   // be seen sets off later instead, unless it is under way.
   [[gnu::cold]] void take(Scalar time_s, Scalar distance_m) noexcept {
-    if (a_ == nullptr || !a_->move.are_asked_for()) return;
+    if (!has_limits()) return;
     const Scalar least_m_s = least_speed * a_->switch_speed_m_s;
     const Scalar wanted_m_s = std::max(a_->move.speed_for_m_s(distance_m, time_s), least_m_s);
     go_at_most(std::min(wanted_m_s, speed_limit_m_s_));
@@ -85,6 +86,7 @@ class ApproachPlan {
   }
   // The approach that has begun finds the axis in motion, as its target does that moves on the way.
   void set_off_at_once() noexcept { in_motion_ = true; }
+  bool has_limits() const noexcept { return a_ != nullptr && a_->move.are_asked_for(); }
   bool began_in_motion() const noexcept { return in_motion_; }
   bool waits() const noexcept { return waiting_periods_ > 0; }
   // A period of that, in the place of see().
@@ -155,6 +157,9 @@ class ApproachPlan {
     return braked_m > most_m / 9 ? std::min(braked_m, most_m) : most_m;
   }
 
+  // In which the axis was last seen to move for certain, as seen from its target.
+  enum class Heading : std::uint8_t { unseen, towards, away };
+
   static constexpr Scalar least_speed = 8;     // of a move, as a multiple of that at which the brake takes over
   static constexpr Scalar longest_wait = 1e9;  // in periods
 
@@ -176,15 +181,20 @@ class ApproachPlan {
     return std::min(std::max({far, near, least_m_s2}), allowed);
   }
 
-  // A move that was sent back is braked by friction as well.
+  // A move that was sent back is braked by friction as well, until it is seen to have turned.
   Scalar force_of_move_N() noexcept {
     const MoveLimits<Scalar>& limits = a_->move;
-    // By the last reading, because what a lagging current loop owes counts as acted in the speed of now. A speed about
-    // zero is taken for that of an axis that rests.
-    const bool away = velocity_ * direction_ < away_m_s_;
+    const bool away = heading_ == Heading::away;
     const Scalar acceleration = move_.limits_jerk() ? move_.next(distance_, speed_, away)
                                                     : limits.within(down_the_curves(-limits.deceleration_m_s2), away);
-    return direction_ * (a_->mass_kg * acceleration + (away ? -a_->friction_N : a_->friction_N));
+    const Scalar force_N = a_->mass_kg * acceleration;
+    return direction_ * (away ? less_friction_N(force_N) : force_N + a_->friction_N);
+  }
+  // What is left to the drive where friction does its share. An axis that may have turned since it was read is given no
+  // more than it may have either way, so that its acceleration is within the limits whichever way it moves.
+  Scalar less_friction_N(Scalar force_N) const noexcept {
+    if (speed_ < -turning_m_s_) return force_N - a_->friction_N;
+    return force_N - limited(force_N, a_->friction_N);
   }
 
   // A move whose target came too near for it to stop passes it and turns.
@@ -192,9 +202,13 @@ class ApproachPlan {
     if (passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
     retargeted_ = passed_ = false;
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
-    if (towards != direction_) move_.turn();
+    const bool turns = towards != direction_;
+    if (turns) move_.turn();
     direction_ = towards;
-    forward_ = velocity_ * direction_ > a_->standing_m_s;
+    if (velocity_ * direction_ > turning_m_s_)
+      heading_ = Heading::towards;
+    else if (turns)
+      heading_ = Heading::away;
   }
 
   void begin(Scalar x, Scalar force_N) noexcept {
@@ -204,7 +218,7 @@ class ApproachPlan {
     previous_m_ = x;
     velocity_ = skipped_m_ = 0;
     turns_ = 0;
-    forward_ = false;
+    heading_ = Heading::unseen;
     missed_ = -1;  // the first reading tells no speed
     primed_ = true;
     // Only those that are looked at, because a first period has work enough.
@@ -261,10 +275,10 @@ class ApproachPlan {
 
   // What is read of an axis that hardly moves may point either way.
   void watch_turns(Scalar towards_m_s) noexcept {
-    if (towards_m_s > a_->standing_m_s) forward_ = true;
-    if (!forward_ || !(towards_m_s < -a_->standing_m_s)) return;
-    forward_ = false;
-    if (turns_ < most_turns) ++turns_;
+    if (towards_m_s > turning_m_s_) heading_ = Heading::towards;
+    if (!(towards_m_s < -turning_m_s_)) return;
+    if (heading_ == Heading::towards && turns_ < most_turns) ++turns_;
+    heading_ = Heading::away;
   }
 
   void count_owed(Scalar force_N, Scalar command_N) noexcept {
@@ -300,8 +314,8 @@ class ApproachPlan {
   Scalar max_speed_m_s_{};  // of this approach
   Scalar hard_m_s2_{};      // deceleration far away
   Scalar half_per_gentle_{};
-  Scalar away_m_s_{};  // an axis with less speed towards its target goes the other way,
-  Scalar passed_m_{};  // and one that is nearer has passed it
+  Scalar turning_m_s_{};  // an axis that is seen with more speed, either way, is sure to go that way
+  Scalar passed_m_{};     // and one that is nearer to its target has passed it
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar skipped_m_{};  // the way since then, in periods without a reading
@@ -317,7 +331,7 @@ class ApproachPlan {
   std::uint8_t latency_ = 0;
   static constexpr std::uint8_t most_turns = 3;
   std::uint8_t turns_ = 0;  // from towards the target to away from it
-  bool forward_ = false;
+  Heading heading_ = Heading::unseen;
   bool primed_ = false;
   bool in_motion_ = false;   // as the approach began, or its target moved
   bool retargeted_ = false;  // since the last reading

@@ -71,23 +71,29 @@ class AxisController {
   }
 
   // The target moved by shift_m: the next position error will be smaller by it. An approach of the coast "brake" that
-  // is under way goes on from where it is, because it knows how fast it moves; otherwise the axis starts a new one.
-  [[gnu::cold]] void shift_target(Scalar shift_m) noexcept {
+  // is under way goes on from where it is, because it knows how fast it moves, and so does a brake whose axis would
+  // have to be turned; otherwise the axis starts a new one.
+  [[gnu::cold, gnu::noinline]] void shift_target(Scalar shift_m) noexcept {
     pd_.shift_origin(shift_m);
     newest_m_ -= shift_m;
     before_m_ -= shift_m;
-    const bool goes_on = !Parts::by_work && braked_ != nullptr && mode_ == Mode::approach;
-    const bool rests = mode_ == Mode::hold;
-    if (!goes_on) {
-      restart();
-      if (!rests) plan_.set_off_at_once();
-      return;
-    }
     judge_.forget();
     fine_.restart();
-    cycle_.restart();
-    progress_.shift_origin(shift_m);
-    plan_.retarget(shift_m);
+    if constexpr (!Parts::by_work) {
+      if (braked_ != nullptr && mode_ == Mode::approach) {
+        cycle_.restart();
+        progress_.shift_origin(shift_m);
+        return plan_.retarget(shift_m);
+      }
+      if (is_braked_away()) {
+        cycle_.shift_origin(shift_m);
+        judge_.forget_last();
+        return plan_.set_off_at_once();
+      }
+    }
+    const bool rests = mode_ == Mode::hold;
+    start_approach();
+    if (!rests) plan_.set_off_at_once();
   }
 
   // How long a move from rest over this distance takes under its limits, up to where brake and kicks take over; 0 where
@@ -111,7 +117,7 @@ class AxisController {
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
-  [[gnu::cold]] void reset() noexcept {
+  [[gnu::cold, gnu::noinline]] void reset() noexcept {
     pd_.reset();
     cycle_.forget_force();
     last_force_N_ = 0;
@@ -213,6 +219,12 @@ class AxisController {
     if (cycle_.at_rest()) return conclude(x);
     if (!cycle_.overdue()) return give(0);
     return finishes_on_spring(x) ? conclude(x) : fail(ControlFault::drifting);
+  }
+
+  // A kick or a brake is under way in which an axis whose moves have limits can only move away from its target.
+  bool is_braked_away() const noexcept {
+    const bool is_under_way = mode_ == Mode::coast || mode_ == Mode::kick;
+    return is_under_way && plan_.has_limits() && !spring_.active() && newest_m_ * cycle_.direction() > 0;
   }
 
   // An axis that left its hold by more is approached again.
@@ -408,7 +420,7 @@ class AxisController {
     fine_.restart();
     start_approach();
   }
-  void start_approach() noexcept {
+  [[gnu::noinline]] void start_approach() noexcept {
     cycle_.restart();
     spring_.stop();
     plan_.restart();

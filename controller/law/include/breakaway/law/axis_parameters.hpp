@@ -39,7 +39,7 @@ struct AxisParameters {
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
-  Scalar encoder_noise_m{};  // by which a reading is off beside half a count, either way; under any coast but pd
+  Scalar encoder_noise_m{};  // half of what readings of an axis at rest may differ by; under any coast but pd
   Scalar feedforward_N{};    // given beside max_force_N while there is no fault, against a known constant force
 
   constexpr bool exact() const noexcept { return !(encoder_resolution_m > 0); }

@@ -76,6 +76,12 @@ class KickCycle {
     anchored_ = false;
   }
 
+  // The target moved on by this much, and what is under way goes on.
+  void shift_origin(Scalar shift_m) noexcept {
+    anchor_m_ -= shift_m;
+    furthest_m_ -= shift_m * direction_;
+  }
+
   // The drive makes no force.
   void forget_force() noexcept { interval_ = {}; }
 

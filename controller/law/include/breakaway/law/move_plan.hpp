@@ -29,10 +29,9 @@ struct MoveLimits {
   Scalar deceleration_m_s2{};  // in braking; more than the curve that the axis comes down by needs
   Scalar jerk_m_s3{};          // 0: none
 
-  // away: the axis still moves the other way, where to speed up is to brake.
+  // away: the axis may move the other way, where to speed up is to brake.
   constexpr Scalar within(Scalar acceleration, bool away) const noexcept {
-    return std::clamp(acceleration, away ? -acceleration_m_s2 : -deceleration_m_s2,
-                      away ? deceleration_m_s2 : acceleration_m_s2);
+    return std::clamp(acceleration, -deceleration_m_s2, away ? deceleration_m_s2 : acceleration_m_s2);
   }
   // How long a move from rest to rest takes that goes this fast on its way, or as fast as its way lets it. Requires
   // are_asked_for().
