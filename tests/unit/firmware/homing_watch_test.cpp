@@ -123,8 +123,8 @@ TEST(HomingWatch, CountsTheSamplesThatAreTooFastApartFromThoseOfARun) {
   Seeking found;
   EXPECT_EQ(found.see(0), AxisFault::none);
   drive = found;
-  EXPECT_EQ(run(0.0011F), AxisFault::none) << "the first of the two that name it";
-  EXPECT_EQ(run(0.0011F), AxisFault::speed_limit);
+  EXPECT_EQ(run(0.0013F), AxisFault::none) << "the first of the two that name it";
+  EXPECT_EQ(run(0.0013F), AxisFault::speed_limit);
 }
 
 TEST(HomingWatch, SamplesBeforeAGapDoNotCount) {

@@ -96,8 +96,8 @@ TEST(SupervisorEdges, TheFirstSampleHasNoSpeed) {
   EXPECT_EQ(axis.see(jumped), AxisFault::speed_limit);
 }
 
-// Of a SYNC that came late one sample seems faster, and the next one slower.
-TEST(SupervisorEdges, TheSpeedLimitTakesTwoSamplesInARowOrHalfAsMuchAgain) {
+// Of a SYNC that came late one sample seems faster, and the next one slower; under jitter several in a row may.
+TEST(SupervisorEdges, TheSpeedLimitIsExceededByHalfAPeriodsWayOverAnyNumberOfPeriods) {
   AxisLimits<float> limits = no_limits();
   limits.speed_m_s = 2;
   for (const float sign : {1.0F, -1.0F}) {
@@ -112,9 +112,13 @@ TEST(SupervisorEdges, TheSpeedLimitTakesTwoSamplesInARowOrHalfAsMuchAgain) {
       EXPECT_EQ(moved(0.00295F), AxisFault::none) << "late";
       EXPECT_EQ(moved(0.00105F), AxisFault::none) << "and not so late";
     }
-    EXPECT_EQ(moved(0.00199F), AxisFault::none);
-    EXPECT_EQ(moved(0.00201F), AxisFault::none);
-    EXPECT_EQ(moved(0.00201F), AxisFault::speed_limit);
+    for (int i = 0; i < 3; ++i) {
+      for (int late = 0; late < 4; ++late) EXPECT_EQ(moved(0.00224F), AxisFault::none) << "later and later";
+      EXPECT_EQ(moved(0.00104F), AxisFault::none) << "and on time again";
+    }
+    for (int i = 0; i < 9; ++i) EXPECT_EQ(moved(0.0021F), AxisFault::none) << i;
+    moved(0.0021F);
+    EXPECT_EQ(moved(0.0021F), AxisFault::speed_limit) << "a twentieth too fast";
     axis.supervisor.reset();
     moved(0);
     EXPECT_EQ(moved(0.00301F), AxisFault::speed_limit) << "half as much again";
@@ -122,6 +126,39 @@ TEST(SupervisorEdges, TheSpeedLimitTakesTwoSamplesInARowOrHalfAsMuchAgain) {
     EXPECT_EQ(moved(0.00299F), AxisFault::none) << "the first sample after a reset has none before it";
     EXPECT_EQ(moved(0.00299F), AxisFault::none) << "and what came before the reset does not count";
     EXPECT_EQ(moved(0.00299F), AxisFault::speed_limit);
+  }
+}
+
+// At 1 um a period a reading of 10 um is the next count, and nothing is known of the time in between.
+TEST(SupervisorEdges, ASlowAxisBehindACoarseEncoderKeepsItsSpeedLimit) {
+  AxisLimits<float> limits = no_limits();
+  limits.speed_m_s = 0.001F;
+  AxisModel<float> model;
+  model.unseen_m = 1e-5F;
+  Watched axis{limits, model};
+  const auto runs_at = [&](int periods_of_a_count, int counts) {
+    AxisFault fault = AxisFault::none;
+    for (int i = 1; i <= periods_of_a_count * counts && fault == AxisFault::none; ++i) {
+      Feedback f = axis.sample();
+      f.travel_m = i % periods_of_a_count == 0 ? 1e-5F : 0;
+      fault = axis.see(f);
+    }
+    return fault;
+  };
+  EXPECT_EQ(runs_at(11, 1000), AxisFault::none) << "nine tenths of its limit";
+  EXPECT_EQ(runs_at(9, 30), AxisFault::speed_limit) << "a ninth too fast";
+}
+
+TEST(SupervisorEdges, NoiseToAndFroIsNoSpeed) {
+  AxisLimits<float> limits = no_limits();
+  limits.speed_m_s = 0.001F;
+  AxisModel<float> model;
+  model.unseen_m = 1e-5F;
+  Watched axis{limits, model};
+  for (int i = 0; i < 1000; ++i) {
+    Feedback f = axis.sample();
+    f.travel_m = i % 2 == 0 ? 9e-6F : -9e-6F;
+    ASSERT_EQ(axis.see(f), AxisFault::none) << i;
   }
 }
 

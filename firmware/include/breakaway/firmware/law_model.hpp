@@ -22,6 +22,7 @@ AxisModel<Scalar> model_of(const Controller& c) noexcept {
     model.feedforward_N = c.parameters().feedforward_N;
     model.encoder_resolution_m = c.parameters().encoder_resolution_m;
   }
+  if constexpr (requires { c.parameters().unseen_m(); }) model.unseen_m = c.parameters().unseen_m();
   if constexpr (requires { c.breakaway_N(); }) model.breakaway_N = c.breakaway_N();
   if constexpr (requires { c.lost_motion_m(); }) model.lost_motion_m = c.lost_motion_m();
   if constexpr (requires { c.slow_lag(); }) model.slow_lag = c.slow_lag();

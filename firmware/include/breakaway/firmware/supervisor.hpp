@@ -155,6 +155,7 @@ struct AxisModel {
   Scalar lost_motion_m = 0;                            // of which the encoder need not show so much
   Scalar feedforward_N = 0;                            // share of the force that a constant force on the axis takes up
   Scalar encoder_resolution_m = 1;
+  Scalar unseen_m = 0;  // by which the travel between two readings may be off, for counts and noise
   law::HeldAxis<Scalar> held{};
 };
 
@@ -186,7 +187,8 @@ class Supervisor {
         commanded_{model.max_force_N, model.slow_lag},
         motion_{model.mass_kg, model.breakaway_N, model.encoder_resolution_m, model.lost_motion_m},
         external_{model.held},
-        feedforward_N_{model.feedforward_N} {
+        feedforward_N_{model.feedforward_N},
+        unseen_m_{model.unseen_m} {
     // A drive reports whole steps of force, which are the limit but for rounding.
     limits_.force_N *= Scalar{1} + 8 * std::numeric_limits<Scalar>::epsilon();
   }
@@ -201,6 +203,7 @@ class Supervisor {
   // position may come back from there, and go no further out.
   void begin_commands(Scalar position_m = 0) noexcept {
     has_previous_ = false;  // what it did while it was off says nothing of its forces
+    too_far_m_ = 0;
     commanded_.restart();
     motion_.restart();
     external_.restart();
@@ -220,6 +223,7 @@ class Supervisor {
       motion_.sample(feedback.travel_m, feedback.force_N - feedforward_N_, since_previous_s(feedback));
       external_.sample(feedback.travel_m, health.holds);
       external_.force(feedback.force_N - feedforward_N_);
+      if (has_previous_) watch_speed(feedback);
       note_progress(std::abs(feedback.position_offset_m), health.on_its_way, now);
     }
     if (fault_ == AxisFault::none) {
@@ -302,7 +306,7 @@ class Supervisor {
     if (!finite) return AxisFault::not_a_number;
     if (health.control_fault != law::ControlFault::none) return named(health.control_fault);
     if (f.position_m < lowest_m_ || f.position_m > highest_m_) return AxisFault::position_limit;
-    if (too_fast(f) && (was_too_fast_ || too_fast(f, far_too_fast))) return AxisFault::speed_limit;
+    if (std::abs(too_far_m_) > unseen_m_ + timing_share * allowed_travel_m(f)) return AxisFault::speed_limit;
     if (std::abs(f.force_N) > limits_.force_N) return AxisFault::force_limit;
     if (commanded_.exceeded()) return AxisFault::force_not_commanded;
     if (commanded_.fallen_short()) return AxisFault::less_force_than_commanded;
@@ -341,7 +345,7 @@ class Supervisor {
     const bool goes_on = has_previous_ && f.sample_time - previous_time_ <= limits_.feedback_timeout;
     if (goes_on) {
       motion_.sample(f.travel_m, f.force_N - feedforward_N_, since_previous_s(f));
-      homing_too_fast_ = too_fast(f) ? homing_too_fast_ + 1 : 0;
+      homing_too_fast_ = std::abs(f.travel_m) > allowed_travel_m(f) + unseen_m_ ? homing_too_fast_ + 1 : 0;
     } else {
       motion_.restart();
       homing_too_fast_ = 0;
@@ -352,15 +356,18 @@ class Supervisor {
     has_previous_ = true;
   }
 
-  // A frame that was on the wire when SYNC was due, of whatever node, makes one sample late by up to its length: the
-  // axis seems faster in it by that share of a period, and as much slower in the next one.
-  static constexpr Scalar far_too_fast = Scalar(1.5);
+  // By so much of a period samples may be off: a frame that was on the wire when SYNC was due, of whatever node, makes
+  // one late by up to its length, and so does the jitter that a certificate allows. Over any number of periods an axis
+  // that keeps its limit goes no further beyond what the limit allows in them, but for what its readings are off.
+  static constexpr Scalar timing_share = Scalar(0.5);
 
-  // By more than `times` the limit.
-  bool too_fast(const Feedback& f, Scalar times = 1) const noexcept {
-    if (!has_previous_) return false;
-    return std::abs(f.travel_m) > times * limits_.speed_m_s * since_previous_s(f);
+  // With its sign, because noise leads readings to and fro.
+  void watch_speed(const Feedback& f) noexcept {
+    const Scalar gone_m = too_far_m_ + f.travel_m;
+    too_far_m_ = gone_m - law::limited(gone_m, allowed_travel_m(f));
   }
+
+  Scalar allowed_travel_m(const Feedback& f) const noexcept { return limits_.speed_m_s * since_previous_s(f); }
 
   Scalar since_previous_s(const Feedback& f) const noexcept {
     return has_previous_ ? hal::seconds_as<Scalar>(f.sample_time - previous_time_) : Scalar{0};
@@ -368,7 +375,7 @@ class Supervisor {
 
   // An axis that held, or waited before it set off, has all its time before it. One that noise leads in and out of its
   // hold again and again did not hold.
-  void note_progress(Scalar error_m, bool on_its_way, hal::Time now) noexcept {
+  [[gnu::noinline]] void note_progress(Scalar error_m, bool on_its_way, hal::Time now) noexcept {
     if (!on_its_way) {
       if (rested_samples_ < long_rest) ++rested_samples_;
       return;
@@ -381,7 +388,6 @@ class Supervisor {
   }
 
   void remember(const Feedback& f) noexcept {
-    was_too_fast_ = too_fast(f);
     lowest_m_ = std::min(limits_.position_min_m, std::max(lowest_m_, f.position_m));
     highest_m_ = std::max(limits_.position_max_m, std::min(highest_m_, f.position_m));
     previous_time_ = f.sample_time;
@@ -393,6 +399,8 @@ class Supervisor {
   MotionUnderForce<Scalar> motion_;
   MotionWithoutForce<Scalar> external_;
   Scalar feedforward_N_;
+  Scalar unseen_m_;
+  Scalar too_far_m_{};  // beyond what the speed limit allows, in the periods up to now
   Scalar allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   Scalar least_error_m_{};  // since the target moved or the axis held for long
   Scalar lowest_m_ = limits_.position_min_m, highest_m_ = limits_.position_max_m;
@@ -403,8 +411,7 @@ class Supervisor {
   std::uint16_t fault_code_ = 0;
   AxisFault fault_ = AxisFault::none;
   bool has_previous_ = false;
-  bool was_too_fast_ = false;  // in the sample before
-  int homing_too_fast_ = 0;    // samples in a row
+  int homing_too_fast_ = 0;  // samples in a row
 };
 
 }  // namespace breakaway::firmware
