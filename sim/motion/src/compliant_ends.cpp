@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "breakaway/motion/tie.hpp"
 #include "compliant_motion.hpp"
@@ -7,7 +9,13 @@
 namespace breakaway::motion {
 namespace {
 
-constexpr int most_pieces_at_once = 100;
+// What keeps an axis from turning round without end, by what it is made of.
+std::string remedy_for_turning(const model::CompliantPlant& plant) {
+  if (plant.load && plant.presliding) return "give its load or its bristles more damping";
+  if (plant.load) return "give its load more damping";
+  if (plant.presliding) return "give its bristles more damping";
+  return "give it friction that bends before it slides (presliding), or friction and a force that change more slowly";
+}
 
 }  // namespace
 
@@ -76,10 +84,24 @@ void CompliantAxis::Motion::go_to_end(PieceEnd end, double step_s, bool implicit
     try_s = next_s > low_s && next_s < high_s ? next_s : 0.5 * (low_s + high_s);
   }
   accept(trial.step.state, try_s, {});
-  if (++at_once_ > most_pieces_at_once)
-    throw InputError{"the axis turns round without end at one instant; give its load or its bristles more damping"};
+  if (++at_once_ > 2 * most_at_once)
+    throw InputError{"the axis turns round without end at one instant; " + remedy_for_turning(plant_)};
   ++counters_.pieces;
   end_piece(end);
+}
+
+// Forces start a piece at the rounded time. A force that changes by more than the tie within this rounding may fall
+// back behind what it had just reached: friction that was to give way still holds, and is to give way again at that
+// instant. What rounding leaves over adds up from piece to piece, and takes the rounded time on before long; where that
+// is too little, the axis goes on from the next number. What still turns round without end does so in truth.
+void CompliantAxis::Motion::leave_instant(double end_s) {
+  ++at_once_;
+  const double next_s = std::min(std::nextafter(time_.sum_s, std::numeric_limits<double>::infinity()), end_s);
+  const double step_s = time_.until(next_s);
+  const Trial trial = try_step(step_s, false);
+  if (!trial.step.converged) return;
+  accept(trial.step.state, step_s, next_s);
+  release_what_is_pushed();
 }
 
 void CompliantAxis::Motion::end_piece(PieceEnd end) {

@@ -25,6 +25,9 @@ class CompliantAxis::Motion {
   void limit_work(WorkBudget* budget) { budget_ = budget; }
 
  private:
+  // So many pieces may end at one instant before it is left, and as many again before the motion is refused.
+  static constexpr int most_at_once = 100;
+
   struct Trial {
     ExtrapolatedStep<CompliantVector> step;
     bool ended_inside = false;
@@ -49,6 +52,7 @@ class CompliantAxis::Motion {
   std::optional<PieceEnd> first_end(const CompliantVector& y, double step_s) const;
   void go_to_end(PieceEnd end, double step_s, bool implicit);
   double resolution(PieceEnd end, double step_s) const;
+  void leave_instant(double end_s);
 
   void end_piece(PieceEnd end);
   void stop_motor();

@@ -99,6 +99,7 @@ void CompliantAxis::Motion::advance_to(double time_s, const model::AppliedForce&
 
 // Moves by one step or to the end of a piece, at most to end_s.
 void CompliantAxis::Motion::move(double duration_s, double end_s) {
+  if (at_once_ == most_at_once + 1) return leave_instant(end_s);
   const double longest_s = longest_step_s(duration_s);
   const bool implicit = pays_to_be_implicit(std::min(longest_s, implicit_step_s_));
   double& next_s = implicit ? implicit_step_s_ : explicit_step_s_;
