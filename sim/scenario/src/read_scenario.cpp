@@ -158,6 +158,7 @@ class WorldReader {
     hal::Duration max_tpdo_delay = drive_emulator::EmulatorConfig{}.max_tpdo_delay;
     std::uint64_t seed = 1;
     drive_emulator::Quirks quirks{};
+    bool has_torque_base = false;  // among the quirks; else the drive has that of which the node is told
   };
 
   // A deque, because the rows refer to its elements.
@@ -177,7 +178,12 @@ class WorldReader {
             .drive = {optional("tpdo_delay_min_s", duration_s(a.min_tpdo_delay, delay)),
                       optional("tpdo_delay_max_s", upper_delay(a.max_tpdo_delay, a.min_tpdo_delay, "tpdo_delay_min_s")),
                       seed(a.seed),
-                      optional("quirks", table([&a](const Section& section) { read_quirks(section, a.quirks); }))}};
+                      optional("quirks", table([&a](const Section& section) { read_quirks_of(section, a); }))}};
+  }
+
+  static void read_quirks_of(const Section& section, ReadAxis& axis) {
+    read_quirks(section, axis.quirks);
+    axis.has_torque_base = section.has("torque_relative_to_max");
   }
 
   static std::vector<Key> plant_rows(AxisWorld& world) {
@@ -282,6 +288,7 @@ class WorldReader {
     c.max_tpdo_delay = std::max(axis.min_tpdo_delay, axis.max_tpdo_delay);
     c.seed = axis.seed;
     c.quirks = axis.quirks;
+    if (!axis.has_torque_base) c.quirks.torque_relative_to_max = drive.torque_base == cia402::TorqueBase::largest;
     if (drive.data_sheet && node.loop) play_sheet(node, described, c);
     return c;
   }
