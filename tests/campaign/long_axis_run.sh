@@ -6,9 +6,10 @@ if [[ $# -ne 3 ]]; then
   cat >&2 <<'HELP'
 Usage: tests/campaign/long_axis_run.sh FIRST COUNT DIRECTORY
 
-Runs the axes of COUNT numbers from FIRST under the coast "brake", a fifth of them from far away as well, and 20 of each
-500 at little more than their least speed and under jitter in a pattern (BREAKAWAY_FAR_AXES, BREAKAWAY_SLOW_AXES,
-BREAKAWAY_PATTERNED_AXES: so many of each 500). Writes into DIRECTORY what was said of each 500 of them, and total.txt:
+Runs the axes of COUNT numbers from FIRST under the coast "brake", a fifth of them from far away as well, 20 of each 500
+at little more than their least speed, under jitter in a pattern and from as far away as a float tells, and 60 with noise
+of any size (BREAKAWAY_FAR_AXES, BREAKAWAY_SLOW_AXES, BREAKAWAY_PATTERNED_AXES, BREAKAWAY_FARTHEST_AXES,
+BREAKAWAY_NOISY_AXES: so many of each 500). Writes into DIRECTORY what was said of each 500 of them, and total.txt:
 how many were certified and run, and which failed. A lump that is there is left out, so that a run that was stopped goes
 on. BREAKAWAY_BUILD names the build directory (build/release).
 
@@ -37,10 +38,12 @@ cat "$directory"/axes_*.txt | awk '
   / runs from far away, / { far += $6 }
   / runs at little more than / { slow += $6 }
   / under jitter in a pattern, / { patterned += $6 }
+  / from as far away as a float tells, / { farthest += $6 }
+  / with noise of any size, / { noisy += $6 }
   /^axis [0-9]+, friction/ { sub(",", "", $2); failed[$2] = 1 }
   END {
-    printf "%d of %d axes certified, %d runs, %d from far away, %d slow and %d under jitter in a pattern, failed:", \
-      certified, axes, runs, far, slow, patterned
+    printf "%d of %d axes certified, %d runs, %d from far away, %d slow, %d under jitter in a pattern, %d from as far away " \
+      "as a float tells and %d noisy, failed:", certified, axes, runs, far, slow, patterned, farthest, noisy
     for (axis in failed) printf " %s", axis
     print ""
   }' > "$directory/total.txt"
