@@ -275,10 +275,12 @@ class ApproachPlan {
 
   // What is read of an axis that hardly moves may point either way.
   void watch_turns(Scalar towards_m_s) noexcept {
-    if (towards_m_s > turning_m_s_) heading_ = Heading::towards;
-    if (!(towards_m_s < -turning_m_s_)) return;
-    if (heading_ == Heading::towards && turns_ < most_turns) ++turns_;
-    heading_ = Heading::away;
+    if (towards_m_s > turning_m_s_) {
+      heading_ = Heading::towards;
+    } else if (towards_m_s < -turning_m_s_) {
+      if (heading_ == Heading::towards && turns_ < most_turns) ++turns_;
+      heading_ = Heading::away;
+    }
   }
 
   void count_owed(Scalar force_N, Scalar command_N) noexcept {

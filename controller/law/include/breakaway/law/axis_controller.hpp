@@ -42,12 +42,12 @@ class AxisController {
   // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
   // outlive the controller.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept
-      : p_{parameters}, pd_{parameters, table} {}
+      : p_{parameters}, pd_{parameters, table}, judge_{parameters.unseen_m()} {}
 
   // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
   // the controller as well.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
-      : p_{parameters}, pd_{parameters, table} {
+      : p_{parameters}, pd_{parameters, table}, judge_{parameters.unseen_m()} {
     if (p_.coast != Parts::coast) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
@@ -208,10 +208,7 @@ class AxisController {
       if (!beyond_tolerance(x)) return keep_holding(x);
       if (held_ >= long_braked_hold()) fine_.restart();  // it has been pushed
       if (judge_.left_hold()) return fail(ControlFault::hunting);
-      if (std::abs(x) > far_m()) {
-        start_approach();
-        return approach_to_brake(x);
-      }
+      if (std::abs(x) > far_m()) return approach_again(false);
       mode_ = Mode::coast;
       if (!spring_.active()) cycle_.release(0);
     }
@@ -331,7 +328,10 @@ class AxisController {
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
     // moved may have passed it only.
-    const bool slowly = !plan_.began_in_motion();
+    return approach_again(!plan_.began_in_motion());
+  }
+
+  [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> approach_again(bool slowly) noexcept {
     start_approach();
     if (slowly) plan_.go_slowly();
     return give(0);
@@ -437,7 +437,7 @@ class AxisController {
   SpringStage<Scalar> spring_{};
   typename Parts::Aim fine_{p_.position_tolerance_m};
   typename Parts::Plan plan_{};
-  KickJudge<Scalar> judge_{};
+  KickJudge<Scalar> judge_;
   Scalar last_force_N_{};
   Scalar force_before_N_{};
   Scalar newest_m_{};  // readings under the brake, and the one before

@@ -27,6 +27,10 @@ class KickJudge {
 
   using Parameters = AxisParameters<Scalar>;
 
+  constexpr KickJudge() noexcept = default;
+  // unseen_m: AxisParameters::unseen_m().
+  constexpr explicit KickJudge(Scalar unseen_m) noexcept : unseen_m_{unseen_m} {}
+
   void forget() noexcept {
     least_error_m_ = largest;
     kicks_counted_ = 0;
@@ -87,11 +91,11 @@ class KickJudge {
     awaiting_result_ = false;
     proved_ = ControlFault::none;
     const Scalar error_m = std::abs(x);
-    Scalar lawful_m = std::abs(kicked_from_m_) + p.position_tolerance_m + p.unseen_m();
+    Scalar lawful_m = std::abs(kicked_from_m_) + p.position_tolerance_m + unseen_m_;
     if (fine != nullptr && fine->kicked()) lawful_m += fine->beyond_m();
     if (cycle != nullptr && (!fine->kicked() || cycle->driven_back()))
       compare_with_told(p, *cycle, *fine, (x - kicked_from_m_) * cycle->direction(), error_m);
-    const bool moved = std::abs(x - kicked_from_m_) > p.unseen_m() / 2;
+    const bool moved = std::abs(x - kicked_from_m_) > unseen_m_ / 2;
     const bool grew = error_m > lawful_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
@@ -103,7 +107,7 @@ class KickJudge {
 
   // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer.
   void note_least_error(const Parameters& p, Scalar error_m, bool moved, const FineStage<Scalar>* fine) noexcept {
-    if (error_m < least_error_m_ - p.unseen_m() / 2) {
+    if (error_m < least_error_m_ - unseen_m_ / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
       if (fine == nullptr) {
@@ -125,12 +129,12 @@ class KickJudge {
     const BrakedKicks<Scalar>& told = cycle.kicks();
     if (!told.kicks_show_friction()) return;
     if (cycle.driven_back()) return contradict(fine, told.brake_N, error_m);
-    if (!(travel_m > p.unseen_m() / 2) || cycle.pulse_limited()) return;
+    if (!(travel_m > unseen_m_ / 2) || cycle.pulse_limited()) return;
     const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
     const auto seen_N = [&](Scalar d) {
       return friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, d);
     };
-    const Scalar unsure_m = 2 * p.unseen_m();
+    const Scalar unsure_m = 2 * unseen_m_;
     const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < told.least_seen_N;
     if (less || seen_N(travel_m + unsure_m) > told.most_seen_N) contradict(fine, seen_N(travel_m), error_m);
   }
@@ -144,6 +148,7 @@ class KickJudge {
     if (proved_ == ControlFault::none) proved_ = fault;
   }
 
+  Scalar unseen_m_{};
   Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
   Scalar kicked_from_m_{};
   Scalar seen_friction_N_{};
