@@ -105,15 +105,15 @@ Farthest farthest(const design::DesignReport& report) {
 }
 
 void require_reachable_targets(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  const auto [most_m, coast, remedy] = farthest(report);
-  if (!report.certified || !(most_m < unlimited)) return;
+  const Farthest certified = farthest(report);
+  if (!report.certified || !(certified.most_m < unlimited)) return;
   const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
   const auto require = [&](double way_m, std::string_view what) {
-    if (way_m <= most_m) return;
+    if (way_m <= certified.most_m) return;
     throw InputError{place(node, axis) +
                      fmt::format("{} {:g} m away, and under the coast \"{}\" an approach is certified "
                                  "over {:.4g} m at most; {}",
-                                 what, way_m, coast, most_m, remedy)};
+                                 what, way_m, certified.coast, certified.most_m, certified.remedy)};
   };
   if (room_m < unlimited) return require(room_m, "[limits] of position let a target be");
   double from_m = axis.controller.target_m;
