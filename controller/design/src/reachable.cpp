@@ -63,7 +63,7 @@ std::string by_finer_steps(BrakedClass axes, double tolerance_m) {
   std::string with_fine_stage;
   for (int steps = 65; steps < 10000; steps *= 2) {
     axes.force_step_N = less(axes.max_force_N / steps);
-    const std::string of = drive + brief(axes.force_step_N) + " N";
+    std::string of = drive + brief(axes.force_step_N) + " N";
     if (reaches(axes, tolerance_m)) return of;
     const auto design = design_braked_kicks<float>(axes);
     if (with_fine_stage.empty() && design.possible() && !design.kicks.table.list)
