@@ -69,6 +69,15 @@ void require_counted(const KnownAxis& known, double travel_m) {
       known.longest_move_m, range_m, counted_m, known.encoder_resolution_m, rounded_up(1.01 * range_m / 0x1p31, 2))};
 }
 
+void require_seen_to_move(const KnownAxis& known, double travel_m, double farthest_m) {
+  const double range_m = 2 * travel_m;
+  if (range_m <= farthest_m) return;
+  throw InputError{fmt::format(
+      "the longest move, {:g} m, needs a travel of {:g} m, and over more than {:g} m a float does not tell so slow an "
+      "axis from one that sticks; give a shorter move, a coarser encoder or a stronger drive",
+      known.longest_move_m, range_m, rounded_down(farthest_m, 3))};
+}
+
 bool can_be_told(hal::Duration period) { return cia402::interpolation_period(period).has_value(); }
 
 hal::Duration period_of(double rate_Hz) { return hal::Duration{std::llround(1e9 / rate_Hz)}; }
@@ -298,6 +307,7 @@ NewNode new_node(const KnownAxis& known) {
   const design::BrakedPromise& wide = *first.report.braked;
   chosen.travel_m = std::max(travel_m(known), rounded_up(known.longest_move_m + wide.approach_beyond_m, 2));
   require_counted(known, chosen.travel_m);
+  require_seen_to_move(known, chosen.travel_m, wide.farthest_m);
   chosen.tolerance_m = rounded_up(wide.least_tolerance_m, 2);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
   chosen.speed_limit_m_s = rounded_up(2 * std::max(chosen.approach_speed_m_s, wide.peak_speed_m_s), 2);

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "../number_after.hpp"
 #include "../refusal.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -15,6 +16,7 @@
 namespace breakaway::config {
 namespace {
 
+using breakaway::testing::number_after;
 using breakaway::testing::refusal;
 
 constexpr KnownAxis table{12, 15, 28, 5e-7, 1000, 200, 0.4};
@@ -83,6 +85,15 @@ TEST(NewNode, NamesTheNumberThatIsImpossible) {
               k.max_force_N = 1e9;
             }).find("the force, 1e+09 N, would give the mass, 1e-09 kg"),
             std::string::npos);
+}
+
+// 240 kg with 1.7 N to spare: far away a float hides that it sets off, and the travel has twice the longest move.
+TEST(NewNode, IsForbiddenOverWaysOnWhichAFloatHidesThatASlowAxisSetsOff) {
+  KnownAxis slow{240.13, 2.3405, 2.34284, 1.34e-7, 1000, 4.0482, 91.21};
+  const std::string said = refusal([&] { new_node(slow); });
+  EXPECT_NE(said.find("a float does not tell so slow an axis from one that sticks"), std::string::npos) << said;
+  slow.longest_move_m = 0.45 * number_after(said, "over more than ");
+  EXPECT_TRUE(new_node(slow).report.certified) << said;
 }
 
 // So that whoever types them in one by one hears of it at the number that is wrong.
