@@ -36,8 +36,6 @@ double approach_speed_m_s(const Node& node, const Axis& axis) {
   return std::min(asked_m_s, share_of_limit * axis.limits.speed_m_s / (1 + late));
 }
 
-double rounding_m(const Axis& axis) { return axis.drive && axis.drive->odrive ? axis.drive->odrive->rounding_m : 0; }
-
 double flicker_m(const Axis& axis) {
   if (!axis.drive) return 2 * axis.uncertainty.encoder_noise_m;
   return design::flicker_m(axis.uncertainty.encoder_noise_m, rounding_m(axis), axis.drive->encoder_resolution_m);

@@ -113,8 +113,8 @@ class Outside {
   }
 
   void readings() {
-    const double rounding_m = without_sync() ? axis_.drive->odrive->rounding_m : 0;  // which the noise holds already
-    const double off_m = axis_.surroundings.encoder_error_m, told_m = axis_.uncertainty.encoder_noise_m - rounding_m;
+    const double off_m = axis_.surroundings.encoder_error_m;
+    const double told_m = axis_.uncertainty.encoder_noise_m - rounding_m(axis_);
     if (off_m == 0 || (braked() && off_m <= told_m * (1 + rounding))) return;
     add("[plant] encoder_error: a reading may be {:.6g} m off beside its count (interpolation_m and 6 times noise_m), "
         "and [uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",

@@ -129,13 +129,17 @@ TEST(SupervisorEdges, TheSpeedLimitIsExceededByHalfAPeriodsWayOverAnyNumberOfPer
   }
 }
 
-// At 1 um a period a reading of 10 um is the next count, and nothing is known of the time in between.
-TEST(SupervisorEdges, ASlowAxisBehindACoarseEncoderKeepsItsSpeedLimit) {
+Watched slow_behind_a_coarse_encoder() {
   AxisLimits<float> limits = no_limits();
   limits.speed_m_s = 0.001F;
   AxisModel<float> model;
   model.unseen_m = 1e-5F;
-  Watched axis{limits, model};
+  return Watched{limits, model};
+}
+
+// At 1 um a period a reading of 10 um is the next count, and nothing is known of the time in between.
+TEST(SupervisorEdges, ASlowAxisBehindACoarseEncoderKeepsItsSpeedLimit) {
+  Watched axis = slow_behind_a_coarse_encoder();
   const auto runs_at = [&](int periods_of_a_count, int counts) {
     AxisFault fault = AxisFault::none;
     for (int i = 1; i <= periods_of_a_count * counts && fault == AxisFault::none; ++i) {
@@ -150,11 +154,7 @@ TEST(SupervisorEdges, ASlowAxisBehindACoarseEncoderKeepsItsSpeedLimit) {
 }
 
 TEST(SupervisorEdges, NoiseToAndFroIsNoSpeed) {
-  AxisLimits<float> limits = no_limits();
-  limits.speed_m_s = 0.001F;
-  AxisModel<float> model;
-  model.unseen_m = 1e-5F;
-  Watched axis{limits, model};
+  Watched axis = slow_behind_a_coarse_encoder();
   for (int i = 0; i < 1000; ++i) {
     Feedback f = axis.sample();
     f.travel_m = i % 2 == 0 ? 9e-6F : -9e-6F;

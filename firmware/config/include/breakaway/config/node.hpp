@@ -254,6 +254,11 @@ inline double reading_error_m(const Axis& axis) {
   return axis.drive ? axis.drive->encoder_resolution_m / 2 + axis.uncertainty.encoder_noise_m : 0;
 }
 
+// The share of the stated noise that is rounding, the same at the same place.
+inline double rounding_m(const Axis& axis) {
+  return axis.drive && axis.drive->odrive ? axis.drive->odrive->rounding_m : 0;
+}
+
 // The tolerance of the reading that the law holds to, and that is flashed and certified: position_tolerance_m, or else
 // what keeps the true error within settle_tolerance_m.
 inline double tolerance_m(const Node& node, const Axis& axis) {
