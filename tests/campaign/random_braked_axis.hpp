@@ -85,7 +85,7 @@ inline law::AxisParameters<float> parameters(const BrakedClass& c, double tolera
   p.max_approach_speed_m_s = 10;
   p.position_tolerance_m = static_cast<float>(tolerance_m);
   p.encoder_resolution_m = static_cast<float>(c.encoder_resolution_m);
-  p.encoder_noise_m = static_cast<float>(c.flicker_m() / 2);
+  p.flicker_m = static_cast<float>(c.flicker_m());
   p.period_s = static_cast<float>(c.period_s);
   p.latency_periods = static_cast<std::uint8_t>(c.latency_periods);
   p.coast = law::Coast::brake;

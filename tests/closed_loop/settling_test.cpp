@@ -63,6 +63,21 @@ TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
   }
 }
 
+// Between two kicks the axis rests within so wide a tolerance, and further away than it is certified to end.
+TEST(BrakedAxis, HasNotSettledBeforeTheLawHoldsHoweverWideTheToleranceIsThatIsJudged) {
+  auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  axis.node.settle_tolerance_m = 1e-3;
+  axis.run->settle_time_s = 0;
+  const double count_m = axis.node.axes[0].drive->encoder_resolution_m;
+  for (const auto& row : study::run_study(axis, three_starts(10))) {
+    for (const auto& run : row.runs) {
+      EXPECT_TRUE(run.settled) << run.law;
+      EXPECT_LE(std::abs(run.final_error_m), axis.node.axes[0].controller.position_tolerance_m + count_m / 2)
+          << run.law;
+    }
+  }
+}
+
 // What is certified must not be stopped for a force that its slow current loop still has.
 TEST(BrakedAxis, SettlesBehindACurrentLoopOfTwentyPeriods) {
   auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");

@@ -79,7 +79,7 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.max_approach_speed_m_s = static_cast<Real>(approach_speed_m_s(node, axis));
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);
-  p.encoder_noise_m = static_cast<Real>(flicker_m(axis) / 2);
+  p.flicker_m = static_cast<Real>(flicker_m(axis));
   p.period_s = static_cast<Real>(node.period_s());
   p.latency_periods = axis.latency_periods;
   p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;

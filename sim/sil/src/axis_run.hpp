@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "breakaway/firmware/control_loop.hpp"
@@ -83,7 +84,7 @@ class AxisRun {
     look();
     if (trace) note_sample(time_s, now, bus_load, status.output.mode);
   }
-  void judge(double time_s) { judge_.look(time_s, target_m_); }
+  void judge(double time_s) { judge_.look(time_s, target_m_, law_is_done()); }
 
   // Nothing more is to come: it rests on its last target, or it has a fault and stands.
   bool over() const {
@@ -108,6 +109,13 @@ class AxisRun {
   drive_emulator::EmulatedDrive& add_drive(SimulatedNetwork& network) {
     if (world_.odrive) return network.add_drive(*world_.odrive, mechanism_.seen_by_drive());
     return network.add_drive(*world_.drive, mechanism_.seen_by_drive());
+  }
+
+  // A law that does not know its friction is never done.
+  bool law_is_done() const {
+    using Controller = std::remove_cvref_t<decltype(loop_.controller(id_))>;
+    if constexpr (firmware::KnowsFriction<Controller>) return loop_.status(id_).output.mode == law::Mode::hold;
+    return true;
   }
 
   double position_m() const { return mechanism_.axis->state().position_m; }

@@ -21,7 +21,9 @@ class Judge {
         axis_{axis},
         reached_{{1e-3, 0}, {1e-4, 0}, {1e-5, 0}, {tolerance_m, 0}} {}
 
-  void look(double time_s, double target_m) {
+  // law_is_done: it kicks no more from where the axis is. An axis that rests within a wide tolerance between two kicks
+  // has not settled.
+  void look(double time_s, double target_m, bool law_is_done) {
     const AxisState axis = axis_.state();
     slips_ = axis.slips;
     error_m_ = axis.position_m - target_m;
@@ -32,7 +34,7 @@ class Judge {
     const bool there = within(tolerance_m_) && axis.sticking;
     if (!there) since_s_ = nan;
     if (there && std::isnan(since_s_)) since_s_ = time_s;
-    settled_ = there && time_s - since_s_ >= run_.settle_time_s;
+    settled_ = there && law_is_done && time_s - since_s_ >= run_.settle_time_s;
     if (time_s < run_.duration_s - 1) slips_before_last_second_ = slips_;
   }
   // The target moved: times are counted from here.

@@ -79,7 +79,7 @@ constexpr Edit<Axis> edits_of_an_axis[] = {
     {"law.latency_periods", [](Axis& a) { change(a.law.latency_periods); }},
     {"law.kick_shape", [](Axis& a) { change(a.law.kick_shape); }},
     {"law.coast", [](Axis& a) { change(a.law.coast); }},
-    {"law.encoder_noise_m", [](Axis& a) { change(a.law.encoder_noise_m); }},
+    {"law.flicker_m", [](Axis& a) { change(a.law.flicker_m); }},
     {"law.feedforward_N", [](Axis& a) { change(a.law.feedforward_N); }},
     {"k3_table.root_max", [](Axis& a) { change(a.k3_table.root_max); }},
     {"k3_table.nodes_per_root", [](Axis& a) { change(a.k3_table.nodes_per_root); }},

@@ -71,7 +71,7 @@ TEST(AxisParameterEdges, AreOnTheSideThatTheirSentencesSay) {
   expect(E::max_approach_speed_not_positive, &P::max_approach_speed_m_s, {0, -1}, {tiny, inf});
   expect(E::tolerance_negative, &P::position_tolerance_m, {-tiny, inf}, {0, 1});
   expect(E::encoder_resolution_negative, &P::encoder_resolution_m, {-tiny, inf}, {0, 1});
-  expect(E::encoder_noise_negative, &P::encoder_noise_m, {-tiny, inf, std::nan("")}, {0, 1});
+  expect(E::flicker_negative, &P::flicker_m, {-tiny, inf, std::nan("")}, {0, 1});
   expect(E::period_negative, &P::period_s, {-tiny, inf}, {0, 1});
   const auto friction = [](double lower_N, double upper_N) {
     return error_after([=](P& p) { p.friction = {lower_N, upper_N}; });
@@ -121,7 +121,7 @@ TEST(AxisParameterEdges, BrakeAndWorkNeedAPeriodAndCounts) {
 
 TEST(AxisParameters, TellWhatTheyAmountTo) {
   auto p = sampled_axis<double>();
-  p.encoder_noise_m = 2e-6;
+  p.flicker_m = 4e-6;
   for (const double feedforward_N : {-3.0, 3.0}) {
     p.feedforward_N = feedforward_N;
     EXPECT_EQ(p.total_force_N(), 53);
@@ -140,7 +140,7 @@ TEST(LawDefaults, AreThoseOfTheDocumentation) {
   EXPECT_EQ(p.latency_periods, 1);
   EXPECT_EQ(p.kick_shape, KickShape::two_phase);
   EXPECT_EQ(p.coast, Coast::pd);
-  EXPECT_EQ(p.encoder_noise_m + p.feedforward_N + p.position_tolerance_m + p.period_s + p.encoder_resolution_m, 0);
+  EXPECT_EQ(p.flicker_m + p.feedforward_N + p.position_tolerance_m + p.period_s + p.encoder_resolution_m, 0);
   const BrakedKicks<float> kicks;
   EXPECT_EQ(kicks.still_periods + kicks.either_way_periods + kicks.patient_periods + kicks.settling_periods, 0);
   EXPECT_EQ(kicks.spring.longest_periods + kicks.spring.ringing_periods, 0);

@@ -65,7 +65,7 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("latency_periods", p.latency_periods, "");
   visit.value("kick_shape", p.kick_shape, "");
   visit.value("coast", p.coast, "");
-  visit.value("encoder_noise_m", p.encoder_noise_m, "m");
+  visit.value("flicker_m", p.flicker_m, "m");
   visit.value("feedforward_N", p.feedforward_N, "N");
 }
 

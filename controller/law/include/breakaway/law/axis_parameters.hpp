@@ -39,8 +39,8 @@ struct AxisParameters {
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
   KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
-  Scalar encoder_noise_m{};  // half of what readings of an axis at rest may differ by; under any coast but pd
-  Scalar feedforward_N{};    // given beside max_force_N while there is no fault, against a known constant force
+  Scalar flicker_m{};      // what readings of an axis at rest may differ by; under any coast but pd
+  Scalar feedforward_N{};  // given beside max_force_N while there is no fault, against a known constant force
 
   constexpr bool exact() const noexcept { return !(encoder_resolution_m > 0); }
   constexpr bool ideal() const noexcept { return !(period_s > 0); }
@@ -50,9 +50,9 @@ struct AxisParameters {
     return max_force_N + (feedforward_N < 0 ? -feedforward_N : feedforward_N);
   }
 
-  // An axis whose reading differs from an earlier one by less than half of this may have rested since. One that moved
-  // by all of it has not: either reading is off by half a count and the noise.
-  constexpr Scalar unseen_m() const noexcept { return encoder_resolution_m + 4 * encoder_noise_m; }
+  // An axis whose reading differs from an earlier one by less than half of this may have rested since: readings at rest
+  // differ by whole counts, up to the flicker. One that moved by all of it is read to have moved by a count more.
+  constexpr Scalar unseen_m() const noexcept { return encoder_resolution_m + 2 * flicker_m; }
 
   constexpr Scalar stick_radius_upper_m() const noexcept {
     return friction.upper_N / stiffness_N_per_m;
@@ -79,7 +79,7 @@ enum class ParameterError : std::uint8_t {
   max_approach_speed_not_positive,
   tolerance_negative,
   encoder_resolution_negative,
-  encoder_noise_negative,
+  flicker_negative,
   period_negative,
   brake_without_period,
 };
@@ -110,8 +110,8 @@ constexpr std::string_view to_string(ParameterError error) noexcept {
       return "position tolerance must not be negative";
     case ParameterError::encoder_resolution_negative:
       return "encoder resolution must not be negative";
-    case ParameterError::encoder_noise_negative:
-      return "encoder noise must not be negative";
+    case ParameterError::flicker_negative:
+      return "flicker of the encoder must not be negative";
     case ParameterError::period_negative:
       return "control period must not be negative";
     case ParameterError::brake_without_period:
@@ -144,7 +144,7 @@ template <class Scalar>
   if (!(p.max_approach_speed_m_s > 0)) return ParameterError::max_approach_speed_not_positive;
   if (!not_negative(p.position_tolerance_m)) return ParameterError::tolerance_negative;
   if (!not_negative(p.encoder_resolution_m)) return ParameterError::encoder_resolution_negative;
-  if (!not_negative(p.encoder_noise_m)) return ParameterError::encoder_noise_negative;
+  if (!not_negative(p.flicker_m)) return ParameterError::flicker_negative;
   if (!not_negative(p.period_s)) return ParameterError::period_negative;
   if (p.coast != Coast::pd && !(p.period_s > 0 && p.encoder_resolution_m > 0))
     return ParameterError::brake_without_period;

@@ -93,8 +93,8 @@ struct Excursions {
 
 struct AxisResult {
   std::string name;
-  bool settled = false;
-  double settling_time_s = 0;             // since the last target change; NaN if never settled
+  bool settled = false;                   // at rest within the tolerance for the time asked for, and the law holds
+  double settling_time_s = 0;             // when that rest began, since the last target change; NaN if never settled
   double final_error_m = 0;               // position - target
   std::optional<double> load_position_m;  // at the end, where there is a load apart from the motor
   std::string told;  // what the controller is told otherwise than it is; see config::told_otherwise
