@@ -323,7 +323,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   return conditions;
 }
 
-std::vector<std::string> conditions(const AxisDesign& axis) {
+std::vector<std::string> conditions_of_law(const AxisDesign& axis) {
   if (axis.braked) return conditions_of_brake(axis);
   if (axis.work && axis.work->spring_load) return detail::conditions_of_work(axis);
   const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
@@ -341,6 +341,15 @@ std::vector<std::string> conditions(const AxisDesign& axis) {
         "tested, not proved: that the sampled loop settles as the ideal law does; a kick may go beyond the target");
   }
   return conditions;
+}
+
+std::vector<std::string> conditions(const AxisDesign& axis) {
+  std::vector<std::string> all = conditions_of_law(axis);
+  if (axis.sag_m > 0)
+    all.push_back(
+        "until the drive gives feedforward_N an axis whose brake opens sags by up to " + brief(axis.sag_m) +
+        " m: it is enabled at least so far from its limits, and ways and times count from when it rests again");
+  return all;
 }
 
 }  // namespace

@@ -43,24 +43,43 @@ double flicker_m(const Axis& axis) {
 
 }  // namespace
 
+// Where a target torque counts in the largest torque, the set-up lowers that to the limit of the axis, cut down to
+// whole per mille of the rated torque: no more is given.
 double max_force_N(const Axis& axis) {
   const double given_N = axis.drive ? axis.drive->max_force_N() : unlimited;
-  return std::min(axis.controller.max_force_N, given_N);
+  const double most_N = std::min(axis.controller.max_force_N, given_N);
+  if (!axis.drive || axis.drive->torque_base == cia402::TorqueBase::rated) return most_N;
+  const double quantum_N = axis.drive->force_quantum_N();
+  return quantum_N * std::floor(most_N / quantum_N * (1 + 1e-6));
 }
 
-// Where a target torque counts in the largest torque, the set-up lowers that to the limit of the axis, cut down to
-// whole per mille of the rated torque.
 double force_step_N(const Axis& axis) {
   const double quantum_N = axis.drive->force_quantum_N();
   if (axis.drive->torque_base == cia402::TorqueBase::rated) return quantum_N;
-  const double limit_per_mille = std::floor(max_force_N(axis) / quantum_N * (1 + 1e-6));
-  return quantum_N * std::max(limit_per_mille, 1.0) / 1000;
+  return std::max(max_force_N(axis), quantum_N) / 1000;
 }
 
 double feedforward_N(const Axis& axis) {
   if (!axis.controller.impulsive || !axis.drive) return 0;
   const double step_N = force_step_N(axis);
   return std::round(axis.controller.impulsive->feedforward_N / step_N) * step_N;
+}
+
+double answer_delay_s(const Node& node, const Axis& axis) {
+  return 2 * node.bus_surroundings.least_delay_s + axis.surroundings.feedback_delay_s;
+}
+
+OffCount furthest_off_count(const Axis& axis) {
+  const double count_m = axis.drive ? axis.drive->encoder_resolution_m : 0;
+  OffCount furthest{0, 0};
+  const auto look_at = [&](double target_m) {
+    const OffCount here{target_m, std::round(target_m / count_m) * count_m};
+    if (here.m() > std::max(furthest.m(), 1e-6 * count_m)) furthest = here;
+  };
+  if (!(count_m > 0)) return furthest;
+  look_at(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) look_at(change.position_m);
+  return furthest;
 }
 
 double law_force_N(const Axis& axis) { return max_force_N(axis) - std::abs(feedforward_N(axis)); }
@@ -76,6 +95,9 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.friction = {static_cast<Real>(axis.friction.bounds.lower_N), static_cast<Real>(axis.friction.bounds.upper_N)};
   p.max_force_N = static_cast<Real>(law_force_N(axis));
   p.feedforward_N = static_cast<Real>(feedforward_N(axis));
+  // Their sum is rounded, too, and must not come to be more than there is.
+  while (p.total_force_N() > static_cast<Real>(max_force_N(axis)))
+    p.max_force_N = std::nextafter(p.max_force_N, Real{0});
   p.max_approach_speed_m_s = static_cast<Real>(approach_speed_m_s(node, axis));
   p.position_tolerance_m = static_cast<Real>(tolerance_m(node, axis));
   p.encoder_resolution_m = static_cast<Real>(axis.drive ? axis.drive->encoder_resolution_m : 0.0);

@@ -313,6 +313,16 @@ void check_feedforward(const Section& section, const Axis& axis) {
                   axis.friction.bounds.upper_N));
 }
 
+// A force below one step is none.
+void check_step(const Section& section, const Axis& axis) {
+  if (!axis.controller.impulsive || !axis.drive || law_force_N(axis) >= force_step_N(axis) * (1 - 1e-6)) return;
+  section.fail(
+      "max_force_N",
+      fmt::format("leaves the law {:.6g} N, and the [drive] has steps of {:.6g} N; raise it, or take a drive with "
+                  "finer steps",
+                  law_force_N(axis), axis.drive->force_quantum_N()));
+}
+
 }  // namespace
 
 std::vector<Key> AxisTables::rows() {
@@ -364,6 +374,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   check_fine_stage(*controller_, axis);
   check_force(*controller_, axis);
   check_feedforward(*controller_, axis);
+  check_step(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast != law::Coast::pd && !drive_)
     controller_->fail("coast", fmt::format("is \"{}\", which counts in the steps of a drive's force; give the axis a "
                                            "[drive]",

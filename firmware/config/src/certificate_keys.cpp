@@ -112,7 +112,7 @@ constexpr std::array rows{
     CertificateKey{"drive", "heartbeat_timeout_s", apart},
     CertificateKey{"drive", "sdo_timeout_s", apart},
     CertificateKey{"drive", "emcy_information", apart},
-    CertificateKey{"drive", "tpdo_delay_min_s", apart},
+    CertificateKey{"drive", "tpdo_delay_min_s", bounded},
     CertificateKey{"drive", "tpdo_delay_max_s", bounded},
     CertificateKey{"drive", "seed", apart},
     CertificateKey{"drive", "quirks", apart},

@@ -251,11 +251,11 @@ class Outside {
     }
     const auto needed_us =
         canopen::bus_budget(static_cast<unsigned>(node_.axes.size()), node_.loop->period, *node_.bit_rate).needed_us;
-    const double round_s = 2 * b.least_delay_s + axis_.surroundings.feedback_delay_s;
-    if (round_s > 0 && round_s + 1e-6 * needed_us > node_.period_s())
+    const double delay_s = answer_delay_s(node_, axis_);
+    if (delay_s + 1e-6 * needed_us > node_.period_s() * (1 + rounding))
       add("[bus] and [drive] delay a reading by {:.6g} s beside the {} us of its frames, so that it comes too late for "
           "its period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
-          round_s, needed_us);
+          delay_s, needed_us);
   }
 
   const Node& node_;

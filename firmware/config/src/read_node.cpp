@@ -9,6 +9,7 @@
 #include "axis_tables.hpp"
 #include "breakaway/canopen/bus_budget.hpp"
 #include "breakaway/cia402/setup_plan.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
@@ -87,25 +88,6 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
   if (node.axes.size() > most_axes)
     root.fail("axis",
               fmt::format("stands {} times, may stand {} times: a node drives no more", node.axes.size(), most_axes));
-}
-
-// A target is a whole count for the loop: the one of the file that is furthest from a count, and that count's place.
-struct OffCount {
-  double target_m, count_at_m;
-  double m() const { return std::abs(target_m - count_at_m); }
-};
-
-OffCount furthest_off_count(const Axis& axis) {
-  const double count_m = axis.drive ? axis.drive->encoder_resolution_m : 0;
-  OffCount furthest{0, 0};
-  const auto look_at = [&](double target_m) {
-    const OffCount here{target_m, std::round(target_m / count_m) * count_m};
-    if (here.m() > std::max(furthest.m(), 1e-6 * count_m)) furthest = here;
-  };
-  if (!(count_m > 0)) return furthest;
-  look_at(axis.controller.target_m);
-  for (const TargetChange& change : axis.controller.targets) look_at(change.position_m);
-  return furthest;
 }
 
 // What the law calls reached must be what counts as settled.
@@ -275,7 +257,11 @@ Need need_of_bus(const Node& node) { return speaks_odrive(node) ? need_of_odrive
 
 double least_period_s(const Node& node) {
   if (!node.loop || !node.bit_rate) return shortest_period_s;
-  return std::max(shortest_period_s, hal::seconds(rounded_up(need_of_bus(node).least_period)));
+  double late_s = 0;
+  for (const Axis& axis : node.axes)
+    if (axis.drive && !axis.drive->odrive) late_s = std::max(late_s, answer_delay_s(node, axis));
+  const hal::Duration late{static_cast<std::int64_t>(std::ceil(late_s * 1e9))};
+  return std::max(shortest_period_s, hal::seconds(rounded_up(need_of_bus(node).least_period + late)));
 }
 
 void require_fitting_bus(const Node& node) {

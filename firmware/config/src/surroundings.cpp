@@ -133,7 +133,9 @@ void look_at_bounded(const Section& section, std::string_view table, std::string
   if (key == "encoder_error")
     to.encoder_error_m =
         far_noise * nested_magnitude(section, key, "noise_m") + nested_magnitude(section, key, "interpolation_m");
-  if (key == "tpdo_delay_max_s") to.feedback_delay_s = magnitude(section, key);
+  if (key == "tpdo_delay_max_s" || key == "tpdo_delay_min_s")
+    to.feedback_delay_s = std::max(magnitude(section, "tpdo_delay_min_s"),
+                                   std::abs(section.number_at("tpdo_delay_max_s").value_or(usual_feedback_delay_s)));
   if (const auto law = section.table_at(key); table == "friction" && law) to.rise_per_m_s = slope_of(*law).rise_per_m_s;
 }
 

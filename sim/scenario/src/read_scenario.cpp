@@ -327,6 +327,12 @@ Scenario read_scenario(const std::filesystem::path& file) {
 }
 
 std::string start_problem(const Axis& axis, const AxisWorld& world, double position_m) {
+  if (!world.place && axis.drive && begins_at_home(axis.drive->homing) &&
+      std::abs(position_m - axis.drive->homing.position_m) > axis.drive->encoder_resolution_m)
+    return fmt::format(
+        "is not where [drive] home says that the axis stands when it begins, home_position_m = {:g}; give both the "
+        "same",
+        axis.drive->homing.position_m);
   const bool reads_the_truth = axis.drive && axis.drive->homing.home == cia402::Home::none &&
                                !(world.drive && world.drive->quirks.counts_from_power_on);
   const Limits& limits = axis.limits;

@@ -1,6 +1,7 @@
 // Judge: whether an axis has settled, by the true position and not by what the drive says of it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -35,17 +36,21 @@ class Judge {
     if (!there) since_s_ = nan;
     if (there && std::isnan(since_s_)) since_s_ = time_s;
     settled_ = there && law_is_done && time_s - since_s_ >= run_.settle_time_s;
-    if (time_s < run_.duration_s - 1) slips_before_last_second_ = slips_;
+    note_rest(time_s, axis.sticking);
   }
   // The target moved: times are counted from here.
   void start_again(double time_s) {
     since_s_ = nan;
+    nearest_before_m_ = nearest_in_last_second_m_ = far;
     target_since_s_ = time_s;
   }
 
   bool settled() const { return settled_; }
   double settling_time_s() const { return settled_ ? since_s_ - target_since_s_ : nan; }
-  bool limit_cycle() const { return !settled_ && slips_ - slips_before_last_second_ >= 2; }
+  // Set in motion again and again in the last second, and never as near to the target as it had rested before.
+  bool limit_cycle() const {
+    return !settled_ && slips_ - slips_before_last_second_ >= 2 && nearest_in_last_second_m_ >= nearest_before_m_;
+  }
   std::vector<Reached> reached() const {
     std::vector<Reached> since_target = reached_;
     for (Reached& level : since_target) level.time_s = looked() ? since_target_s(level.time_s) : nan;
@@ -54,6 +59,14 @@ class Judge {
 
  private:
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double far = std::numeric_limits<double>::infinity();
+
+  void note_rest(double time_s, bool rests) {
+    const bool last_second = time_s >= run_.duration_s - 1;
+    if (!last_second) slips_before_last_second_ = slips_;
+    double& nearest_m = last_second ? nearest_in_last_second_m_ : nearest_before_m_;
+    if (rests) nearest_m = std::min(nearest_m, std::abs(error_m_));
+  }
   bool looked() const { return !std::isnan(error_m_); }
   double since_target_s(double time_s) const { return time_s < target_since_s_ ? 0 : time_s - target_since_s_; }
   bool within(double tolerance_m) const { return std::abs(error_m_) <= tolerance_m; }
@@ -67,6 +80,7 @@ class Judge {
   double error_m_ = nan;
   std::uint64_t slips_ = 0;
   std::uint64_t slips_before_last_second_ = 0;
+  double nearest_before_m_ = far, nearest_in_last_second_m_ = far;  // of the present target, at rest
   bool settled_ = false;
 };
 

@@ -52,19 +52,46 @@ NamedLaw law_at(const scenario::Scenario& scenario, const StudyOptions& options,
   return named(model::shape::random_dwell(random));
 }
 
-sil::Result result_of(scenario::Scenario scenario, const sil::SharedNode& node, const Start& start, const NamedLaw& law,
-                      const sil::RecordingOptions& recording) {
-  scenario::AxisWorld& world = scenario.worlds.front();
-  world.position_m = start.position_m;
-  world.velocity_m_s = start.velocity_m_s;
-  world.friction = law.law;
+// The scenario as it begins there, and its node. An axis that stands at home when it begins has its home there.
+struct Begun {
+  scenario::Scenario scenario;
+  sil::SharedNode node;
+};
+
+bool begins_at_home(const scenario::Scenario& scenario) {
+  const auto& drive = scenario.node.axes.front().drive;
+  return drive && config::begins_at_home(drive->homing);
+}
+
+scenario::Scenario begun_at(scenario::Scenario scenario, const Start& start) {
+  scenario.worlds.front().position_m = start.position_m;
+  scenario.worlds.front().velocity_m_s = start.velocity_m_s;
+  if (begins_at_home(scenario)) scenario.node.axes.front().drive->homing.position_m = start.position_m;
+  return scenario;
+}
+
+std::vector<Begun> all_begun_at(const scenario::Scenario& scenario, const std::vector<Start>& starts) {
+  sil::SharedNode node;
+  std::vector<Begun> all;
+  for (const Start& start : starts) {
+    all.push_back({begun_at(scenario, start), {}});
+    const bool is_new = all.size() == 1 || begins_at_home(scenario);
+    if (!scenario.ideal() && is_new) node = sil::flashed_node(all.back().scenario);
+    all.back().node = node;
+  }
+  return all;
+}
+
+sil::Result result_of(const Begun& begun, const NamedLaw& law, const sil::RecordingOptions& recording) {
+  const auto& [begun_scenario, node] = begun;
+  scenario::Scenario scenario = begun_scenario;
+  scenario.worlds.front().friction = law.law;
   return scenario.ideal() ? sil::run_ideal_scenario(scenario, recording)
                           : sil::run_loop_scenario(scenario, recording, node);
 }
 
-StudyRun run_one(const scenario::Scenario& scenario, const sil::SharedNode& node, const Start& start,
-                 const NamedLaw& law, std::size_t place) {
-  sil::Result result = result_of(scenario, node, start, law, {});
+StudyRun run_one(const Begun& begun, const NamedLaw& law, std::size_t place) {
+  sil::Result result = result_of(begun, law, {});
   sil::AxisResult r = std::move(result.axes.front());
   return {place,
           law.name,
@@ -149,7 +176,8 @@ std::vector<Start> default_starts(const scenario::Scenario& s) {
 }
 
 void require_within_limits(const scenario::Scenario& s, const Start& start) {
-  const std::string problem = scenario::start_problem(s.node.axes.front(), s.worlds.front(), start.position_m);
+  const scenario::Scenario begun = begun_at(s, start);
+  const std::string problem = scenario::start_problem(begun.node.axes.front(), begun.worlds.front(), start.position_m);
   if (!problem.empty())
     throw InputError{
         fmt::format("{:g} {:g}: for {} the position {}", start.position_m, start.velocity_m_s, s.node.file, problem)};
@@ -213,13 +241,12 @@ std::size_t faulted_runs(const StudyRow& row) {
 
 sil::Result run_again(const scenario::Scenario& scenario, const StudyOptions& options, const Start& start,
                       std::size_t place) {
-  const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
-  return result_of(scenario, node, start, law_at(scenario, options, place), {.trace = true});
+  return result_of(all_begun_at(scenario, {start}).front(), law_at(scenario, options, place), {.trace = true});
 }
 
 std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyOptions& options) {
   require_a_run_of_every_row(options);
-  const sil::SharedNode node = scenario.ideal() ? sil::SharedNode{} : sil::flashed_node(scenario);
+  const std::vector<Begun> begun = all_begun_at(scenario, options.starts);
   const std::size_t laws = laws_of_a_row(options);
   std::vector<StudyRow> rows;
   for (const Start& start : options.starts) rows.push_back({start, {}});
@@ -237,7 +264,7 @@ std::vector<StudyRow> run_study(const scenario::Scenario& scenario, const StudyO
   const auto run_place = [&](std::size_t i) {
     StudyRow& row = rows[places[i].row];
     StudyRun& run = row.runs[places[i].run];
-    run = run_one(scenario, node, row.start, law_at(scenario, options, run.place), run.place);
+    run = run_one(begun[places[i].row], law_at(scenario, options, run.place), run.place);
     const std::scoped_lock lock{progress_mutex};
     if (options.progress) options.progress(++done, static_cast<int>(places.size()));
   };

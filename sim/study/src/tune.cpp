@@ -110,7 +110,7 @@ Tuning tune(std::string_view text, const std::string& name, const TuneOptions& o
     throw impossible(axis, options, error);
   }
   Tuning tuning{.objective = options.objective,
-                .text = axis.text_with(found.chosen.gains),
+                .text = axis.text_with(found.chosen.gains, axis.duration_s(found.chosen.worst_settling_s)),
                 .distance_m = axis.distance_m(),
                 .least_tolerance_m = found.tolerance.least_m,
                 .least_time_s = found.least_s,

@@ -48,6 +48,7 @@ class Reasons {
     if (std::isfinite(gains_.max_approach_speed_m_s)) say_speed();
     if (gains_.move) say_move();
     if (!axis_.ideal()) say_tolerance();
+    say_duration();
     return std::move(numbers_);
   }
 
@@ -138,12 +139,22 @@ class Reasons {
   void say_tolerance() {
     const bool least = tolerance_.position_m <= tolerance_.least_m * (1 + 1e-9);
     say("position_tolerance_m", gains_.position_tolerance_m,
-        least
-            ? "the least that is certified, to two digits"
-            : fmt::format("what the file's settle_tolerance_m allows, as a wider one is faster; certified can be {:g}",
-                          tolerance_.least_m));
+        least ? "the least that is certified, to two digits"
+              : fmt::format("{}; certified can be {:g}",
+                            axis_.alone() ? "what the file's settle_tolerance_m allows, as a wider one is faster"
+                                          : "as the file has it",
+                            tolerance_.least_m));
     if (gains_.settle_tolerance_m > 0)
-      say("settle_tolerance_m", gains_.settle_tolerance_m, "the tolerance, and by how much a reading may be off");
+      say("settle_tolerance_m", gains_.settle_tolerance_m,
+          !axis_.alone() && gains_.settle_tolerance_m == axis_.gains().settle_tolerance_m
+              ? "of all axes, as the file has it"
+              : "the tolerance, and by how much a reading may be off");
+  }
+
+  void say_duration() {
+    const double duration_s = axis_.duration_s(tuning_.chosen.worst_settling_s);
+    if (duration_s > axis_.scenario().run->duration_s)
+      say("duration_s", duration_s, "the slowest run settles in it, and did not in that of the file");
   }
 
   const TunedAxis& axis_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/rounding.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -39,6 +40,17 @@ double certified_error_m(const design::DesignReport& report) {
   return report.braked ? report.braked->error_m : report.work ? report.work->error_m : nan;
 }
 
+// By how much more than its tolerance the axis may be off its target.
+double beside_m(const TunedAxis& axis) {
+  return config::reading_error_m(axis.axis()) + config::furthest_off_count(axis.axis()).m();
+}
+
+// What counts as settled, where the file says that; of its other axes, too, for which it is never lowered.
+double settle_tolerance_m(const TunedAxis& axis, double position_m) {
+  const double own_m = rounded_up(position_m + beside_m(axis), 3), stated_m = axis.gains().settle_tolerance_m;
+  return stated_m == 0 || axis.alone() ? own_m : std::max(own_m, stated_m);
+}
+
 // The gains with a tolerance, and what then counts as settled where the file says that.
 Gains with_tolerance(Gains gains, const TunedAxis& axis, double position_m, double settle_m) {
   gains.position_tolerance_m = position_m;
@@ -46,7 +58,7 @@ Gains with_tolerance(Gains gains, const TunedAxis& axis, double position_m, doub
   return gains;
 }
 Gains with_tolerance(const Gains& gains, const TunedAxis& axis, double position_m) {
-  return with_tolerance(gains, axis, position_m, rounded_up(position_m + config::reading_error_m(axis.axis()), 3));
+  return with_tolerance(gains, axis, position_m, settle_tolerance_m(axis, position_m));
 }
 
 struct Certificate {
@@ -130,12 +142,12 @@ Tolerance Search::tolerance() const {
   }
   if (possible.empty()) throw InputError{"not certified: " + why_not}.in_file(axis_.name());
   t.least_m = std::ranges::min_element(possible)->first;
-  const double reading_m = config::reading_error_m(axis_.axis());
-  const bool stated = t.settle_m > 0;
-  const double asked_m = stated ? t.settle_m - reading_m : axis_.gains().position_tolerance_m;
+  // What the axes of a file have in common says little of one of them.
+  const bool common = !axis_.alone() && axis_.gains().position_tolerance_m > 0;
+  const double asked_m = t.settle_m > 0 && !common ? t.settle_m - beside_m(axis_) : axis_.gains().position_tolerance_m;
   const bool as_asked = options_.objective != Objective::accuracy && asked_m >= t.least_m * (1 - 1e-9);
   t.position_m = as_asked ? std::max(rounded_down(asked_m, 3), t.least_m) : t.least_m;
-  if (!as_asked) t.settle_m = rounded_up(t.position_m + reading_m, 3);
+  if (!as_asked) t.settle_m = settle_tolerance_m(axis_, t.position_m);
   for (const auto& [least_m, coast] : possible)
     if (least_m <= t.position_m * (1 + 1e-9)) t.coasts.push_back(coast);
   return t;

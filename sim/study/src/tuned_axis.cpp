@@ -8,6 +8,7 @@
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
@@ -76,6 +77,7 @@ TunedAxis::TunedAxis(std::string text, std::string name, std::string axis)
     throw InputError{"[controller] kind is \"pid\", which has no certificate to tune to; set kind = \"impulsive\""}
         .in_file(name_);
   gains_ = gains_of(scenario_.node, alone);
+  alone_ = scenario::parse_scenario(text_, name_).axes() == 1;
   distance_m_ = longest_move_m();
   const double target_m = alone.controller.target_m;
   const bool from_above =
@@ -143,8 +145,19 @@ double TunedAxis::allowed_m_s() const {
   return std::min({gains_.max_approach_speed_m_s, share_of_limit * axis().limits.speed_m_s, moved_m_s});
 }
 
-std::string TunedAxis::text_with(const Gains& gains) const {
-  return config::with_settings(text_, name_, wanted_, difference(gains_, gains));
+double TunedAxis::duration_s(double settling_s) const {
+  const scenario::Run& run = *scenario_.run;
+  const auto& targets = axis().controller.targets;
+  const double least_s = settling_s + run.settle_time_s + (targets.empty() ? 0 : targets.back().time_s);
+  constexpr double room = 1.5;
+  return run.duration_s >= least_s ? run.duration_s : config::rounded_up(room * least_s, 2);
+}
+
+std::string TunedAxis::text_with(const Gains& gains) const { return text_with(gains, scenario_.run->duration_s); }
+std::string TunedAxis::text_with(const Gains& gains, double duration_s) const {
+  std::vector<config::Setting> settings = difference(gains_, gains);
+  if (duration_s != scenario_.run->duration_s) settings.push_back({"run", "duration_s", fmt::format("{}", duration_s)});
+  return config::with_settings(text_, name_, wanted_, settings);
 }
 
 scenario::Scenario TunedAxis::with(const Gains& gains) const { return read(text_with(gains)); }

@@ -24,6 +24,7 @@ class TunedAxis {
   const config::Axis& axis() const { return scenario_.node.axes.front(); }
   const Gains& gains() const { return gains_; }  // that the file has, or some that it can have
   bool ideal() const { return scenario_.ideal(); }
+  bool alone() const { return alone_; }  // in its file
 
   double distance_m() const { return distance_m_; }  // of the longest move
   Start start() const { return start_; }             // from which it leads to the target
@@ -31,7 +32,11 @@ class TunedAxis {
   double allowed_m_s() const;   // of an approach, by what the file says
   double hardest_m_s2() const;  // acceleration of which the force is capable for certain
 
+  // Of the file's run, or longer where an axis that settles in so long [s] would not settle in it.
+  double duration_s(double settling_s) const;
+
   std::string text_with(const Gains& gains) const;
+  std::string text_with(const Gains& gains, double duration_s) const;
   // Throws InputError where a file may not have such gains.
   scenario::Scenario with(const Gains& gains) const;
   // The same axis with numbers of its own set anew.
@@ -43,6 +48,7 @@ class TunedAxis {
   double longest_move_m() const;
 
   std::string text_, name_, wanted_;
+  bool alone_ = true;
   scenario::Scenario scenario_;
   Gains gains_;
   double distance_m_ = 0;

@@ -35,7 +35,7 @@ TEST(LawSentences, NameWhatIsWrong) {
        "force limit must exceed the upper friction bound, or no kick is sure to move the axis",
        "feedforward must be a number", "approach speed limit must be positive",
        "position tolerance must not be negative", "encoder resolution must not be negative",
-       "encoder noise must not be negative", "control period must not be negative",
+       "flicker of the encoder must not be negative", "control period must not be negative",
        "coasts \"brake\" and \"work\" need a control period and an encoder resolution above 0"});
   expect_sentences<Mode>({"approach", "kick", "coast", "hold", "fault"});
   expect_sentences<ControlFault>({"none", "measurement is not a number", "axis does not move under kicks",

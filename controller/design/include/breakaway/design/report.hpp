@@ -31,6 +31,7 @@ struct AxisDesign {
   double least_period_s{};  // a shorter one is of no use as a remedy: its frames would not fit the bus
   double longest_way_m{};   // from a target to the next one; 0: none is stated
   double following_error_m = std::numeric_limits<double>::infinity();  // beyond which the axis is stopped
+  double sag_m{};  // from rest until the drive gives what it is to carry, at most; 0: friction holds the axis
   double settle_tolerance_m{};          // true error that will do where that is below the floor; 0: none will
   std::optional<BrakedClass> braked{};  // the axes it stands for, where the coast is "brake",
   std::optional<BrakedClass> work{};    // and where it is "work"

@@ -20,6 +20,16 @@ double force_step_N(const Axis& axis);
 double feedforward_N(const Axis& axis);
 double law_force_N(const Axis& axis);
 
+// By how much the answer of the drive to a SYNC comes later than the frames of a period take at their longest.
+double answer_delay_s(const Node& node, const Axis& axis);
+
+// A target is a whole count for the loop: the one of the file that is furthest from a count, and that count's place.
+struct OffCount {
+  double target_m, count_at_m;
+  double m() const { return std::abs(target_m - count_at_m); }
+};
+OffCount furthest_off_count(const Axis& axis);
+
 // Requires axis.controller.impulsive. Real: float or double.
 template <class Real>
 law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis);

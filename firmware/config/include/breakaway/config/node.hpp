@@ -95,6 +95,11 @@ struct Homing {
   hal::Duration timeout{std::chrono::seconds{60}};
 };
 
+// It stands at home when it is set up; the drive's methods 35 and 37 say so, too.
+constexpr bool begins_at_home(const Homing& h) {
+  return h.home == cia402::Home::here || (h.home == cia402::Home::by_drive && (h.method == 35 || h.method == 37));
+}
+
 enum class Protocol : std::uint8_t { canopen, odrive };
 
 // What only a drive of protocol "odrive" has.
@@ -175,18 +180,21 @@ struct Bristles {
   double damping_Ns_per_m = 0;
 };
 
+// That a drive takes from SYNC to its answer where the file says nothing else.
+inline constexpr double usual_feedback_delay_s = 20e-6;
+
 // What the file says of the world of an axis, as far as its certificate must know it. A node is not told of it.
 struct Surroundings {
   double force_N = 0;    // constant, on the axis beside the drive's force and friction
   double cogging_N = 0;  // the most of it
   double ripple = 0;     // share of the drive's force by which it varies along the travel
   Bristles bristles{};
-  double gap_m = 0;             // of a backlash between motor and load
-  double drift = 0;             // share of itself by which friction swells and falls
-  double rise_per_m_s = 0;      // of the friction law with speed, at its steepest, where 1 is from bound to bound
-  double encoder_error_m = 0;   // of a reading beside its count; of noise six times its root mean square
-  double feedback_delay_s = 0;  // from SYNC to the drive's answer, at most
-  bool one_mass = true;         // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
+  double gap_m = 0;            // of a backlash between motor and load
+  double drift = 0;            // share of itself by which friction swells and falls
+  double rise_per_m_s = 0;     // of the friction law with speed, at its steepest, where 1 is from bound to bound
+  double encoder_error_m = 0;  // of a reading beside its count; of noise six times its root mean square
+  double feedback_delay_s = usual_feedback_delay_s;  // from SYNC to the drive's answer, at most
+  bool one_mass = true;  // the axis is what [plant] mass_kg and [friction] say, and nothing hangs on it
   std::optional<design::SpringLoad> load;  // but for the motor, which is the axis of [plant] and [friction]
   std::vector<std::string> uncertified;    // what no certificate takes in, each in a sentence with its remedy
 };

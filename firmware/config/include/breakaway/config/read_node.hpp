@@ -55,7 +55,7 @@ Bristles read_presliding(const Section& presliding);
 // Throws InputError with the figures, and the least period that would do, when the axes do not fit the bus. A node
 // without [loop] or bus fits.
 void require_fitting_bus(const Node& node);
-// That a file may ask for, and whose frames fit the bus of the node [s].
+// That a file may ask for, and in which the frames of the node and what they are late by fit its bus [s].
 double least_period_s(const Node& node);
 
 }  // namespace breakaway::config

@@ -17,8 +17,9 @@ Scenario read_scenario(const std::filesystem::path& file);
 // The same from text; `name` stands for the file in errors, and `known` gathers what is read.
 Scenario parse_scenario(std::string_view text, const std::string& name, config::KnownTables* known = nullptr);
 
-// Says why an axis cannot begin at this position; nothing where it can. Where its encoder counts from power-on or gets
-// its zero by homing, the position says nothing of what is read, and any will do.
+// Says why an axis cannot begin at this position; nothing where it can. One that stands at home when it begins does so
+// there; where its encoder counts from power-on or the drive looks for its home, the position says nothing of what is
+// read, and any will do.
 std::string start_problem(const config::Axis& axis, const AxisWorld& world, double position_m);
 
 }  // namespace breakaway::scenario

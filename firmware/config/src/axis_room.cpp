@@ -1,0 +1,154 @@
+#include "axis_room.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/rounding.hpp"
+#include "breakaway/input/input_error.hpp"
+
+namespace breakaway::config {
+namespace {
+
+// To so many digits that people write, towards 0 on the side of `sign`, away from it on the other one.
+double rounded_inwards(double value, double sign) {
+  constexpr int digits = 6;
+  if (value == 0) return 0;
+  const double size = std::abs(value);
+  return std::copysign(value * sign > 0 ? rounded_down(size, digits) : rounded_up(size, digits), value);
+}
+
+// A kick must not run into a limit that the axis stops for.
+void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  const double kick_m_s = report.braked ? report.braked->peak_speed_m_s
+                          : report.work ? report.work->peak_speed_m_s
+                                        : report.largest_impulse_Ns / axis.mass_kg;
+  if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
+  throw InputError{at_axis(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:g} m/s that the largest "
+                                                     "kick gives the axis; raise it",
+                                                     axis.limits.speed_m_s, rounded_up(kick_m_s, 4))};
+}
+
+// Nor must an approach, whose speed is off as readings and what is not known of the axis have it.
+void require_room_for_speed(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !report.braked || axis.limits.speed_m_s >= report.braked->approach_peak_m_s) return;
+  const auto allowed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
+  const double peak_m_s = report.braked->approach_peak_m_s;
+  throw InputError{
+      at_axis(node, axis) +
+      fmt::format("[limits] speed_m_s is {:g}, and an approach that is allowed {:.4g} m/s may reach {:g} "
+                  "m/s; raise it to {:g} with [controller] max_approach_speed_m_s = {:g}, or know mass and "
+                  "force gain better, or use a finer encoder",
+                  axis.limits.speed_m_s, allowed_m_s, rounded_up(peak_m_s, 3), rounded_up(peak_m_s, 3), allowed_m_s)};
+}
+
+// An approach may go beyond its target.
+void require_room_for_approaches(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !report.braked) return;
+  const double beyond_m = report.braked->approach_beyond_m;
+  const auto require = [&](double target_m) {
+    const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
+    if (target_m >= least_m && target_m <= most_m) return;
+    const std::string remedy =
+        least_m <= most_m ? fmt::format("keep targets between {:.6g} and {:.6g} m", rounded_inwards(least_m, -1),
+                                        rounded_inwards(most_m, 1))
+                          : fmt::format("widen them to {:g} m on either side of every target", rounded_up(beyond_m, 3));
+    throw InputError{
+        at_axis(node, axis) +
+        fmt::format("[controller] has a target at {:g} m, and an approach may go {:.3g} m beyond it, outside the "
+                    "[limits] of position; {}",
+                    target_m, beyond_m, remedy)};
+  };
+  require(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) require(change.position_m);
+}
+
+// Under the coast "work" an approach counts its periods, and a float holds its plan, over so much only. Under "brake" a
+// float must tell a slow axis that sets off from one that sticks.
+struct Farthest {
+  double most_m = unlimited;
+  std::string_view coast, remedy;
+};
+Farthest farthest(const design::DesignReport& report) {
+  if (report.work) return {report.work->farthest_m, "work", "narrow that, or raise max_approach_speed_m_s"};
+  if (report.braked)
+    return {report.braked->farthest_m, "brake", "narrow that, take a coarser encoder, or a stronger drive"};
+  return {};
+}
+
+void require_reachable_targets(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  const Farthest certified = farthest(report);
+  if (!report.certified || !(certified.most_m < unlimited)) return;
+  const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
+  const auto require = [&](double way_m, std::string_view what) {
+    if (way_m <= certified.most_m) return;
+    throw InputError{at_axis(node, axis) +
+                     fmt::format("{} {:g} m away, and under the coast \"{}\" an approach is certified "
+                                 "over {:.4g} m at most; {}",
+                                 what, way_m, certified.coast, certified.most_m, certified.remedy)};
+  };
+  if (room_m < unlimited) return require(room_m, "[limits] of position let a target be");
+  double from_m = axis.controller.target_m;
+  for (const TargetChange& change : axis.controller.targets) {
+    require(std::abs(change.position_m - from_m), "[controller] has a target that is");
+    from_m = change.position_m;
+  }
+}
+
+// A sag must not run into a limit either.
+void require_room_for_sag(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  const Sag most = sag_of(node, axis);
+  if (!report.certified || most.way_m == 0) return;
+  const auto fail = [&](const std::string& limit) {
+    throw InputError{
+        at_axis(node, axis) +
+        fmt::format("[controller] feedforward_N: until the drive gives it an axis whose brake opens sags by "
+                    "up to {:g} m at up to {:g} m/s, and {}; raise that, or give the drive a faster current "
+                    "loop, or a counterweight to the axis",
+                    rounded_up(most.way_m, 3), rounded_up(most.speed_m_s, 3), limit)};
+  };
+  if (axis.limits.speed_m_s < most.speed_m_s) fail(fmt::format("[limits] speed_m_s is {:g}", axis.limits.speed_m_s));
+  if (axis.limits.following_error_m < most.way_m)
+    fail(fmt::format("[limits] following_error_m is {:g}", axis.limits.following_error_m));
+  const auto require = [&](double target_m) {
+    const bool falls = feedforward_N(axis) > 0;
+    const double room_m = falls ? target_m - axis.limits.position_min_m : axis.limits.position_max_m - target_m;
+    if (room_m < most.way_m)
+      fail(fmt::format("[limits] of position are {:g} m from the target at {:g} m", room_m, target_m));
+  };
+  require(axis.controller.target_m);
+  for (const TargetChange& change : axis.controller.targets) require(change.position_m);
+}
+
+}  // namespace
+
+std::string at_axis(const Node& node, const Axis& axis) {
+  return node.axes.size() == 1 ? std::string{} : fmt::format("axis {}: ", axis.name);
+}
+
+Sag sag_of(const Node& node, const Axis& axis) {
+  const double given_N = feedforward_N(axis);
+  const Uncertainty& u = axis.uncertainty;
+  const double carried_N = std::abs(given_N) * (1 + u.force_gain) + u.force_N;
+  const double friction_N = axis.friction.bounds.lower_N - u.force_N, mass_kg = axis.mass_kg * (1 - u.mass);
+  if (given_N == 0 || !(friction_N > 0) || carried_N <= friction_N) return {};
+  const double late_s = (axis.latency_periods + 1) * node.period_s() + u.jitter_s;
+  const double lag_s = axis.drive->current_loop_time_constant_s * (1 + u.current_loop_time_constant);
+  // Until friction exceeds what is lacking; all that is lacking from then on is counted as if it were so far, too.
+  const double faster_s = late_s + lag_s * std::log(carried_N / friction_N);
+  const double speed_m_s = (carried_N * (late_s + lag_s) - friction_N * faster_s) / mass_kg;
+  return {speed_m_s * faster_s + mass_kg * speed_m_s * speed_m_s / (2 * friction_N), speed_m_s};
+}
+
+void require_room(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  require_room_for_kicks(node, axis, report);
+  require_room_for_speed(node, axis, report);
+  require_room_for_approaches(node, axis, report);
+  require_reachable_targets(node, axis, report);
+  require_room_for_sag(node, axis, report);
+}
+
+}  // namespace breakaway::config
