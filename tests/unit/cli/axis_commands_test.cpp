@@ -279,7 +279,7 @@ TEST_F(Command, CertifiesNoDriveWhoseWholeStepsAreTooWeak) {
   text.replace(text.find("max_force_N = 50"), 16, "max_force_N = 7");
   const Ended ended = run("design " + scenario(text));
   EXPECT_EQ(ended.exit_code, 1) << ended.out;
-  EXPECT_NE(ended.out.find("4.5 is not below 4"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("6.75 is not at most 4"), std::string::npos) << ended.out;
 }
 
 TEST_F(Command, StudiesOneAxisOfSeveral) {

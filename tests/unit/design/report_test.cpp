@@ -69,7 +69,7 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
        "lower the approach damping"},
       {"assumption_3_exact", [](AxisDesign& a) { a.friction.lower_N = 0.8, a.position_tolerance_m = 1e-3; },
        "raise the damping k22"},
-      {"force_breaks_away", [](AxisDesign& a) { a.max_force_N = 4.5; }, "stronger drive"},
+      {"force_breaks_away", [](AxisDesign& a) { a.max_force_N = 1.49 * a.friction.upper_N; }, "stronger drive"},
       {"tolerance_above_floor", [](AxisDesign& a) { a.period_s = 2e-3; }, "shorten the period"},
       {"tolerance_above_encoder_resolution", [](AxisDesign& a) { a.encoder_resolution_m = 4e-6; }, "finer encoder"},
       {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 70; }, "shorten the period or the latency"},
@@ -77,6 +77,12 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
       {"velocity_is_seen", [](AxisDesign& a) { a.encoder_resolution_m = a.position_tolerance_m = 1e-3; },
        "use a finer encoder"},
       {"friction_bounds_are_apart", [](AxisDesign& a) { a.friction.lower_N = 4.45; }, "state wider bounds"},
+      {"least_kick_outlasts_the_lag",
+       [](AxisDesign& a) {
+         a.friction.lower_N = 4.3, a.current_loop_lag_s = 0.19 * a.period_s;
+         a.position_tolerance_m = 1.1e-7, a.encoder_resolution_m = 1e-8;
+       },
+       "faster current loop"},
       {"current_loop_is_fast", [](AxisDesign& a) { a.current_loop_lag_s = 0.3 * a.period_s; }, "coast = \"brake\""},
   };
   for (const Case& c : cases) {
