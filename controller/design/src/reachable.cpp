@@ -28,11 +28,14 @@ std::optional<double> coarsest_count_m(const BrakedClass& axes, const BrakedDesi
   return count_m > 0 ? std::optional{less(count_m)} : std::nullopt;
 }
 
-bool reaches(const BrakedClass& axes, double tolerance_m) {
-  const auto design = design_braked_kicks<float>(axes);
-  if (!design.possible() || design.least_tolerance_m > tolerance_m) return false;
+bool kicks_are_few(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
   const int kicks = most_kicks(axes, design, kicks_begin_m(design), tolerance_m);
   return kicks > 0 && kicks <= law::KickJudge<float>::most_kicks;
+}
+
+bool reaches(const BrakedClass& axes, double tolerance_m) {
+  const auto design = design_braked_kicks<float>(axes);
+  return design.possible() && design.least_tolerance_m <= tolerance_m && kicks_are_few(axes, design, tolerance_m);
 }
 
 // About the longest period, not above that of the class, with which the tolerance can be promised. Of two digits, since
@@ -50,11 +53,16 @@ std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m, dou
   return {};
 }
 
-// Below the floor the fine stage may aim at a tolerance, where kicks are no list of pulses.
-std::string by_fine_stage(const BrakedClass& axes, const BrakedDesign<float>& design) {
+// Below the floor the fine stage may aim at a tolerance, where kicks are no list of pulses, and few with its own.
+std::string by_fine_stage(BrakedClass axes, double tolerance_m) {
+  const bool is_asked = axes.fine_tolerance_m > 0;
+  axes.fine_tolerance_m = tolerance_m;
+  const auto design = design_braked_kicks<float>(axes);
+  if (!design.possible() || design.kicks.table.list || !kicks_are_few(axes, design, design.least_tolerance_m))
+    return {};
   return "have the fine stage aim at it and state [run] settle_tolerance_m = " +
          brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
-         (axes.fine_tolerance_m > 0 ? "" : ", without fine_stage = false");
+         (is_asked ? "" : ", without fine_stage = false");
 }
 
 // With finer steps of force there is a pulse for every distance.
@@ -65,9 +73,8 @@ std::string by_finer_steps(BrakedClass axes, double tolerance_m) {
     axes.force_step_N = less(axes.max_force_N / steps);
     std::string of = drive + brief(axes.force_step_N) + " N";
     if (reaches(axes, tolerance_m)) return of;
-    const auto design = design_braked_kicks<float>(axes);
-    if (with_fine_stage.empty() && design.possible() && !design.kicks.table.list)
-      with_fine_stage = of + ", " + by_fine_stage(axes, design);
+    if (!with_fine_stage.empty()) continue;
+    if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty()) with_fine_stage = of + ", " + fine;
   }
   return with_fine_stage;
 }
@@ -99,7 +106,9 @@ std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& de
     return reaches(finer, tolerance_m) ? ways + encoder : ways;
   }
   if (period_s) ways += ", or shorten period_s to " + brief(*period_s) + " s";
-  return ways + (design.kicks.table.list ? by_finer_steps(axes, tolerance_m) : ", or " + by_fine_stage(axes, design));
+  if (design.kicks.table.list) return ways + by_finer_steps(axes, tolerance_m);
+  const std::string fine = by_fine_stage(axes, tolerance_m);
+  return ways + (fine.empty() ? fine : ", or " + fine);
 }
 
 }  // namespace breakaway::design::detail
