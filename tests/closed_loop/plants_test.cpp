@@ -90,6 +90,35 @@ TEST(Weight, IsCarriedByTheFeedforwardUnderTheBrakeWithinTheCertifiedError) {
   EXPECT_FALSE(sil::run_loop_scenario(s, {}).axes[0].settled) << "then the feedforward does nothing";
 }
 
+// The brake opens with the first command, and gravity acts alone until the drive carries the weight.
+TEST(Weight, SagsNoFurtherThanTheCertificateSaysAndIsBroughtBack) {
+  auto s = scene("braked_axis");
+  config::Axis& axis = s.node.axes[0];
+  axis.uncertainty.force_N = 0.05;
+  axis.uncertainty.force_gain = 0;
+  axis.controller.position_tolerance_m = 1e-3;
+  s.node.settle_tolerance_m = 1.01e-3;
+  s.worlds[0].position_m = s.worlds[0].velocity_m_s = 0;
+  for (const double weight_N : {4.0, 9.8, 30.0}) {
+    for (const double lag_s : {1e-4, 1e-3, 4e-3}) {
+      SCOPED_TRACE(weight_N);
+      SCOPED_TRACE(lag_s);
+      s.worlds[0].plant.force_N = axis.surroundings.force_N = -weight_N;
+      axis.controller.impulsive->feedforward_N = weight_N;
+      axis.drive->current_loop_time_constant_s = s.worlds[0].drive->current_loop_time_constant_s = lag_s;
+      const double most_m = config::axis_design(s.node, axis).sag_m;
+      ASSERT_TRUE(config::examine(s.node)[0].certified) << config::examine(s.node)[0].reasons.front();
+      for (const double level : {0.0, 1.0}) {
+        s.worlds[0].friction = {axis.friction.bounds, model::shape::constant(level)};
+        const auto result = sil::run_loop_scenario(s, {}).axes[0];
+        EXPECT_TRUE(result.settled);
+        EXPECT_GE(result.excursions->lowest_m, -most_m);
+      }
+      EXPECT_GT(most_m, 0);
+    }
+  }
+}
+
 // Certified axes that were stopped as if something held them: one at a force that its weak drive leaves below friction,
 // one while its spring was wound.
 TEST(CounterExample, OfNoMotionUnderForceSettles) {

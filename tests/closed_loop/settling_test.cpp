@@ -124,6 +124,23 @@ TEST(PidAxis, DoesNotSettleUnderEveryLaw) {
   EXPECT_LT(settled, runs) << "then the class of friction laws is too easy to show anything";
 }
 
+// Where an axis stands when it begins is what its file says of its home: a study moves both.
+TEST(AxisThatStandsAtHome, SettlesFromEveryStartOfAStudy) {
+  auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  axis.node.axes[0].drive->homing.home = cia402::Home::here;
+  study::StudyOptions options;
+  options.starts = {{-0.1, 0}, {-0.01, 0}, {0.02, 0}};
+  options.random_laws = 1;
+  for (const auto& row : study::run_study(axis, options)) {
+    EXPECT_EQ(settled_runs(row), row.runs.size()) << row.start.position_m;
+    EXPECT_LE(worst_error_m(row), 3e-6) << row.start.position_m;
+    study::require_within_limits(axis, row.start);
+  }
+  const std::string problem = scenario::start_problem(axis.node.axes[0], axis.worlds[0], -0.1);
+  EXPECT_NE(problem.find("home_position_m = 0; give both the same"), std::string::npos) << problem;
+  EXPECT_EQ(scenario::start_problem(axis.node.axes[0], axis.worlds[0], 0), "");
+}
+
 TEST(BusScenario, GivesTheSameResultTwice) {
   const auto axis = scenario::read_scenario(scenarios + "can_axis.toml");
   const auto first = sil::run_loop_scenario(axis, {}), second = sil::run_loop_scenario(axis, {.trace = true});

@@ -49,6 +49,11 @@ void require_room_for_speed(const Node& node, const Axis& axis, const design::De
 void require_room_for_approaches(const Node& node, const Axis& axis, const design::DesignReport& report) {
   if (!report.certified || !report.braked) return;
   const double beyond_m = report.braked->approach_beyond_m;
+  if (axis.limits.following_error_m < beyond_m)
+    throw InputError{at_axis(node, axis) +
+                     fmt::format("[limits] following_error_m is {:g}, and an approach may go {:g} m beyond its target; "
+                                 "raise it to that",
+                                 axis.limits.following_error_m, rounded_up(beyond_m, 3))};
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;

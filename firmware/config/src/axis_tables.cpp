@@ -313,6 +313,18 @@ void check_feedforward(const Section& section, const Axis& axis) {
                   axis.friction.bounds.upper_N));
 }
 
+// A drive that counts torque in its largest one is told that in whole per mille of the rated torque.
+void check_largest(const Section& section, const Axis& axis) {
+  const double asked_N = axis.controller.max_force_N, upper_N = axis.friction.bounds.upper_N;
+  if (!axis.controller.impulsive || !axis.drive || max_force_N(axis) > upper_N || !(asked_N > upper_N)) return;
+  section.fail(
+      "max_force_N",
+      fmt::format("comes to {:.6g} N, not above the upper friction bound of {:.6g} N: the largest torque of the "
+                  "[drive] is in whole per mille of the rated one, {:.6g} N each; raise it to a whole number of "
+                  "these",
+                  max_force_N(axis), upper_N, axis.drive->force_quantum_N()));
+}
+
 // A force below one step is none.
 void check_step(const Section& section, const Axis& axis) {
   if (!axis.controller.impulsive || !axis.drive || law_force_N(axis) >= force_step_N(axis) * (1 - 1e-6)) return;
@@ -373,6 +385,7 @@ Axis AxisTables::read(const Section& parent, std::string name, const Node& node,
   check_presliding(*friction_, axis);
   check_fine_stage(*controller_, axis);
   check_force(*controller_, axis);
+  check_largest(*controller_, axis);
   check_feedforward(*controller_, axis);
   check_step(*controller_, axis);
   if (axis.controller.impulsive && axis.controller.impulsive->coast != law::Coast::pd && !drive_)

@@ -14,6 +14,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/odrive/bus_budget.hpp"
 #include "read_coupling.hpp"
 #include "surroundings.hpp"
@@ -104,11 +105,12 @@ void check_tolerances(const Section& run, const Node& node) {
           fmt::format("is {:g}, and axis {} goes to whole counts of its encoder, so that it may rest {:g} m from the "
                       "target at {:.12g} m; give {:.12g} m, which is a whole count, or raise the tolerance",
                       node.settle_tolerance_m, axis.name, reached_m, off.target_m, off.count_at_m));
+    const auto [settles, reached] = compared(node.settle_tolerance_m, reached_m);
     run.fail(
         "settle_tolerance_m",
-        fmt::format("is {:g}, below position_tolerance_m of axis {} and what a reading may be off, {:g}: there the law "
+        fmt::format("is {}, below position_tolerance_m of axis {} and what a reading may be off, {}: there the law "
                     "leaves the axis alone; raise the one or lower the other",
-                    node.settle_tolerance_m, axis.name, reached_m));
+                    settles, axis.name, reached));
   }
 }
 

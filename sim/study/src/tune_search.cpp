@@ -137,6 +137,9 @@ Tolerance Search::tolerance() const {
       best = least_certified(axis_, gains);
       if (best.why_not.empty()) break;
     }
+    if (!best.why_not.empty() && coast == axis_.gains().coast) {
+      if (const Certificate own = least_certified(axis_, axis_.gains()); own.why_not.empty()) best = own;
+    }
     if (best.why_not.empty() && best.least_tolerance_m > 0) possible.emplace_back(best.least_tolerance_m, coast);
     if (why_not.empty()) why_not = best.why_not;
   }

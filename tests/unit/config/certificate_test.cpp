@@ -198,6 +198,21 @@ TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
   EXPECT_EQ(why_not(more("[bus]", "delay_min_s = 1e-5\ndelay_max_s = 1e-5")), "");
   EXPECT_EQ(why_not(more("[drive]", "tpdo_delay_max_s = 4e-4")), "");
   expect_refused(more("[drive]", "tpdo_delay_max_s = 9e-4"), "too late for its period");
+  expect_refused(more("[drive]", "tpdo_delay_min_s = 9e-4"), "too late for its period");
+}
+
+// A key that is written with the value that it has anyway changes nothing.
+TEST(Certificate, CountsTheDelayOfADriveWhetherTheFileNamesItOrNot) {
+  for (const char* period : {"0.00043", "0.00044", "0.00045"}) {
+    const std::string text = with(scene, "period_s = 0.001", std::string{"period_s = "} + period);
+    const std::string named = more("[drive]", "tpdo_delay_max_s = 2e-5", text);
+    const auto late = [](const std::string& file) {
+      return why_not(file).find("too late for its period") != std::string::npos;
+    };
+    EXPECT_EQ(late(text), period == std::string{"0.00043"});
+    EXPECT_EQ(late(named), late(text)) << period;
+    EXPECT_NEAR(least_period_s(parse_node(text, "axis.toml")), 0.00044, 1e-9);
+  }
 }
 
 // The loop goes to a whole count, and `simulate` looks at the target.

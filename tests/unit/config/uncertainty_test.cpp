@@ -1,6 +1,7 @@
 // [uncertainty] and the coast "brake" in a file.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "../refusal.hpp"
@@ -91,6 +92,72 @@ TEST(Feedforward, IsRefusedWhereItLeavesTooLittleOrNoDriveGivesIt) {
       "[plant]\nmass_kg = 1\n[friction]\nlower_N = 2.5\nupper_N = 4.5\n[controller]\nk1_N_per_m = 1\n"
       "k21_Ns_per_m = 0.8\nk22_Ns_per_m = 3\nfeedforward_N = 1\n";
   EXPECT_NE(message(ideal).find("give the axis a [drive]"), std::string::npos) << message(ideal);
+}
+
+// Friction of 2.5 N holds nothing of 40 N, until a drive behind a slow current loop gives them.
+std::string carried(const std::string& limits, const std::string& uncertainty = "force_N = 0.5") {
+  std::string text = with(braked(uncertainty), "max_force_N = 50", "max_force_N = 50\nfeedforward_N = 40");
+  text = with(text, "[axis.drive]\n", "[axis.drive]\ncurrent_loop_time_constant_s = 2e-3\n");
+  text = with(text, "position_tolerance_m = 1.8e-6", "position_tolerance_m = 1e-4");
+  text = with(text, "mass_kg = 1\n", "mass_kg = 1\nforce_N = -40\n");
+  return with(text, "[axis.limits]\n", "[axis.limits]\n" + limits);
+}
+
+TEST(Feedforward, SagsNoFurtherThanItsLimitsLeaveRoomFor) {
+  const Node node = parse_node(carried(""), "a.toml");
+  const design::AxisDesign design = axis_design(node, node.axes[0]);
+  // From the momentum that 40.5 N give before friction of 2 N exceeds what is lacking, and which friction takes away.
+  const double until_s = 0.002 + 0.002 * std::log(40.5 / 2), push_Ns = 40.5 * 0.004 - 2 * until_s;
+  EXPECT_NEAR(design.sag_m, push_Ns * until_s + push_Ns * push_Ns / 4, 1e-12);
+  const auto reports = examine(node);
+  ASSERT_TRUE(reports[0].certified) << reports[0].reasons.front();
+  EXPECT_NE(reports[0].conditions.back().find("feedforward_N"), std::string::npos);
+  const auto message = [](const std::string& limits) {
+    return refusal([&] { examine(parse_node(carried(limits + "\n"), "a.toml")); });
+  };
+  EXPECT_NE(message("position_min_m = -0.004\nposition_max_m = 10").find("are 0.004 m from the target"),
+            std::string::npos)
+      << message("position_min_m = -0.004\nposition_max_m = 10");
+  EXPECT_EQ(message("position_min_m = -10\nposition_max_m = 0.1"), "") << "it falls the other way";
+  EXPECT_NE(message("position_m = 10\nfollowing_error_m = 0.004").find("following_error_m is 0.004"),
+            std::string::npos);
+}
+
+TEST(Feedforward, ThatFrictionHoldsSagsNowhere) {
+  const Node node = parse_node(with(braked(), "max_force_N = 50", "max_force_N = 50\nfeedforward_N = 2"), "a.toml");
+  EXPECT_EQ(axis_design(node, node.axes[0]).sag_m, 0);
+}
+
+TEST(Force, OfADriveThatCountsInItsLargestTorqueIsWholePerMilleOfTheRatedOne) {
+  const auto relative = [](const std::string& force) {
+    const std::string text =
+        with(braked(), "rated_torque_Nm = 0.5", "rated_torque_Nm = 500\ntorque_relative_to = \"max\"");
+    return with(with(text, "max_torque_per_mille = 2000", "max_torque_per_mille = 3"), "max_force_N = 50", force);
+  };
+  const Node node = parse_node(relative("max_force_N = 70"), "a.toml");  // 25 N each
+  EXPECT_DOUBLE_EQ(max_force_N(node.axes[0]), 50);
+  EXPECT_DOUBLE_EQ(force_step_N(node.axes[0]), 0.05);
+  EXPECT_DOUBLE_EQ(braked_class(node, node.axes[0]).max_force_N, 50);
+  EXPECT_NE(refusal([&] { parse_node(relative("max_force_N = 24"), "a.toml"); }).find("comes to 0 N"),
+            std::string::npos);
+}
+
+TEST(Force, BelowOneStepOfTheDriveIsRefused) {
+  const std::string coarse = with(with(braked(), "rated_torque_Nm = 0.5", "rated_torque_Nm = 2000"),
+                                  "max_torque_per_mille = 2000", "max_torque_per_mille = 1");
+  EXPECT_NE(refusal([&] { parse_node(coarse, "a.toml"); }).find("steps of 100 N"), std::string::npos);
+}
+
+// The law's share and the feedforward, each rounded to a float, add up to an ulp more than the limit is.
+TEST(Force, OfTheLawAndTheFeedforwardTogetherIsNotAboveTheLimitInFloat) {
+  for (const char* force : {"20.05", "20.175", "20.3", "21.05"}) {
+    const std::string limit = std::string{"max_force_N = "} + force;
+    const Node node =
+        parse_node(with(braked("force_N = 0.5"), "max_force_N = 50", limit + "\nfeedforward_N = 0.6"), "a.toml");
+    const auto p = axis_parameters<float>(node, node.axes[0]);
+    EXPECT_LE(p.total_force_N(), static_cast<float>(max_force_N(node.axes[0]))) << force;
+    EXPECT_NEAR(p.max_force_N, law_force_N(node.axes[0]), 1e-5) << force;
+  }
 }
 
 // It uses all the force there is, and the supervisor stops what is faster than its limit.

@@ -13,6 +13,7 @@
 #include "breakaway/config/edited_file.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/new_node.hpp"
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/study/friction_study.hpp"
 
@@ -109,6 +110,52 @@ TEST(Tune, TakesTheLeastToleranceWhereThatOfTheFileCannotBeCertified) {
             Objective::time);
   EXPECT_EQ(t.chosen.gains.position_tolerance_m, 3e-7);
   EXPECT_EQ(t.chosen.gains.settle_tolerance_m, 5.5e-7);
+}
+
+// A target between two counts is off by more than the tolerance, which says nothing of how well the axis can be tuned.
+TEST(Tune, CertifiesAsMuchWhereATargetIsNoWholeCount) {
+  const std::string off = with(table, {{"controller", "target_m", "0.0100002"}});
+  const Tuning whole = tuned(table, Objective::accuracy), between = tuned(off, Objective::accuracy);
+  EXPECT_EQ(between.chosen.gains.position_tolerance_m, whole.chosen.gains.position_tolerance_m);
+  EXPECT_NEAR(between.chosen.gains.settle_tolerance_m, whole.chosen.gains.settle_tolerance_m + 2e-7, 1e-9);
+}
+
+// What settles is said of all axes of a file at once, and one of them is tuned.
+TEST(Tune, LeavesTheOtherAxesOfTheFileAsTheyAre) {
+  const std::string file = std::string{BREAKAWAY_SOURCE_DIR} + "/firmware/examples/two_axes.toml";
+  const std::string text = config::with_settings(
+      config::with_settings(config::file_contents(file), file, "y", {{"controller", "position_tolerance_m", "2e-5"}}),
+      file, "x", {{"run", "settle_tolerance_m", "2.1e-5"}});
+  for (const auto& [objective, tolerance_m] : {std::pair{Objective::accuracy, 1.6e-6}, {Objective::time, 2e-6}}) {
+    TuneOptions options;
+    options.objective = objective;
+    options.axis = "x";
+    options.random_laws = 4;
+    options.double_limits = false;
+    const Tuning t = tune(text, file, options);
+    EXPECT_EQ(t.chosen.gains.position_tolerance_m, tolerance_m);
+    EXPECT_EQ(t.chosen.gains.settle_tolerance_m, 2.1e-5);
+    const config::Node node = config::parse_node(t.text, "tuned.toml");
+    for (const config::Axis& axis : node.axes) EXPECT_EQ(config::why_not_certified(node, axis), "") << axis.name;
+  }
+}
+
+TEST(Tune, WritesADurationInWhichTheAxisSettles) {
+  const Tuning t = tuned(with(table, {{"run", "duration_s", "0.2"}}), Objective::time);
+  EXPECT_NE(std::ranges::find(t.numbers, "duration_s", &ChosenNumber::key), t.numbers.end());
+  EXPECT_EQ(worst_settling_time_s(study_of(t)), t.chosen.worst_settling_s);
+  Tuning cut_short = t;
+  cut_short.text = with(t.text, {{"run", "duration_s", "0.2"}});
+  EXPECT_EQ(settled_runs(study_of(cut_short)), 0U);
+  EXPECT_EQ(limit_cycles(study_of(cut_short)), 0U) << "an axis on its way hunts for nothing";
+}
+
+// As `breakaway new` writes it: a short way, on which no speed of a grid of the way's own is fast enough for the
+// encoder.
+TEST(Tune, TriesTheGainsOfTheFileWhereNoOthersAreCertified) {
+  const std::string coarse = config::new_node({4.35278, 67.704, 168.057, 1e-3, 100, 2383, 0.003109}).text;
+  const Tuning t = tuned(coarse, Objective::accuracy);
+  EXPECT_EQ(worst_settling_time_s(study_of(t)), t.chosen.worst_settling_s);
 }
 
 // Gains, coast and tolerances are what tuning chooses.
