@@ -100,12 +100,15 @@ class AxisRun {
     result_.excursions = watch_.figures();
     result_.load_position_m = mechanism_.axis->load_position_m();
     result_.reached = judge_.reached();
-    result_.limit_cycle = judge_.limit_cycle();
+    result_.limit_cycle = judge_.limit_cycle(knows_friction);
     result_.max_force_N = drive_.largest_force_N(now);
     return std::move(result_);
   }
 
  private:
+  static constexpr bool knows_friction =
+      firmware::KnowsFriction<std::remove_cvref_t<decltype(std::declval<Loop&>().controller(std::declval<AxisId>()))>>;
+
   drive_emulator::EmulatedDrive& add_drive(SimulatedNetwork& network) {
     if (world_.odrive) return network.add_drive(*world_.odrive, mechanism_.seen_by_drive());
     return network.add_drive(*world_.drive, mechanism_.seen_by_drive());
@@ -113,8 +116,7 @@ class AxisRun {
 
   // A law that does not know its friction is never done.
   bool law_is_done() const {
-    using Controller = std::remove_cvref_t<decltype(loop_.controller(id_))>;
-    if constexpr (firmware::KnowsFriction<Controller>) return loop_.status(id_).output.mode == law::Mode::hold;
+    if constexpr (knows_friction) return loop_.status(id_).output.mode == law::Mode::hold;
     return true;
   }
 

@@ -47,9 +47,11 @@ class Judge {
 
   bool settled() const { return settled_; }
   double settling_time_s() const { return settled_ ? since_s_ - target_since_s_ : nan; }
-  // Set in motion again and again in the last second, and never as near to the target as it had rested before.
-  bool limit_cycle() const {
-    return !settled_ && slips_ - slips_before_last_second_ >= 2 && nearest_in_last_second_m_ >= nearest_before_m_;
+  // Set in motion again and again in the last second. A law that kicks means to, and gets nearer to the target each
+  // time.
+  bool limit_cycle(bool kicks) const {
+    const bool gets_nearer = nearest_in_last_second_m_ < nearest_before_m_;
+    return !settled_ && slips_ - slips_before_last_second_ >= 2 && !(kicks && gets_nearer);
   }
   std::vector<Reached> reached() const {
     std::vector<Reached> since_target = reached_;

@@ -29,16 +29,15 @@ class PdCycle {
     velocity_ = {p.period_s, p.encoder_resolution_m, p.kick_damping_Ns_per_m, p.friction.lower_N};
     rest_ = {p.mass_kg, p.friction.lower_N, p.encoder_resolution_m, p.period_s};
     shaper_ = {p, velocity_.weight()};
-    creep_radius_m_ = 20 * p.accuracy_floor_m() + 4 * p.encoder_resolution_m;
-    count_Ns_ = p.mass_kg * velocity_.weight() * p.encoder_resolution_m / p.period_s;
-    constexpr Scalar longest_periods = 1000;
-    blind_ =
-        static_cast<std::int16_t>(p.latency_periods + 1 + std::min(2 * (1 / velocity_.weight() - 1), longest_periods));
+    const Scalar weight = velocity_.weight(), count_m_s = weight * p.encoder_resolution_m / p.period_s;
+    creep_radius_m_ = 20 * p.accuracy_floor_m() + 4 * p.encoder_resolution_m +
+                      16 * p.mass_kg * count_m_s * count_m_s / p.friction.lower_N;
+    blind_ = static_cast<std::int16_t>(std::min(2 / weight, Scalar{90}) + static_cast<Scalar>(p.latency_periods) - 1);
   }
 
   // Once a period: takes a sample, or that there is none. Returns the velocity.
   Scalar see(const Parameters& p, const Measurement<Scalar>& z) noexcept {
-    if (sighted_ <= blind_) ++sighted_;
+    if (sighted_ < 100) ++sighted_;
     return p.exact() ? z.velocity_m_s : velocity_.update(z.position_error_m);
   }
   void skip() noexcept { velocity_.skip(); }
@@ -68,16 +67,17 @@ class PdCycle {
 
   // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
   // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper
-  // counts the speed in. Near the target, where a few counts of speed error matter, only certified rest will do. An
-  // axis is not called creeping for what the velocity does not show: a motion that its filter has not caught up with,
-  // or less than one more count makes of it. Once a period. Returns |k3(x)| for an axis that creeps, else zero.
+  // counts the speed in. Near the target, where a few counts of speed error matter, and a quarter of the curve's speed,
+  // sqrt(2 f_lo r / m) at most, is hardly more than one count makes of the velocity, only certified rest will do; nor
+  // is a velocity judged whose filter has not caught up. Once a period. Returns |k3(x)| for an axis that creeps, else
+  // zero.
   Scalar impulse_against_creeping_Ns(const Parameters& p, Scalar x, Scalar v) const noexcept {
     const Scalar distance = std::abs(x);
     if (p.exact() || sighted_ <= blind_ || distance > p.stick_radius_upper_m() || distance < creep_radius_m_) return 0;
     const Scalar closing = x > 0 ? -v : v;
     if (!(closing >= 0)) return 0;
     const Scalar impulse = impulse_Ns(x);
-    return closing * p.mass_kg + count_Ns_ < creep_share * impulse ? impulse : Scalar{0};
+    return closing * p.mass_kg < creep_share * impulse ? impulse : Scalar{0};
   }
 
   // impulse_Ns: |k3(x)|; futile: kicks in a row that did not move the axis.
@@ -120,8 +120,7 @@ class PdCycle {
   KickShaper<Scalar> shaper_{};
   Scalar pulse_N_{};
   Scalar creep_radius_m_{};
-  Scalar count_Ns_{};         // the momentum that one count more makes of the velocity
-  std::int16_t blind_ = 0;    // samples after a pulse until the velocity shows the motion that it began
+  std::int16_t blind_ = 0;    // samples after a pulse until the velocity has caught up with what it began
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::uint8_t periods_left_ = 0;
 };
