@@ -9,6 +9,9 @@
 #include <sstream>
 #include <string>
 
+#include "breakaway/config/node.hpp"
+#include "breakaway/drive_emulator/config.hpp"
+#include "breakaway/hal/time.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
 
@@ -205,6 +208,12 @@ TEST(ReadScenario, NamesEveryKeyThatIsSpoilt) {
     }
   }
   EXPECT_GT(spoilt, 200);
+}
+
+// Certificate and simulation each know how late a drive answers that no file says more of.
+TEST(ReadScenario, HasADriveAnswerAsLateAsItsCertificateCounts) {
+  EXPECT_DOUBLE_EQ(breakaway::hal::seconds(breakaway::drive_emulator::EmulatorConfig{}.max_tpdo_delay),
+                   breakaway::config::usual_feedback_delay_s);
 }
 
 TEST(ReadScenario, RefusesAFileThatIsNotThere) {
