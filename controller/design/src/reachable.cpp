@@ -74,7 +74,8 @@ std::string by_finer_steps(BrakedClass axes, double tolerance_m) {
     std::string of = drive + brief(axes.force_step_N) + " N";
     if (reaches(axes, tolerance_m)) return of;
     if (!with_fine_stage.empty()) continue;
-    if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty()) with_fine_stage = of + ", " + fine;
+    if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty())
+      with_fine_stage.append(of).append(", ").append(fine);
   }
   return with_fine_stage;
 }
