@@ -201,6 +201,12 @@ TEST(Certificate, RefusesABusThatMakesKicksLongerOrReadingsLate) {
   expect_refused(more("[drive]", "tpdo_delay_min_s = 9e-4"), "too late for its period");
 }
 
+TEST(Certificate, ShowsByHowLittleASettleToleranceIsTooNarrow) {
+  const std::string narrow = with(scene, "duration_s = 1", "duration_s = 1\nsettle_tolerance_m = 5.4999999e-6");
+  const std::string said = refusal([&] { parse_node(narrow, "axis.toml"); });
+  EXPECT_NE(said.find("is 5.4999999e-06, below"), std::string::npos) << said;
+}
+
 // A key that is written with the value that it has anyway changes nothing.
 TEST(Certificate, CountsTheDelayOfADriveWhetherTheFileNamesItOrNot) {
   for (const char* period : {"0.00043", "0.00044", "0.00045"}) {

@@ -123,6 +123,20 @@ TEST(Feedforward, SagsNoFurtherThanItsLimitsLeaveRoomFor) {
             std::string::npos);
 }
 
+// An approach that begins near its target may go further beyond it than it was away.
+TEST(Brake, IsLeftTheWayBeyondATargetByTheFollowingError) {
+  const auto examined = [](double following_error_m) {
+    std::string text = with(braked(), "position_tolerance_m = 1.8e-6", "position_tolerance_m = 1e-5");
+    text =
+        with(text, "[axis.limits]\n", "[axis.limits]\nfollowing_error_m = " + std::to_string(following_error_m) + "\n");
+    return examine(parse_node(text, "a.toml"));
+  };
+  const double beyond_m = examined(1)[0].braked->approach_beyond_m;
+  ASSERT_GT(beyond_m, 2e-5);
+  EXPECT_TRUE(examined(1.1 * beyond_m)[0].certified);
+  EXPECT_NE(refusal([&] { examined(0.9 * beyond_m); }).find("an approach may go"), std::string::npos);
+}
+
 TEST(Feedforward, ThatFrictionHoldsSagsNowhere) {
   const Node node = parse_node(with(braked(), "max_force_N = 50", "max_force_N = 50\nfeedforward_N = 2"), "a.toml");
   EXPECT_EQ(axis_design(node, node.axes[0]).sag_m, 0);
