@@ -123,7 +123,6 @@ Check table_check(const DesignReport& report) {
                "lower the damping k22 or narrow the friction bounds");
 }
 
-// Periods over which the law's velocity is smoothed, because the encoder is coarse for its damping.
 // Total force of the least kick: of one period, and over the least distance that is read beyond the tolerance.
 double least_kick_N(const AxisDesign& axis) {
   const double q = axis.encoder_resolution_m, tolerance_m = axis.position_tolerance_m;
@@ -143,6 +142,7 @@ Check lag_check(const AxisDesign& axis, const std::string& brake) {
       "widen the tolerance, or take a faster current loop" + brake, Equality::holds);
 }
 
+// Periods over which the law's velocity is smoothed, because the encoder is coarse for its damping.
 double smoothing_periods(const AxisDesign& axis) {
   const law::VelocityEstimator<double> velocity{axis.period_s, axis.encoder_resolution_m, axis.kick_damping_Ns_per_m,
                                                 axis.friction.lower_N};

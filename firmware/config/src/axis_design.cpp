@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
 #include "axis_room.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/shell_word.hpp"
 #include "outside_class.hpp"

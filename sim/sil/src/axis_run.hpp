@@ -114,7 +114,7 @@ class AxisRun {
     return network.add_drive(*world_.drive, mechanism_.seen_by_drive());
   }
 
-  // A law that does not know its friction is never done.
+  // A law that does not know its friction cannot tell, and the time that it rests has to do.
   bool law_is_done() const {
     if constexpr (knows_friction) return loop_.status(id_).output.mode == law::Mode::hold;
     return true;

@@ -105,8 +105,8 @@ struct AxisResult {
   std::vector<FaultRecord> faults;
   std::optional<IdealFigures> ideal;
   std::vector<Reached> reached;  // scenarios on the bus: 1 mm, 0.1 mm, 10 um and the tolerance that is judged
-  // Scenarios on the bus: not settled, and set in motion again and again in the last second, by kicks that lead it no
-  // nearer than it has been.
+  // Scenarios on the bus: not settled, and set in motion again and again in the last second; where the law kicks, by
+  // kicks that lead the axis no nearer to its target than it has been.
   bool limit_cycle = false;
   std::vector<Sample> trace;
 };
