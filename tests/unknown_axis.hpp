@@ -65,6 +65,8 @@ struct ExperimentRun {
 struct Trouble {
   double end_asked_s = 1e9;
   double lost_share = 0;  // of the samples
+  double late_s = 0;      // the most by which a period begins late: sample and force alike
+  double late_share = 1;  // of the periods
   std::uint64_t seed = 1;
 };
 
@@ -80,17 +82,24 @@ ExperimentRun run_experiment_on(Plant& plant, const identify::ExperimentParamete
                     .highest_m = start_m};
   std::deque<double> on_the_way(static_cast<std::size_t>(latency_periods), start_m);
   std::mt19937_64 dice{trouble.seed};
+  const auto share = [&] { return std::uniform_real_distribution<>{0, 1}(dice); };
+  const auto late_s = [&] {
+    return trouble.late_s > 0 && share() < trouble.late_share ? trouble.late_s * share() : 0.0;
+  };
+  double begun_late_s = 0;
   for (int k = 0; !experiment.finished() && k < 100'000; ++k) {
     if (run.duration_s >= trouble.end_asked_s) experiment.request_end();
     const double reading_m = std::round(on_the_way.front() / resolution_m) * resolution_m;
     on_the_way.pop_front();
-    const bool fresh = std::uniform_real_distribution<>{0, 1}(dice) >= trouble.lost_share;
+    const bool fresh = share() >= trouble.lost_share;
     const law::Measurement<Scalar> measured{static_cast<Scalar>(reading_m), Scalar{0}, fresh};
     const auto command_N = static_cast<double>(experiment.update(measured).force_N);
     run.record.readings.push_back({reading_m, command_N, fresh});
     // The sample of the next period is taken when this one's force begins to act.
     on_the_way.push_back(plant.position_m());
-    plant.run(command_N, period_s, 4);
+    const double next_late_s = late_s();
+    plant.run(command_N, period_s + next_late_s - begun_late_s, 4);
+    begun_late_s = next_late_s;
     for (const double position_m : {plant.position_m(), out_of_sight_m ? *out_of_sight_m : plant.position_m()}) {
       run.lowest_m = std::min(run.lowest_m, position_m);
       run.highest_m = std::max(run.highest_m, position_m);

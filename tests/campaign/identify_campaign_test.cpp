@@ -27,10 +27,10 @@ struct Worst {
   double mass = 0, duration_s = 0, raw_lower = 0, raw_upper = 0;
 };
 
-void check(long number, const UnknownAxis& axis, Worst& worst) {
+void check(long number, const UnknownAxis& axis, const testing::Trouble& trouble, Worst& worst) {
   // Every other one computes in float, as a board does.
   const testing::ExperimentRun run =
-      number % 2 == 0 ? testing::run_experiment<double>(axis) : testing::run_experiment<float>(axis);
+      number % 2 == 0 ? testing::run_experiment<double>(axis, trouble) : testing::run_experiment<float>(axis, trouble);
   ASSERT_EQ(run.ending, identify::Ending::complete) << to_string(run.ending);
   EXPECT_LE(run.duration_s, 60);
   EXPECT_GE(run.lowest_m, axis.lowest_m);
@@ -41,8 +41,12 @@ void check(long number, const UnknownAxis& axis, Worst& worst) {
   const evaluation::Interval truth = axis.true_friction_N();
   EXPECT_NEAR(found.mass.mass_kg / axis.mass_kg, 1, 0.02);
   EXPECT_LE(std::abs(found.mass.mass_kg / axis.mass_kg - 1), found.mass_uncertainty);
-  EXPECT_EQ(found.latency.periods, axis.latency_periods);
-  EXPECT_NEAR(found.latency.lag_s, axis.lag_s, 0.3e-3);
+  EXPECT_LE(found.latency.fewest_periods, axis.latency_periods);
+  EXPECT_GE(found.latency.most_periods, axis.latency_periods);
+  if (found.latency.is_told_apart()) {
+    EXPECT_NEAR(found.latency.lag_s, axis.lag_s, 0.3e-3);
+  }
+  EXPECT_NEAR(found.latency.delay_s, axis.latency_periods * axis.period_s + axis.lag_s, 0.3e-3);
   EXPECT_LE(found.bounds_N.least, truth.least);
   EXPECT_GE(found.bounds_N.most, truth.most);
   // Bounds that are too wide would be no help.
@@ -54,17 +58,28 @@ void check(long number, const UnknownAxis& axis, Worst& worst) {
   worst.raw_upper = std::max(worst.raw_upper, std::abs(found.friction_seen_N.most / truth.most - 1));
 }
 
-TEST(IdentifyCampaign, BoundsHoldTheTruthAndTheTravelIsNeverLeft) {
-  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0), axes = from_environment("BREAKAWAY_UNKNOWN_AXES", 40);
+void check_all(long axes, const testing::Trouble& trouble) {
+  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0);
   Worst worst;
   for (long number = first; number < first + axes; ++number) {
     Random random{static_cast<std::uint64_t>(number) + 1};
     const UnknownAxis axis = random_unknown_axis(random);
     SCOPED_TRACE(described(number, axis));
-    ASSERT_NO_THROW(check(number, axis, worst));
+    testing::Trouble its = trouble;
+    its.seed = static_cast<std::uint64_t>(number) + 1;
+    ASSERT_NO_THROW(check(number, axis, its, worst));
   }
   std::printf("%ld axes: mass off by %.3g at most, least friction seen by %.3g, greatest by %.3g, %.1f s\n", axes,
               worst.mass, worst.raw_lower, worst.raw_upper, worst.duration_s);
+}
+
+TEST(IdentifyCampaign, BoundsHoldTheTruthAndTheTravelIsNeverLeft) {
+  check_all(from_environment("BREAKAWAY_UNKNOWN_AXES", 200), {});
+}
+TEST(IdentifyCampaign, BoundsHoldTheTruthWherePeriodsBeginLate) {
+  const long axes = from_environment("BREAKAWAY_LATE_AXES", 60);
+  check_all(axes, {.late_s = 100e-6});
+  check_all(axes, {.late_s = 100e-6, .late_share = 0.02});
 }
 
 std::string described(long number, const UnknownJoint& axis) {

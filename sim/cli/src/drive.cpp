@@ -72,11 +72,14 @@ class LiveDrives {
     while (stop == 0 && passed() < hal::Time{duration}) {
       const hal::Time woken = passed(), processor_woken = processor_now();
       receive();
-      for (Axis& axis : axes_) axis.advance_to(passed());
+      // No further: a frame that has come since woken is played at its stamp, in the next round.
+      last_ = std::max(last_, woken);
+      for (Axis& axis : axes_) axis.advance_to(last_);
       note_work(woken, processor_now() - processor_woken);
       wait(mask, duration);
     }
-    for (Axis& axis : axes_) axis.drive->advance_mechanism_to(passed());
+    last_ = std::max(last_, passed());
+    for (Axis& axis : axes_) axis.drive->advance_mechanism_to(last_);
   }
 
   void print_summary() const {
@@ -136,9 +139,8 @@ class LiveDrives {
     its_processor_time_ = processor_time;
   }
 
-  // Never decreases, as a drive wants it.
-  hal::Time passed() { return last_ = std::max(last_, since_start(monotonic_now())); }
   // The drives' time starts with this process.
+  hal::Time passed() const { return since_start(monotonic_now()); }
   hal::Time since_start(hal::Time time) const { return hal::Time{time - start_}; }
 
   void receive() {
@@ -178,7 +180,7 @@ class LiveDrives {
 
   socketcan::KernelSocket& socket_;
   hal::Time start_ = monotonic_now();
-  hal::Time last_{};
+  hal::Time last_{};              // up to which the drives were played; never decreases, as a drive wants it
   hal::Duration longest_work_{};  // between two waits: in it no frame is answered
   hal::Time longest_work_began_{};
   hal::Duration its_processor_time_{};  // less where others had the processor meanwhile

@@ -58,11 +58,16 @@ study::IdentifiedRun run(const IdentifyCommand& options, const Scenario& s) {
 void print_identification(const study::IdentifiedRun& run) {
   if (!run.title.empty()) fmt::print("{}\n", run.title);
   fmt::print("  experiment     {:.1f} s, {}\n{}", run.found.duration_s, run.ending, evaluation::summary(run.found));
-  if (run.found.latency.periods != 1)
+  const evaluation::LatencyEstimate& latency = run.found.latency;
+  if (latency.fewest_periods > 1 || latency.most_periods < 1)
     fmt::print(
         "  note           design and flashed loop count on a latency of 1 period; find what takes {}: a drive that "
         "answers late, or a filter\n",
-        run.found.latency.periods);
+        latency.periods);
+  if (!latency.is_told_apart())
+    fmt::print(
+        "  note           [drive] current_loop_time_constant_s is left as it is; an experiment with steadier periods "
+        "tells it (a kernel for real time, a drive that samples at the SYNC)\n");
 }
 
 // What was found may ask for other gains than the file has, or forbid its tolerance: `tune` chooses those. For a PID

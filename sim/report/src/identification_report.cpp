@@ -136,8 +136,14 @@ std::string results(const study::IdentifiedRun& run) {
   table.row("Bounds", fmt::format("{:.4g} to {:.4g} N, with a margin of {:g} %", found.bounds_N.least,
                                   found.bounds_N.most, 100 * found.margins.friction));
   if (found.spring) spring_rows(*found.spring, found, table);
-  table.row("Latency", fmt::format("{} × control period", found.latency.periods));
-  if (found.latency.lag_is_seen)
+  const evaluation::LatencyEstimate& latency = found.latency;
+  table.row("Latency", latency.is_told_apart()
+                           ? fmt::format("{} × control period", latency.periods)
+                           : fmt::format("{} to {} × control period", latency.fewest_periods, latency.most_periods));
+  if (!latency.is_told_apart())
+    table.row("Current loop",
+              fmt::format("not told apart from the latency; together {:.3g} ms", 1e3 * latency.delay_s));
+  else if (latency.lag_is_seen)
     table.quantity("Current loop, time constant", 1e3 * found.latency.lag_s, "ms");
   else
     table.row("Current loop", "too fast to be seen");
@@ -216,6 +222,10 @@ std::string identification_json(const study::IdentifiedRun& run) {
     json.member("motions", found.motions);
     json.member("chance_outside", found.chance_outside());
     json.member("latency_periods", found.latency.periods);
+    json.array("latency_range_periods", [&] {
+      json.value(found.latency.fewest_periods);
+      json.value(found.latency.most_periods);
+    });
     json.member("current_loop_time_constant_s", found.latency.lag_is_seen ? found.latency.lag_s : NAN);
     json.member("presliding_stiffness_N_per_m", found.presliding_N_per_m.value_or(NAN));
     if (found.spring) write_spring(json, *found.spring);

@@ -41,6 +41,31 @@ TEST(Evaluation, FindsTheLagOfTheCurrentLoopApartFromWholePeriodsOfLatency) {
   }
 }
 
+// Timers that wake late, and drives that sample as they read the SYNC: at speed a tenth of a period is many counts.
+TEST(Evaluation, TakesPeriodsThatBeginLateForNeitherFrictionNorASpring) {
+  for (const double late_share : {1.0, 0.02}) {
+    const UnknownAxis axis;
+    const Identification found = evaluate(run_experiment(axis, {.late_s = 100e-6, .late_share = late_share}).record);
+    EXPECT_NEAR(found.mass.mass_kg, axis.mass_kg, 0.01 * axis.mass_kg);
+    EXPECT_GE(found.friction_seen_N.least, 0.9 * axis.true_friction_N().least);
+    EXPECT_LE(found.bounds_N.least, axis.true_friction_N().least);
+  }
+}
+
+TEST(Evaluation, SaysBetweenWhichLatenciesItCannotTellWherePeriodsBeginLate) {
+  for (const int latency : {1, 2}) {
+    UnknownAxis axis;
+    axis.latency_periods = latency;
+    const Identification found = evaluate(run_experiment(axis, {.late_s = 200e-6}).record);
+    ASSERT_FALSE(found.latency.is_told_apart()) << latency;
+    EXPECT_EQ(found.latency.periods, 1) << "the usual one, as it can be";
+    EXPECT_LE(found.latency.fewest_periods, latency);
+    EXPECT_GE(found.latency.most_periods, latency);
+    EXPECT_FALSE(found.latency.lag_is_seen);
+    EXPECT_NE(summary(found).find(" periods, not told apart from a current loop"), std::string::npos);
+  }
+}
+
 TEST(Evaluation, FindsWhereFrictionIsHigh) {
   UnknownAxis axis;
   axis.wave = 0.15, axis.tilt = 0;

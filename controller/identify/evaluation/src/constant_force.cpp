@@ -1,8 +1,18 @@
 #include "constant_force.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace breakaway::evaluation {
+
+double rounding_m(const Record& record) { return record.resolution_m / std::sqrt(12.0); }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
 
 std::vector<Stretch> stretches_of(const Record& record) {
   std::vector<Stretch> found;
@@ -36,16 +46,31 @@ Parabola fit(const Record& record, std::size_t first, std::size_t last) {
     const double t = static_cast<double>(i) - middle, x = record.readings[i].position_m - origin_m;
     residual_m2 += std::pow(x - constant / n - slope * t - curve * (t * t - mean_square), 2);
   }
-  return {.middle = middle,
+  const double residual_m = std::sqrt(residual_m2 / n);
+  const double scatter_m = std::max(rounding_m(record), residual_m * std::sqrt(n / (n - 3)));
+  return {.first = first,
+          .last = last,
+          .middle = middle,
           .position_m = origin_m + constant / n - curve * mean_square,
           .speed_m_s = slope / T,
           .acceleration_m_s2 = 2 * curve / (T * T),
-          .error_m_s2 = 2 * record.resolution_m / std::sqrt(12 * norm_square) / (T * T),
-          .residual_m = std::sqrt(residual_m2 / n)};
+          .error_m_s2 = 2 * scatter_m / std::sqrt(norm_square) / (T * T),
+          .residual_m = residual_m};
 }
 
-double readings_for(double error_m_s2, const Record& record) {
-  return std::pow(7.75 * record.resolution_m / (error_m_s2 * record.period_s * record.period_s), 0.4);
+double scatter_m(const Record& record, std::size_t first, std::size_t last) {
+  const auto position_m = [&](std::size_t i) { return record.readings[i].position_m; };
+  std::vector<double> thirds_m;
+  for (std::size_t i = first + 3; i < last; ++i)
+    thirds_m.push_back(std::abs(position_m(i) - position_m(i - 3) - 3 * (position_m(i - 1) - position_m(i - 2))));
+  // The variance of a third difference is 20 times that of a reading, and half of all normal numbers are within 0.6745
+  // of their standard deviation.
+  if (thirds_m.empty()) return rounding_m(record);
+  return std::max(rounding_m(record), median(std::move(thirds_m)) / (0.6745 * std::sqrt(20.0)));
+}
+
+double readings_for(double error_m_s2, double scatter_m, double period_s) {
+  return std::pow(26.8 * scatter_m / (error_m_s2 * period_s * period_s), 0.4);
 }
 
 Motion motion_in(const Record& record, std::size_t first, std::size_t last) {

@@ -9,6 +9,9 @@
 
 namespace breakaway::evaluation {
 
+// Requires one value.
+double median(std::vector<double> values);
+
 // Readings first .. last - 1 have this command, and are fresh.
 struct Stretch {
   std::size_t first = 0, last = 0;
@@ -19,9 +22,10 @@ std::vector<Stretch> stretches_of(const Record& record);
 
 // x = position + speed t + acceleration t^2 / 2, where t counts from the middle of the readings.
 struct Parabola {
-  double middle = 0;  // reading, as a fraction
+  std::size_t first = 0, last = 0;  // through these readings, the last not included
+  double middle = 0;                // reading, as a fraction
   double position_m = 0, speed_m_s = 0, acceleration_m_s2 = 0;
-  double error_m_s2 = 0;  // of the acceleration, one standard deviation of readings in whole counts
+  double error_m_s2 = 0;  // of the acceleration, one standard deviation, if the readings are off it by chance
   double residual_m = 0;  // root mean square of what the readings are off it
 
   double speed_at(double reading, double period_s) const {
@@ -36,8 +40,15 @@ struct Parabola {
 // Least squares through the readings first .. last - 1, of which there are at least four.
 Parabola fit(const Record& record, std::size_t first, std::size_t last);
 
-// So many make the standard error of an acceleration this large: it is 7.75 q / (n^2.5 T^2).
-double readings_for(double error_m_s2, const Record& record);
+// Standard deviation of what a position loses as a whole count.
+double rounding_m(const Record& record);
+
+// Standard deviation by which the readings first .. last - 1 scatter from one to the next: at least that of whole
+// counts, more where they are taken at uneven times. It does not see what is smooth over four of them.
+double scatter_m(const Record& record, std::size_t first, std::size_t last);
+
+// So many make the standard error of an acceleration this large: it is sqrt(720) s / (n^2.5 T^2) for a scatter s.
+double readings_for(double error_m_s2, double scatter_m, double period_s);
 
 // The part of first .. last - 1 in which the axis moves one way: it leaves a count at least every 16 readings, and no
 // turn is in it. Empty where first == last.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -20,7 +21,7 @@ struct Friction {
   const Record& record;
   double mass_kg, mass_error;
   double usual_N;  // friction, roughly
-  Settling settling;
+  Look look;
   std::vector<FrictionSample> samples;
 
   // From one parabola.
@@ -35,15 +36,16 @@ struct Friction {
                        .motion = 0});
   }
   void add(const Stretch& stretch) {
-    const Motion motion = motion_in(record, stretch.first + settling.all, stretch.last);
+    const Motion motion = motion_in(record, stretch.first + look.settling, stretch.last);
     if (motion.direction == 0) return;
     // The axis may have come to rest within the last count.
     std::size_t last = motion.last;
     const double end_m = record.readings[last - 1].position_m;
     while (last > motion.first && std::abs(record.readings[last - 1].position_m - end_m) < 2 * record.resolution_m)
       --last;
-    const auto wanted =
-        static_cast<std::size_t>(std::clamp(readings_for(0.01 * usual_N / mass_kg, record), 16.0, 200.0));
+    const double enough =
+        readings_for(0.01 * usual_N / mass_kg, look.scatter_m(record, motion.first, last), record.period_s);
+    const auto wanted = static_cast<std::size_t>(std::clamp(enough, 16.0, 200.0));
     if (last < motion.first + 16) return;
     const std::size_t parts = std::max<std::size_t>((last - motion.first) / wanted, 1);
     const std::size_t length = (last - motion.first) / parts;
@@ -68,6 +70,32 @@ void require_enough(std::size_t switches, std::size_t telling) {
       switches, telling, least_switches, least_switches)};
 }
 
+// Readings at uneven times are off a smooth motion by chance, each by its own. A swing, play and friction that changes
+// are off it in a pattern, which readings repeat that are apart by some number: by more than chance has them.
+bool are_off_by_chance(const std::vector<Switch>& switches, const Record& record) {
+  std::array<double, 21> products{};  // by how far the readings are apart, as shares of a square of each parabola
+  std::array<double, 21> pairs{};
+  for (const Switch& s : switches) {
+    for (const Parabola& p : {s.before, s.after}) {
+      const auto off = [&](std::size_t i) {
+        const double off_m = record.readings[i].position_m - p.position_at(static_cast<double>(i), record.period_s);
+        return off_m / std::max(p.residual_m, rounding_m(record));
+      };
+      for (std::size_t apart = 1; apart < products.size(); ++apart) {
+        for (std::size_t i = p.first; i + apart < p.last; ++i) {
+          products[apart] += off(i) * off(i + apart);
+          ++pairs[apart];
+        }
+      }
+    }
+  }
+  for (std::size_t apart = 1; apart < products.size() && pairs[apart] > 0; ++apart) {
+    const double four_errors = 4 / std::sqrt(pairs[apart]);
+    if (std::abs(products[apart] / pairs[apart]) > std::max(0.3, four_errors)) return false;
+  }
+  return true;
+}
+
 // A mass under constant force and friction draws parabolas, but for what friction changes on the way.
 void require_rigid(const std::vector<Switch>& switches, const Record& record, const std::vector<Stretch>& stretches) {
   std::vector<double> residuals_m, shares;
@@ -78,6 +106,7 @@ void require_rigid(const std::vector<Switch>& switches, const Record& record, co
   }
   const double residual_m = median(residuals_m);
   if (residual_m < 10 * record.resolution_m || median(shares) < 0.01) return;
+  if (are_off_by_chance(switches, record)) return;
   const std::optional<Swing> swing = swing_of(record, switches_in_motion(record, stretches));
   throw InputError{fmt::format(
       "under a constant force the positions are {:.2g} m off a parabola, so that the axis is no single mass: a load "
@@ -94,21 +123,22 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   require_readable(record);
   const std::vector<Stretch> stretches = stretches_of(record);
   if (mechanism == Mechanism::load_on_spring) return evaluate_sprung(record, stretches, margins);
-  Settling settling;
-  std::vector<Switch> switches = switches_in(record, stretches, settling);
+  Look look;
+  std::vector<Switch> switches = switches_in(record, stretches, look);
   if (switches.empty())
     throw InputError{
         "the record has no switch from one constant force to another during a motion, so that nothing tells the mass: "
         "record an experiment, or give the axis more travel and speed, or a finer encoder"};
   Identification found;
   found.duration_s = static_cast<double>(record.readings.size()) * record.period_s;
-  // What the first look says of latency and lag tells the second one from where on a parabola is one.
-  for (int look = 0; look < 2; ++look) {
+  // What the first looks say of latency and lag tells the next from where on a parabola is one.
+  for (int i = 0; i < 2; ++i) {
+    look.uneven = are_off_by_chance(switches, record);
     found.latency = latency_of(switches, record);
-    settling.latency = static_cast<std::size_t>(found.latency.periods);
-    settling.all =
-        settling.latency + 1 + static_cast<std::size_t>(std::ceil(6 * found.latency.lag_s / record.period_s));
-    const std::vector<Switch> again = switches_in(record, stretches, settling);
+    const int latency = found.latency.fewest_periods;
+    const double lag_s = std::max(found.latency.delay_s - latency * record.period_s, 0.0);
+    look.settling = static_cast<std::size_t>(latency + 1 + std::ceil(6 * lag_s / record.period_s));
+    const std::vector<Switch> again = switches_in(record, stretches, look);
     if (!again.empty()) switches = again;
   }
   found.latency = latency_of(switches, record);
@@ -125,7 +155,7 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   std::vector<double> at_rest_N;
   at_rest_N.reserve(broken.size());
   for (const BreakAway& one : broken) at_rest_N.push_back(one.seen.friction_N.most);
-  Friction friction{record, m, 0.005, std::ranges::min(at_rest_N), settling, {}};
+  Friction friction{record, m, 0.005, std::ranges::min(at_rest_N), look, {}};
   std::size_t next = 0;
   for (const Stretch& stretch : stretches) {
     for (; next < broken.size() && broken[next].at < stretch.first; ++next)

@@ -225,7 +225,10 @@ Identification evaluate_sprung(const Record& record, const std::vector<Stretch>&
         switches.size(), seen.size(), least_switches)};
   Identification found;
   found.duration_s = static_cast<double>(record.readings.size()) * record.period_s;
-  found.latency = {.periods = static_cast<int>(std::lround(swing->delay_s / record.period_s)),
+  const auto periods = static_cast<int>(std::lround(swing->delay_s / record.period_s));
+  found.latency = {.periods = periods,
+                   .fewest_periods = periods,
+                   .most_periods = periods,
                    .delay_s = swing->delay_s,
                    .delay_seen_s = {swing->delay_s, swing->delay_s}};
   SpringEstimate spring;

@@ -7,10 +7,13 @@
 namespace breakaway::evaluation {
 namespace {
 
-std::string lag_text(const Identification& found) {
+std::string latency_text(const Identification& found) {
   const LatencyEstimate& latency = found.latency;
-  if (!latency.lag_is_seen) return "a current loop too fast to be seen";
-  return fmt::format("a current loop of {:.2g} ms", 1e3 * latency.lag_s);
+  if (!latency.is_told_apart())
+    return fmt::format("{} to {} periods, not told apart from a current loop that makes {:.3g} ms with it",
+                       latency.fewest_periods, latency.most_periods, 1e3 * latency.delay_s);
+  return fmt::format("{} period{}, and a current loop {}", latency.periods, latency.periods == 1 ? "" : "s",
+                     latency.lag_is_seen ? fmt::format("of {:.2g} ms", 1e3 * latency.lag_s) : "too fast to be seen");
 }
 
 std::string spring_text(const SpringEstimate& spring, const Margins& margins) {
@@ -47,12 +50,11 @@ std::string summary(const Identification& found) {
               ? fmt::format("  before sliding it bends: {:.2g} N/m at least\n", *found.presliding_N_per_m)
               : std::string{}) +
          fmt::format(
-             "  latency        {} period{}, and {}\n"
+             "  latency        {}\n"
              "  confidence     whatever its distribution, the friction of another motion is outside what was seen with "
              "a "
              "chance of at most {:.2g} %\n",
-             found.latency.periods, found.latency.periods == 1 ? "" : "s", lag_text(found),
-             100 * found.chance_outside());
+             latency_text(found), 100 * found.chance_outside());
 }
 
 }  // namespace breakaway::evaluation

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace breakaway::evaluation {
 namespace {
@@ -11,11 +13,10 @@ namespace {
 constexpr std::size_t least_readings = 16, most_readings = 60;
 constexpr int most_latency_periods = 8;
 
-std::optional<Switch> switch_between(const Record& record, const Stretch& a, const Stretch& b,
-                                     const Settling& settling) {
-  if (a.last != b.first || a.first + settling.all + least_readings > a.last) return {};
-  const Motion before = motion_in(record, a.first + settling.all, a.last);
-  const Motion after = motion_in(record, b.first + settling.all, b.last);
+std::optional<Switch> switch_between(const Record& record, const Stretch& a, const Stretch& b, const Look& look) {
+  if (a.last != b.first || a.first + look.settling + least_readings > a.last) return {};
+  const Motion before = motion_in(record, a.first + look.settling, a.last);
+  const Motion after = motion_in(record, b.first + look.settling, b.last);
   // One that does not move has no motion up to a.last.
   if (before.last + 2 < a.last || before.direction != after.direction) return {};
   const std::size_t n_before = a.last - before.first, n_after = after.last - after.first;
@@ -30,8 +31,11 @@ std::optional<Switch> switch_between(const Record& record, const Stretch& a, con
   const Switch found = with(most_readings);
   if (!(found.change_N * found.change_m_s2() > 0 && std::abs(found.change_m_s2()) > 50 * found.error_m_s2())) return {};
   // Shorter parabolas leave friction less room to change; longer ones see past the counts.
-  const auto enough = static_cast<std::size_t>(readings_for(5e-4 * std::abs(found.change_m_s2()), record));
-  return with(std::clamp(enough, least_readings, most_readings));
+  const double scattered_m =
+      std::max(look.scatter_m(record, before.first, a.last), look.scatter_m(record, after.first, after.last));
+  const double enough = readings_for(5e-4 * std::abs(found.change_m_s2()), scattered_m, record.period_s);
+  return with(static_cast<std::size_t>(
+      std::clamp(enough, static_cast<double>(least_readings), static_cast<double>(most_readings))));
 }
 
 double residual_m(const Switch& s) { return std::max(s.before.residual_m, s.after.residual_m); }
@@ -93,6 +97,45 @@ Meeting meeting_of(const Switch& s, double T) {
   return {late_s, 2 * off_m / change_m_s2};
 }
 
+double median_deviation(std::vector<double> values) {
+  const double middle = median(values);
+  for (double& value : values) value = std::abs(value - middle);
+  return median(std::move(values));
+}
+
+// Of one delay, how much is whole periods.
+struct Parting {
+  int periods = 0, fewest = 0, most = 0;
+};
+// The lag that is left must be the one whose square the switches show, as far as their median is sure: five times its
+// standard error, since there are few of them. Of several that can be it, the latency of a control loop whose forces
+// begin with the next sample is the likely one.
+Parting parted(double delay_s, const std::vector<double>& lags_squared_s2, double period_s) {
+  constexpr int usual_periods = 1;
+  const double seen_s2 = median(lags_squared_s2);
+  const auto n = static_cast<double>(lags_squared_s2.size());
+  double square_s4 = 0;
+  for (const double lag_squared_s2 : lags_squared_s2)
+    square_s4 += (lag_squared_s2 - seen_s2) * (lag_squared_s2 - seen_s2);
+  const double error_s2 = 1.25 * std::sqrt(square_s4) / n;
+  const auto off_s2 = [&](int periods) {
+    const double lag_s = delay_s - periods * period_s;
+    return std::abs(lag_s * std::abs(lag_s) - seen_s2);
+  };
+  const auto can_be = [&](int periods) { return delay_s - periods * period_s >= -0.35 * period_s; };
+  int best = 0;
+  for (int periods = 1; periods <= most_latency_periods && can_be(periods); ++periods)
+    if (off_s2(periods) < off_s2(best)) best = periods;
+  Parting found{best, best, best};
+  for (int periods = 0; periods <= most_latency_periods && can_be(periods); ++periods) {
+    if (off_s2(periods) > 5 * error_s2) continue;
+    found.fewest = std::min(found.fewest, periods);
+    found.most = std::max(found.most, periods);
+  }
+  if (found.fewest <= usual_periods && usual_periods <= found.most) found.periods = usual_periods;
+  return found;
+}
+
 }  // namespace
 
 Interval range_of(const std::vector<double>& values) {
@@ -104,16 +147,10 @@ Interval range_of(const std::vector<double>& values) {
   return range;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Settling& settling) {
+std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Look& look) {
   std::vector<Switch> found;
   for (std::size_t i = 1; i < stretches.size(); ++i)
-    if (const auto one = switch_between(record, stretches[i - 1], stretches[i], settling)) found.push_back(*one);
+    if (const auto one = switch_between(record, stretches[i - 1], stretches[i], look)) found.push_back(*one);
   return found;
 }
 
@@ -132,20 +169,13 @@ LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& re
     delays.push_back(meeting.delay_s), lags.push_back(meeting.lag_squared_s2);
   }
   LatencyEstimate latency{.delay_s = median(delays), .delay_seen_s = range_of(delays)};
-  const double lag_squared_s2 = median(lags);
-  double least = INFINITY;
-  for (int periods = 0; periods <= most_latency_periods; ++periods) {
-    const double lag_s = latency.delay_s - periods * period_s;
-    if (lag_s < -0.35 * period_s) break;
-    const double off = std::abs(lag_s * std::abs(lag_s) - lag_squared_s2);
-    if (!(off < least)) continue;
-    least = off;
-    latency.periods = periods;
-    latency.lag_s = std::max(lag_s, 0.0);
-  }
-  for (double& delay_s : delays) delay_s = std::abs(delay_s - latency.delay_s);
-  latency.lag_error_s = median(delays);
-  latency.lag_is_seen = latency.lag_s > std::max(0.05 * period_s, 3 * latency.lag_error_s);
+  const Parting parting = parted(latency.delay_s, lags, period_s);
+  latency.periods = parting.periods;
+  latency.fewest_periods = parting.fewest;
+  latency.most_periods = parting.most;
+  latency.lag_s = std::max(latency.delay_s - latency.periods * period_s, 0.0);
+  latency.lag_error_s = median_deviation(delays);
+  latency.lag_is_seen = latency.is_told_apart() && latency.lag_s > std::max(0.05 * period_s, 3 * latency.lag_error_s);
   return latency;
 }
 

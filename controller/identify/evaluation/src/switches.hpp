@@ -10,10 +10,15 @@
 
 namespace breakaway::evaluation {
 
-// What acts late: readings from a command on that do not show it yet, or not wholly.
-struct Settling {
-  std::size_t latency = 0;  // readings until the first of it is seen
-  std::size_t all = 12;     // and until all of it is
+// How a record is looked at.
+struct Look {
+  std::size_t settling = 12;  // readings from a command on that do not show it yet, or not wholly
+  bool uneven = false;        // the readings scatter by more than counts do, as those at uneven times
+
+  // Of the readings first .. last - 1.
+  double scatter_m(const Record& record, std::size_t first, std::size_t last) const {
+    return uneven ? evaluation::scatter_m(record, first, last) : rounding_m(record);
+  }
 };
 
 // The force went from before to after in reading `at`, and the axis went on in its direction.
@@ -31,11 +36,10 @@ struct Switch {
 // If a switch is as likely to show too little as too much, the truth is beyond all of six with a chance of 1 in 32.
 constexpr std::size_t least_switches = 6;
 
-// Require one value.
+// Requires one value.
 Interval range_of(const std::vector<double>& values);
-double median(std::vector<double> values);
 
-std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Settling& settling);
+std::vector<Switch> switches_in(const Record& record, const std::vector<Stretch>& stretches, const Look& look);
 
 // Friction cancels out where it is the same before and after: m = 2 F / (a1 - a2) for a change from F to -F. The
 // switches of the greatest change err least. Requires one switch.

@@ -37,11 +37,15 @@ struct MassEstimate {
 
 struct LatencyEstimate {
   int periods = 0;           // from a sample to the first force computed from it
+  int fewest_periods = 0;    // where readings scatter so much that they do not tell latency from lag, ...
+  int most_periods = 0;      // ... periods is one of these, the usual 1 if it is among them
   double lag_s = 0;          // time constant of the current loop
   double lag_error_s = 0;    // half of what half of the switches differ by
-  bool lag_is_seen = false;  // it is above a twentieth of a period and three times its error
+  bool lag_is_seen = false;  // told apart, above a twentieth of a period, and above three times its error
   double delay_s = 0;        // of both together
   Interval delay_seen_s;
+
+  bool is_told_apart() const { return fewest_periods == most_periods; }
 };
 
 // What is added to what was seen.
