@@ -333,6 +333,9 @@ constexpr CounterExample counter_examples[] = {
     {30200012, Start::slow, "turns again and again, as noise alone said on which side friction acts"},
     {403552, Start::far_away_in_pattern, "goes a quarter further beyond than said: every other sample is late"},
     {201499, Start::far_away_in_pattern, "a fifth further: it trusts readings little, and forces act late and early"},
+    {50313662, Start::as_drawn, "faster than said: thrown past its target, what is known of it two periods old"},
+    {50314211, Start::as_drawn, "faster than said by two thirds, with a latency of three periods"},
+    {50314530, Start::noisy, "faster than said by a fifth"},
     {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 

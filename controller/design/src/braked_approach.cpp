@@ -167,6 +167,12 @@ double hand_over_m(const BrakedDesign<Real>& design) {
 
 namespace {
 
+// So old is what a force is planned from when the next one takes its place.
+template <class Real>
+double known_for_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
+  return axes.latency_periods * axes.period_s + static_cast<double>(plan.response_s);
+}
+
 // An axis that is to brake from the speed v by a_h, and goes on by a for tau because readings that jitter, or are lost,
 // have it taken for slower, is taken back by a deceleration of up to d. It goes further by
 // (v + a tau)^2 / (2 d) - v^2 / (2 a_h) + v tau + a tau^2 / 2, which is greatest at some v.
@@ -192,13 +198,14 @@ template <class Real>
 double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
   constexpr double kept = 1.01;  // by a move
   if (axes.move) return kept * std::min(max_speed_m_s, axes.move->speed_m_s);
-  // One that its drive throws past the target within a period is thrown back as hard.
+  // One that its drive throws past the target within a period is thrown back as hard, for as long as what is known of
+  // it is old.
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
   const KickClass kicks{axes};
   const PlannedForce force{axes, kicks};
   const double thrown = (force.gain_most * kicks.limit_N() - force.least_N) / force.lightest_kg;
   return std::max(max_speed_m_s + detail::faster_than_planned_m_s(axes, plan, max_speed_m_s),
-                  thrown * static_cast<double>(plan.response_s));
+                  thrown * known_for_s(axes, plan));
 }
 
 template <class Real>
@@ -208,7 +215,7 @@ double approach_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& desi
   // period.
   constexpr double late = 3, late_by_jitter = 16, in_pattern = 2, late_by_jerk = 2;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
-  const double T = axes.period_s, old_s = axes.latency_periods * T + static_cast<double>(plan.response_s);
+  const double T = axes.period_s, old_s = known_for_s(axes, plan);
   const double in_a_period_m = static_cast<double>(plan.hard_m_s2) * T * old_s;
   const double fastest_m_s =
       plan.move.are_asked_for() ? std::min(max_speed_m_s, static_cast<double>(plan.move.speed_m_s)) : max_speed_m_s;
