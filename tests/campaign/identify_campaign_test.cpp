@@ -44,7 +44,7 @@ void check(long number, const UnknownAxis& axis, const testing::Trouble& trouble
   EXPECT_LE(found.latency.fewest_periods, axis.latency_periods);
   EXPECT_GE(found.latency.most_periods, axis.latency_periods);
   if (found.latency.is_told_apart()) {
-    EXPECT_NEAR(found.latency.lag_s, axis.lag_s, 0.3e-3);
+    EXPECT_NEAR(found.latency.lag_s, axis.lag_s, std::min(found.latency.lag_error_s, 0.3e-3));
   }
   EXPECT_NEAR(found.latency.delay_s, axis.latency_periods * axis.period_s + axis.lag_s, 0.3e-3);
   EXPECT_LE(found.bounds_N.least, truth.least);
@@ -129,6 +129,31 @@ TEST(IdentifyCampaign, BoundsHoldTheTruthOfEveryLoadOnASpringThatIsAcceptedAndNe
   }
   std::printf("%ld loads on springs, %ld accepted\n", axes, accepted);
   EXPECT_GE(accepted, axes / 3);
+}
+
+// Evaluated as one mass: a swing of few counts, which no parabola shows, may put the mass off by some per cent.
+TEST(IdentifyCampaign, ALoadOfWhichTheFileSaysNothingIsRefusedOrWeighedAlmostAlways) {
+  const long first = from_environment("BREAKAWAY_FIRST_AXIS", 0);
+  const long axes = from_environment("BREAKAWAY_HIDDEN_LOADS", 40);
+  long accepted = 0, off = 0;
+  double worst = 0;
+  for (long number = first; number < first + axes; ++number) {
+    Random random{static_cast<std::uint64_t>(number) + 1};
+    UnknownJoint axis = random_unknown_joint(random);
+    const evaluation::Record record = run_experiment<double>(axis).record;
+    try {
+      const evaluation::Identification found = evaluation::evaluate(record);
+      const double by = std::abs(found.mass.mass_kg / (axis.motor.mass_kg + axis.load.mass_kg) - 1);
+      worst = std::max(worst, by);
+      ++accepted;
+      if (by > found.mass_uncertainty) ++off;
+    } catch (const InputError&) {
+    }
+  }
+  std::printf(
+      "%ld loads of which nothing is said, %ld taken for one mass, off by %.3g at most, %ld by more than said\n", axes,
+      accepted, worst, off);
+  EXPECT_LE(off, 1 + accepted / 20);
 }
 
 }  // namespace

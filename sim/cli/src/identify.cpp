@@ -59,7 +59,12 @@ void print_identification(const study::IdentifiedRun& run) {
   if (!run.title.empty()) fmt::print("{}\n", run.title);
   fmt::print("  experiment     {:.1f} s, {}\n{}", run.found.duration_s, run.ending, evaluation::summary(run.found));
   const evaluation::LatencyEstimate& latency = run.found.latency;
-  if (latency.fewest_periods > 1 || latency.most_periods < 1)
+  if (latency.most_periods < 1)
+    fmt::print(
+        "  note           design and flashed loop count on a latency of 1 period; this record is of a loop whose "
+        "forces "
+        "act before the next sample\n");
+  if (latency.fewest_periods > 1)
     fmt::print(
         "  note           design and flashed loop count on a latency of 1 period; find what takes {}: a drive that "
         "answers late, or a filter\n",

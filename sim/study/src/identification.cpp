@@ -69,6 +69,7 @@ IdentifiedRun recorded_identification(const Scenario& s, std::string_view csv, c
   const evaluation::RecordUnits units{.period_s = s.node.period_s(),
                                       .resolution_m = axis.drive->encoder_resolution_m,
                                       .force_step_N = config::force_step_N(axis),
+                                      .max_force_N = axis.drive->max_force_N(),
                                       .axis = axis.name};
   try {
     return {.title = s.node.title,
@@ -107,9 +108,10 @@ std::string with_found(std::string_view text, const Scenario& s, const evaluatio
   // The only coast that is told of it.
   if (axis.controller.impulsive && axis.controller.impulsive->coast == law::Coast::brake)
     entered.presliding_stiffness_N_per_m = found.presliding_N_per_m;
-  if (latency.lag_is_seen) {
+  // Of the loop that the file is for.
+  if (latency.lag_is_seen && latency.periods == 1) {
     entered.lag_s = latency.lag_s;
-    entered.lag_uncertainty = std::max(0.2, 3 * latency.lag_error_s / latency.lag_s);
+    entered.lag_uncertainty = std::max(0.2, latency.lag_error_s / latency.lag_s);
   }
   return config::with_identified(text, s.node.file, axis.name, entered);
 }

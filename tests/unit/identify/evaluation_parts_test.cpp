@@ -343,12 +343,14 @@ TEST(Totals, RefuseAFrictionThatPushes) {
 // The words are the same whatever decides, so that a page can show them.
 TEST(Summary, SaysOfWhatTheUncertaintyOfTheMassIsTheMost) {
   Identification found;
-  found.mass = {1, {0.99, 1.01}, 8, 0.03};
+  found.mass = {1, {0.99, 1.01}, 8, 0.03, 0.02};
   const std::string said = summary(found);
-  EXPECT_NE(
-      said.find("the most of twice their spread (2.0 %), what smaller ones are off in proportion (3.0 %) and 1 %"),
-      std::string::npos)
+  EXPECT_NE(said.find("the most of twice their spread (2.0 %), what smaller ones are off in proportion (3.0 %), twice "
+                      "what longer and shorter looks differ by (4.0 %) and 1 %"),
+            std::string::npos)
       << said;
+  found.spring = SpringEstimate{};
+  EXPECT_NE(summary(found).find("the most of twice the spread of motor and load, and 3 %"), std::string::npos);
 }
 
 TEST(Summary, SaysOfLatencyLagAndBendingWhatWasSeen) {

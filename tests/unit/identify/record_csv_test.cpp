@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 
+#include "../refusal.hpp"
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::evaluation {
@@ -102,6 +103,23 @@ TEST(RecordCsv, RefusesAPositionThatNoEncoderOf32BitsReads) {
   EXPECT_EQ(said("-4294.9"), "");
   EXPECT_NE(said("-4295").find("line 2: column 2 is -4295 m"), std::string::npos) << said("-4295");
   EXPECT_NE(said("1e300").find("check [drive] encoder_resolution_m"), std::string::npos) << said("1e300");
+}
+
+TEST(RecordCsv, RefusesAForceThatNoDriveGave) {
+  RecordUnits limited = units;
+  limited.max_force_N = 50;
+  const auto said = [&](const std::string& command_N) {
+    return testing::refusal(
+        [&] { static_cast<void>(record_of_csv("time_s,position_m,command_N\n0,0," + command_N + "\n", limited)); });
+  };
+  EXPECT_EQ(said("-50"), "");
+  EXPECT_NE(said("45000").find("line 2: column 3 is 4.5e+04 N, and the [drive] gives 50 N at most"), std::string::npos)
+      << said("45000");
+}
+
+TEST(RecordCsv, RefusesAColumnThatIsThereTwice) {
+  const std::string said = refusal("time_s,position_m,position_m,command_N\n0,0,0,0\n");
+  EXPECT_NE(said.find("more than one column position_m"), std::string::npos) << said;
 }
 
 TEST(RecordCsv, SaysWhichAxesThereAreWhereTheWantedOneIsNotAmongThem) {

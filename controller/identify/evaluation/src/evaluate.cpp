@@ -62,6 +62,26 @@ void require_readable(const Record& record) {
     throw InputError{"the record needs a period, a count and a step of force above 0: check [loop] and [drive]"};
 }
 
+// A record whose positions were read long after they were stamped, or whose columns were shifted.
+void require_causal(const LatencyEstimate& latency, double period_s) {
+  if (latency.delay_s > -0.35 * period_s) return;
+  throw InputError{
+      fmt::format("the positions follow the force {:.2g} s before it is commanded: a load swings on a spring, or the "
+                  "columns are of different periods; record both in the period in which the command is computed from "
+                  "the position",
+                  -latency.delay_s)};
+}
+
+void require_sure_mass(const Identification& found) {
+  constexpr double most_uncertain = 0.2;
+  if (found.mass_uncertainty <= most_uncertain) return;
+  throw InputError{fmt::format(
+      "the mass is sure to within {:.2g} of it only: longer and shorter looks at the switches of the force differ, "
+      "because a load swings on a spring, the joint has play, or friction changes fast; for a load behind a motor with "
+      "the encoder describe it roughly in a table [plant.load], and identify again",
+      found.mass_uncertainty)};
+}
+
 void require_enough(std::size_t switches, std::size_t telling) {
   if (telling >= least_switches) return;
   throw InputError{fmt::format(
@@ -75,12 +95,14 @@ void require_enough(std::size_t switches, std::size_t telling) {
 bool are_off_by_chance(const std::vector<Switch>& switches, const Record& record) {
   std::array<double, 21> products{};  // by how far the readings are apart, as shares of a square of each parabola
   std::array<double, 21> pairs{};
+  double readings = 0;
   for (const Switch& s : switches) {
     for (const Parabola& p : {s.before, s.after}) {
       const auto off = [&](std::size_t i) {
         const double off_m = record.readings[i].position_m - p.position_at(static_cast<double>(i), record.period_s);
         return off_m / std::max(p.residual_m, rounding_m(record));
       };
+      readings += static_cast<double>(p.last - p.first);
       for (std::size_t apart = 1; apart < products.size(); ++apart) {
         for (std::size_t i = p.first; i + apart < p.last; ++i) {
           products[apart] += off(i) * off(i + apart);
@@ -89,9 +111,11 @@ bool are_off_by_chance(const std::vector<Switch>& switches, const Record& record
       }
     }
   }
+  // The three numbers of a parabola follow the readings, and leave them this much less by chance.
+  const double fitted = 3 * 2 * static_cast<double>(switches.size()) / readings;
   for (std::size_t apart = 1; apart < products.size() && pairs[apart] > 0; ++apart) {
-    const double four_errors = 4 / std::sqrt(pairs[apart]);
-    if (std::abs(products[apart] / pairs[apart]) > std::max(0.3, four_errors)) return false;
+    const double five_errors = 5 / std::sqrt(pairs[apart]);
+    if (std::abs(products[apart] / pairs[apart]) > fitted + std::max(0.3, five_errors)) return false;
   }
   return true;
 }
@@ -144,6 +168,7 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   found.latency = latency_of(switches, record);
   found.mass = mass_of(switches, record);
   require_rigid(switches, record, stretches);
+  require_causal(found.latency, record.period_s);
   require_enough(switches.size(), found.mass.switches);
   const double m = found.mass.mass_kg;
   const std::vector<BreakAway> broken = break_aways_in(record, found.latency, m);
@@ -168,6 +193,7 @@ Identification evaluate(const Record& record, const Margins& margins, Mechanism 
   found.margins = margins;
   sum_up(found, margins);
   require_friction(found);
+  require_sure_mass(found);
   return found;
 }
 

@@ -53,6 +53,8 @@ Columns columns_of(std::string_view head) {
   const auto place = [&](std::string_view name) -> std::optional<std::size_t> {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) return {};
+    if (std::find(found + 1, names.end(), name) != names.end())
+      throw InputError{fmt::format("line 1 has more than one column {}: leave in the one of this axis", name)};
     return static_cast<std::size_t>(found - names.begin());
   };
   const auto require = [&](std::string_view name) {
@@ -96,6 +98,16 @@ double position_m(const std::vector<std::string_view>& fields, std::size_t colum
                   line, column + 1, position_m, resolution_m)};
 }
 
+double command_N(const std::vector<std::string_view>& fields, std::size_t column, std::size_t line,
+                 double max_force_N) {
+  constexpr double rounding = 1.01;
+  const double command_N = number(fields, column, line);
+  if (std::abs(command_N) <= rounding * max_force_N) return command_N;
+  throw InputError{fmt::format(
+      "line {}: column {} is {:.4g} N, and the [drive] gives {:.4g} N at most: give it in newtons, and check [drive]",
+      line, column + 1, command_N, max_force_N)};
+}
+
 // Collects the rows of the axis that is wanted.
 class Reader {
  public:
@@ -113,7 +125,7 @@ class Reader {
     rows_.push_back({line,
                      time_s,
                      {position_m(fields, columns_.position, line, units_.resolution_m),
-                      number(fields, columns_.command, line), true}});
+                      command_N(fields, columns_.command, line, units_.max_force_N), true}});
   }
 
   // Throws where lines name axes, and none the wanted one.

@@ -91,9 +91,9 @@ void enter_masses(Identification& found, SpringEstimate& spring, const std::vect
   });
   spring.motor_kg = median(motor_kg), spring.load_kg = median(load_kg);
   const auto both_kg = values_of(seen, [](const SeenSwitch& s) { return s.fit.mass_kg(); });
-  found.mass = {spring.motor_kg + spring.load_kg, range_of(both_kg), seen.size()};
+  found.mass = {.mass_kg = spring.motor_kg + spring.load_kg, .seen_kg = range_of(both_kg), .switches = seen.size()};
   const double apart = std::max(spread_about(motor_kg, spring.motor_kg), spread_about(load_kg, spring.load_kg));
-  found.mass_uncertainty = std::max(margins.mass, 2 * apart);
+  found.mass_uncertainty = std::max(margins.masses, 2 * apart);
 }
 
 void enter_spring(SpringEstimate& spring, const std::vector<SeenSwitch>& seen, const Swing& swing,
@@ -188,6 +188,14 @@ void require_tight(const std::vector<Bend>& bends, double stiffness_N_per_m, dou
   std::vector<double> slack_N, motor_N;
   for (const Bend& bend : bends) slack_N.push_back(bend.slack_N), motor_N.push_back(bend.motor_N);
   const double lost_N = median(slack_N);
+  // The spring of another swing would have given way further.
+  if (lost_N < -0.5 * median(motor_N) - stiffness_N_per_m * resolution_m)
+    throw InputError{fmt::format(
+        "in {} bends of the spring the motor moved less than the {:.2g} N/m of the swing that was found let it, so "
+        "that "
+        "this is another swing than that of the load: give the axis more force, so that its own is seen, or a finer "
+        "encoder",
+        bends.size(), stiffness_N_per_m)};
   if (lost_N <= 0.05 * median(motor_N) + stiffness_N_per_m * resolution_m) return;
   throw InputError{
       fmt::format("in {} bends of the spring the motor moved {:.2g} m further than the spring gave way, so that the "
@@ -196,7 +204,7 @@ void require_tight(const std::vector<Bend>& bends, double stiffness_N_per_m, dou
                   bends.size(), lost_N / stiffness_N_per_m)};
 }
 
-void require_sure(const Identification& found) {
+void require_sure_masses(const Identification& found) {
   if (found.mass_uncertainty <= most_uncertain) return;
   throw InputError{fmt::format(
       "the switches of the force differ by so much that motor and load are sure to within {:.2g} only, and a "
@@ -234,7 +242,7 @@ Identification evaluate_sprung(const Record& record, const std::vector<Stretch>&
   SpringEstimate spring;
   enter_masses(found, spring, seen, margins);
   enter_spring(spring, seen, *swing, margins);
-  require_sure(found);
+  require_sure_masses(found);
   const std::vector<SprungBreakAway> broken = sprung_break_aways_in(record, *swing, found.mass.mass_kg);
   enter_friction(found, seen, broken, record);
   number_motions(found);

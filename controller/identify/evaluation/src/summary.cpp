@@ -16,6 +16,16 @@ std::string latency_text(const Identification& found) {
                      latency.lag_is_seen ? fmt::format("of {:.2g} ms", 1e3 * latency.lag_s) : "too fast to be seen");
 }
 
+std::string reasons_of_uncertainty(const Identification& found) {
+  const MassEstimate& mass = found.mass;
+  if (found.spring) return fmt::format("twice the spread of motor and load, and {:g} %", 100 * found.margins.masses);
+  return fmt::format(
+      "twice their spread ({:.1f} %), what smaller ones are off in proportion ({:.1f} %), twice what longer and "
+      "shorter "
+      "looks differ by ({:.1f} %) and {:g} %",
+      200 * mass.spread_of_greatest(), 100 * mass.spread, 200 * mass.spread_of_lengths, 100 * found.margins.mass);
+}
+
 std::string spring_text(const SpringEstimate& spring, const Margins& margins) {
   return fmt::format(
       "  load           swings on a spring, {:.4g} to {:.4g} times a second: motor {:.4g} kg, load {:.4g} kg\n"
@@ -37,14 +47,13 @@ std::string summary(const Identification& found) {
   const MassEstimate& mass = found.mass;
   const Margins& margins = found.margins;
   return fmt::format(
-             "  mass           {:.4g} kg +- {:.1f} %: {:.4g} to {:.4g} kg in {} switches of the force; the most of "
-             "twice their spread ({:.1f} %), what smaller ones are off in proportion ({:.1f} %) and {:g} %\n"
+             "  mass           {:.4g} kg +- {:.1f} %: {:.4g} to {:.4g} kg in {} switches of the force; the most of {}\n"
              "  friction seen  {:.4g} to {:.4g} N in {} motions, from {:.4g} to {:.4g} m\n"
              "  bounds         {:.4g} to {:.4g} N, with a margin of {:g} % on either side\n",
              mass.mass_kg, 100 * found.mass_uncertainty, mass.seen_kg.least, mass.seen_kg.most, mass.switches,
-             200 * mass.spread_of_greatest(), 100 * mass.spread, 100 * margins.mass, found.friction_seen_N.least,
-             found.friction_seen_N.most, found.motions, found.travel_seen_m.least, found.travel_seen_m.most,
-             found.bounds_N.least, found.bounds_N.most, 100 * margins.friction) +
+             reasons_of_uncertainty(found), found.friction_seen_N.least, found.friction_seen_N.most, found.motions,
+             found.travel_seen_m.least, found.travel_seen_m.most, found.bounds_N.least, found.bounds_N.most,
+             100 * margins.friction) +
          (found.spring ? spring_text(*found.spring, margins) : std::string{}) +
          (found.presliding_N_per_m
               ? fmt::format("  before sliding it bends: {:.2g} N/m at least\n", *found.presliding_N_per_m)

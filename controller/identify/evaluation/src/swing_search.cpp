@@ -86,6 +86,8 @@ std::optional<Swing> swing_of(const Record& record, const std::vector<SwitchInMo
   if (switches.size() < least) return {};
   const Swing coarse = Search{record, greatest_steps(switches, few)}.coarse();
   const Swing swing = Search{record, greatest_steps(switches, more)}.refined(coarse);
+  // A slower one has no whole swing in what a switch shows: it is fitted to friction that changes.
+  if (swing.rate_rad_s < 2 * std::numbers::pi * least_Hz) return {};
   std::size_t seen = 0;
   for (const SwitchInMotion& one : greatest_steps(switches, more)) {
     const auto fit = fit_swing(record, one, swing);

@@ -24,6 +24,8 @@ std::optional<Switch> switch_between(const Record& record, const Stretch& a, con
   const auto with = [&](std::size_t n) {
     return Switch{.at = b.first,
                   .readings = std::min({n, n_before, n_after}),
+                  .from = before.first,
+                  .to = after.last,
                   .change_N = b.command_N - a.command_N,
                   .before = fit(record, a.last - std::min(n_before, n), a.last),
                   .after = fit(record, after.first, after.first + std::min(n_after, n))};
@@ -97,10 +99,26 @@ Meeting meeting_of(const Switch& s, double T) {
   return {late_s, 2 * off_m / change_m_s2};
 }
 
-double median_deviation(std::vector<double> values) {
-  const double middle = median(values);
-  for (double& value : values) value = std::abs(value - middle);
-  return median(std::move(values));
+// A mass is the same however long one looks at its motion. A load that swings, and friction that changes on the way,
+// are not: by so much do longer and shorter parabolas differ from those that were taken, beyond chance, but for the
+// tenth that differ most.
+double spread_of_lengths(const std::vector<Switch>& switches, const Record& record) {
+  constexpr std::size_t longest_readings = 100;
+  std::vector<double> shares;
+  for (const Switch& s : switches) {
+    const std::size_t room = std::min({s.at - s.from, s.to - s.after.first, longest_readings});
+    for (std::size_t n = least_readings; n <= room; n += n / 2) {
+      Switch other = s;
+      other.before = fit(record, s.at - n, s.at);
+      other.after = fit(record, s.after.first, s.after.first + n);
+      const double by_chance = 3 * (other.error_m_s2() + s.error_m_s2()) / std::abs(other.change_m_s2());
+      shares.push_back(std::max(std::abs(other.mass_kg() / s.mass_kg() - 1) - by_chance, 0.0));
+    }
+  }
+  if (shares.empty()) return 0;
+  const auto ninth = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() * 9 / 10);
+  std::ranges::nth_element(shares, ninth);
+  return *ninth;
 }
 
 // Of one delay, how much is whole periods.
@@ -108,8 +126,8 @@ struct Parting {
   int periods = 0, fewest = 0, most = 0;
 };
 // The lag that is left must be the one whose square the switches show, as far as their median is sure: five times its
-// standard error, since there are few of them. Of several that can be it, the latency of a control loop whose forces
-// begin with the next sample is the likely one.
+// standard error, since there are few of them. A loop whose forces begin with the next sample has a latency of 1, which
+// is taken where it can be; less is believed only where the delay is too short for it.
 Parting parted(double delay_s, const std::vector<double>& lags_squared_s2, double period_s) {
   constexpr int usual_periods = 1;
   const double seen_s2 = median(lags_squared_s2);
@@ -123,11 +141,12 @@ Parting parted(double delay_s, const std::vector<double>& lags_squared_s2, doubl
     return std::abs(lag_s * std::abs(lag_s) - seen_s2);
   };
   const auto can_be = [&](int periods) { return delay_s - periods * period_s >= -0.35 * period_s; };
-  int best = 0;
-  for (int periods = 1; periods <= most_latency_periods && can_be(periods); ++periods)
+  const int least = can_be(usual_periods) ? usual_periods : 0;
+  int best = least;
+  for (int periods = least + 1; periods <= most_latency_periods && can_be(periods); ++periods)
     if (off_s2(periods) < off_s2(best)) best = periods;
   Parting found{best, best, best};
-  for (int periods = 0; periods <= most_latency_periods && can_be(periods); ++periods) {
+  for (int periods = least; periods <= most_latency_periods && can_be(periods); ++periods) {
     if (off_s2(periods) > 5 * error_s2) continue;
     found.fewest = std::min(found.fewest, periods);
     found.most = std::max(found.most, periods);
@@ -158,7 +177,11 @@ MassEstimate mass_of(const std::vector<Switch>& switches, const Record& record) 
   std::vector<double> masses;
   for (const Switch& s : greatest(switches, record.resolution_m)) masses.push_back(s.mass_kg());
   const double mass_kg = median(masses);
-  return {mass_kg, range_of(masses), masses.size(), spread_of(on_parabolas(switches, record.resolution_m), mass_kg)};
+  return {.mass_kg = mass_kg,
+          .seen_kg = range_of(masses),
+          .switches = masses.size(),
+          .spread = spread_of(on_parabolas(switches, record.resolution_m), mass_kg),
+          .spread_of_lengths = spread_of_lengths(switches, record)};
 }
 
 LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& record) {
@@ -174,8 +197,8 @@ LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& re
   latency.fewest_periods = parting.fewest;
   latency.most_periods = parting.most;
   latency.lag_s = std::max(latency.delay_s - latency.periods * period_s, 0.0);
-  latency.lag_error_s = median_deviation(delays);
-  latency.lag_is_seen = latency.is_told_apart() && latency.lag_s > std::max(0.05 * period_s, 3 * latency.lag_error_s);
+  latency.lag_error_s = latency.delay_seen_s.most - latency.delay_seen_s.least + 0.1 * period_s;
+  latency.lag_is_seen = latency.is_told_apart() && latency.lag_s > latency.lag_error_s;
   return latency;
 }
 

@@ -25,6 +25,8 @@ struct Look {
 struct Switch {
   std::size_t at = 0;
   std::size_t readings = 0;  // of the shorter of the two parabolas
+  std::size_t from = 0;      // the axis goes its way from this reading to ...
+  std::size_t to = 0;        // ... the one before this
   double change_N = 0;       // of the command
   Parabola before, after;
 

@@ -36,8 +36,8 @@ void sum_up(Identification& found, const Margins& margins) {
   }
   found.bounds_N = {found.friction_seen_N.least * (1 - margins.friction),
                     found.friction_seen_N.most * (1 + margins.friction)};
-  found.mass_uncertainty =
-      std::max({found.mass_uncertainty, margins.mass, 2 * found.mass.spread_of_greatest(), found.mass.spread});
+  found.mass_uncertainty = std::max({found.mass_uncertainty, margins.mass, 2 * found.mass.spread_of_greatest(),
+                                     found.mass.spread, 2 * found.mass.spread_of_lengths});
 }
 
 void require_friction(const Identification& found) {

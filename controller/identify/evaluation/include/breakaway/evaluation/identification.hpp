@@ -31,6 +31,7 @@ struct MassEstimate {
   Interval seen_kg;  // of the greatest switches of force
   std::size_t switches = 0;
   double spread = 0;  // the greatest share by which any switch is off mass_kg; smaller ones count in proportion
+  double spread_of_lengths = 0;  // share by which longer and shorter looks at the switches differ
 
   double spread_of_greatest() const { return std::max(seen_kg.most - mass_kg, mass_kg - seen_kg.least) / mass_kg; }
 };
@@ -40,8 +41,8 @@ struct LatencyEstimate {
   int fewest_periods = 0;    // where readings scatter so much that they do not tell latency from lag, ...
   int most_periods = 0;      // ... periods is one of these, the usual 1 if it is among them
   double lag_s = 0;          // time constant of the current loop
-  double lag_error_s = 0;    // half of what half of the switches differ by
-  bool lag_is_seen = false;  // told apart, above a twentieth of a period, and above three times its error
+  double lag_error_s = 0;    // what the switches differ by, and a tenth of a period that may be common to them
+  bool lag_is_seen = false;  // told apart, and above its error
   double delay_s = 0;        // of both together
   Interval delay_seen_s;
 
@@ -52,6 +53,7 @@ struct LatencyEstimate {
 struct Margins {
   double friction = 0.1;   // share of the least and of the greatest friction
   double mass = 0.01;      // least relative uncertainty of the mass
+  double masses = 0.03;    // the same of motor and load
   double side = 0.25;      // share of the friction of motor or load alone
   double stiffness = 0.1;  // of the least stiffness seen
   double damping = 0.5;    // of the damping seen

@@ -1,6 +1,7 @@
 // Records as text: what breakaway-node and breakaway identify write with --csv.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,7 @@ namespace breakaway::evaluation {
 // What the text does not say.
 struct RecordUnits {
   double period_s = 0, resolution_m = 0, force_step_N = 0;
+  double max_force_N = std::numeric_limits<double>::infinity();  // that the drive gives
   std::string axis{};  // only the lines with this name in a column `axis`, where there is one
 };
 
