@@ -9,17 +9,9 @@
 namespace breakaway::design::detail {
 namespace {
 
-// With so many digits, to the side that is safe.
-double of_digits(int digits, double value, double (*whole)(double)) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
-  return whole(value / unit) * unit;
-}
-double more(double value) {
-  return of_digits(3, value, [](double v) { return std::ceil(v); });
-}
-double less(double value, int digits = 3) {
-  return of_digits(digits, value, [](double v) { return std::floor(v); });
-}
+// With few digits, to the side that is safe.
+double more(double value) { return rounded_up(value, 3); }
+double less(double value, int digits = 3) { return rounded_down(value, digits); }
 
 // The coarsest encoder whose readings tell the tolerance; none where noise alone hides it.
 std::optional<double> coarsest_count_m(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {

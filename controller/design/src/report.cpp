@@ -256,9 +256,9 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .longest_way_m = axis.longest_way_m,
                   .approach_s = longest_approach_s(axis, design),
                   .promise = {}};
-  p.promise = "at rest the true error is at most " + brief(p.error_m) + " m, no kick goes more than " +
-              brief(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +
-              std::to_string(p.most_kicks) + " kicks are needed, which take " + brief(p.kicks_s) + " s at most";
+  p.promise = "at rest the true error is at most " + brief_up(p.error_m) + " m, no kick goes more than " +
+              brief_up(p.beyond_m) + " m beyond the target, and from " + brief(kicks_begin_m(design)) + " m at most " +
+              std::to_string(p.most_kicks) + " kicks are needed, which take " + brief_up(p.kicks_s) + " s at most";
   if (p.fine_stage)
     p.promise += "; below the floor the fine stage aims at " + brief(axis.position_tolerance_m) +
                  " m, which is not promised, and goes beyond the target for it";
@@ -371,7 +371,7 @@ std::vector<std::string> conditions(const AxisDesign& axis) {
   std::vector<std::string> all = conditions_of_law(axis);
   if (axis.sag_m > 0)
     all.push_back(
-        "until the drive gives feedforward_N an axis whose brake opens sags by up to " + brief(axis.sag_m) +
+        "until the drive gives feedforward_N an axis whose brake opens sags by up to " + brief_up(axis.sag_m) +
         " m: it is enabled at least so far from its limits, and ways and times count from when it rests again");
   return all;
 }

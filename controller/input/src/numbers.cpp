@@ -19,6 +19,12 @@ std::string with_digits(double value, int digits) {
   return text.data();
 }
 
+// The slack keeps a value that has no more digits, in spite of the roundings here.
+double rounded(double value, int digits, double (*to_whole)(double), double slack) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
+  return std::stod(with_digits(to_whole(value / unit * slack) * unit, digits));
+}
+
 }  // namespace
 
 std::string to_text(double value) {
@@ -28,6 +34,13 @@ std::string to_text(double value) {
 }
 
 std::string brief(double value) { return with_digits(value, brief_digits); }
+
+std::string brief_up(double value) {
+  return brief(value > 0 && std::isfinite(value) ? rounded_up(value, brief_digits) : value);
+}
+
+double rounded_up(double value, int digits) { return rounded(value, digits, std::ceil, 1 - 1e-9); }
+double rounded_down(double value, int digits) { return rounded(value, digits, std::floor, 1 + 1e-9); }
 
 ComparedNumbers compared(double value, double limit) {
   ComparedNumbers texts;

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "breakaway/config/axis_parameters.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 
 namespace breakaway::config {
 namespace {

@@ -14,7 +14,6 @@
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "breakaway/design/report.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/report/design_html.hpp"
 #include "breakaway/report/design_json.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
@@ -32,30 +34,37 @@ struct DesignCommand {
   bool writes() const { return !header.empty() || !law_image.empty(); }
 };
 
+// With few digits what something is at most, and at least. What is 0 or endless stays.
+double at_most(double value, int digits = 4) {
+  return value > 0 && std::isfinite(value) ? rounded_up(value, digits) : value;
+}
+double at_least(double value) { return value > 0 && std::isfinite(value) ? rounded_down(value, 4) : value; }
+
 void print_promise(const design::BrakedPromise& p, bool certified) {
-  fmt::print("coast \"brake\"         brake {:.4g} N, floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n",
-             p.brake_N, p.floor_m, p.least_tolerance_m, p.table_bytes);
+  fmt::print("coast \"brake\"         brake {:.4g} N, floor {:g} m, least tolerance {:g} m, table {} bytes\n",
+             p.brake_N, at_most(p.floor_m), at_most(p.least_tolerance_m), p.table_bytes);
   if (!certified) return;
   fmt::print("                      {}\n", p.promise);
   if (p.least_move_s > 0)
     fmt::print(
-        "longest move          {:.4g} s at least within its limits, under any law; then brake and kicks from {:.4g} "
+        "longest move          {:g} s at least within its limits, under any law; then brake and kicks from {:.4g} "
         "m\n",
-        p.least_move_s, p.hand_over_m);
+        at_least(p.least_move_s), p.hand_over_m);
   if (p.approach_s > 0)
     fmt::print(
-        "time to rest          from {:.4g} m at most {:.4g} s up to the first kick (tested), and {:.4g} s of kicks\n",
-        p.longest_way_m, p.approach_s, p.kicks_s);
+        "time to rest          from {:.4g} m at most {:g} s up to the first kick (tested), and {:g} s of kicks\n",
+        p.longest_way_m, at_most(p.approach_s), at_most(p.kicks_s));
 }
 
 void print_promise(const design::WorkPromise& p, bool certified) {
-  fmt::print("coast \"work\"          floor {:.4g} m, least tolerance {:.4g} m, table {} bytes\n", p.floor_m,
-             p.least_tolerance_m, p.table_bytes);
+  fmt::print("coast \"work\"          floor {:g} m, least tolerance {:g} m, table {} bytes\n", at_most(p.floor_m),
+             at_most(p.least_tolerance_m), p.table_bytes);
   fmt::print(
-      "load on a spring      resonates at {:.4g} Hz, adds {:.4g} m to a kick (eps); either side may rest {:.4g} m from "
+      "load on a spring      resonates at {:g} Hz at least, adds {:g} m to a kick (eps); either side may rest {:g} m "
+      "from "
       "where "
       "the other says\n",
-      p.resonance_Hz, p.spring_m, p.unseen_m);
+      at_least(p.resonance_Hz), at_most(p.spring_m), at_most(p.unseen_m));
   if (certified) fmt::print("                      {}\n", p.promise);
 }
 
@@ -67,11 +76,11 @@ void print_report(const design::DesignReport& r) {
   fmt::print("\nzeta                  {:.4g} in the approach, {:.4g} in the kick phase\n", r.zeta_approach,
              r.zeta_kick);
   fmt::print("stick sets            {:.4g} m (minimal), {:.4g} m (maximal)\n", r.c_lower_m, r.c_upper_m);
-  fmt::print("accuracy floor        {:.4g} m\n", r.accuracy_floor_m);
-  fmt::print("bound (19)            {:.4g} s from the minimal stick set to the target\n", r.finite_time_bound_s);
-  fmt::print("error after a kick    at most {:.4g} of the error before\n", r.contraction_per_kick);
-  fmt::print("k3 table              {} bytes, relative error at most {:.3g} (measured {:.3g})\n", r.table_bytes,
-             r.table_proved_error, r.table_measured_error);
+  fmt::print("accuracy floor        {:g} m\n", at_most(r.accuracy_floor_m));
+  fmt::print("bound (19)            {:g} s from the minimal stick set to the target\n", at_most(r.finite_time_bound_s));
+  fmt::print("error after a kick    at most {:g} of the error before\n", at_most(r.contraction_per_kick));
+  fmt::print("k3 table              {} bytes, relative error at most {:g} (measured {:.3g})\n", r.table_bytes,
+             at_most(r.table_proved_error, 3), r.table_measured_error);
   if (r.braked) print_promise(*r.braked, r.certified);
   if (r.work) print_promise(*r.work, r.certified);
   fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
@@ -86,8 +95,8 @@ void print_reports(const Node& node, const Reports& reports) {
     print_report(reports[i]);
     if (reports[i].braked && reports[i].certified) {
       const design::BindingLimit limit = design::binding_limit(config::braked_class(node, node.axes[i]));
-      fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:.4g} m could be certified\n",
-                 limit.name, limit.least_tolerance_m);
+      fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:g} m could be certified\n",
+                 limit.name, at_most(limit.least_tolerance_m));
     }
   }
 }
@@ -134,9 +143,9 @@ void print_promised_axis(const Node& node, std::size_t i, const stability::AxisP
   const double reading_m = config::reading_error_m(node.axes[i]);
   fmt::print("axis {:<16} box {:.4g} m, ", node.axes[i].name, axis.box_m);
   if (axis.most_kicks > 0)
-    fmt::print("kicks of {:.4g} N at most, {} of them at most, error {:.4g} m (least {:.4g} m)\n", axis.kick_N,
-               axis.most_kicks, config::tolerance_m(node, node.axes[i]) + reading_m,
-               axis.least_tolerance_m + reading_m);
+    fmt::print("kicks of {:.4g} N at most, {} of them at most, error {:g} m (least {:g} m)\n", axis.kick_N,
+               axis.most_kicks, at_most(config::tolerance_m(node, node.axes[i]) + reading_m),
+               at_most(axis.least_tolerance_m + reading_m));
   else
     fmt::print("no kick is certified\n");
   const stability::PairCondition& pair = axis.tightest;
@@ -157,7 +166,7 @@ void print_machine(const Node& node, const stability::MachineCertificate& certif
                node.axes[static_cast<std::size_t>(pair.kicked)].name,
                pair.holds() ? "would stop" : "is not sure to stop", pair.margin_N());
   if (!certificate.certified) return fmt::print("NOT certified\n  {}\n", certificate.reason);
-  fmt::print("release               {:.4g} s to certain rest\n", certificate.release_s);
+  fmt::print("release               {:g} s to certain rest\n", at_most(certificate.release_s));
   fmt::print("certified: {}; provided that\n", config::machine_promise(node, certificate));
   for (const std::string& condition : config::machine_conditions(node)) fmt::print("  {}\n", condition);
 }

@@ -12,6 +12,7 @@
 #include "breakaway/design/binding_limit.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/input/shell_word.hpp"
 #include "call_files.hpp"
 #include "commands.hpp"
@@ -86,10 +87,10 @@ int make_new(const NewCommand& options) {
   const design::BrakedPromise& promise = *made.report.braked;
   const config::Axis& axis = made.node.axes.front();
   const design::BindingLimit limit = design::binding_limit(config::braked_class(made.node, axis));
-  fmt::print("{} is written, and certified: position_tolerance_m = {:g}, true error at rest at most {:.3g} m\n",
-             options.file, axis.controller.position_tolerance_m, promise.error_m);
-  fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:.3g} m could be certified\n", limit.name,
-             limit.least_tolerance_m);
+  fmt::print("{} is written, and certified: position_tolerance_m = {:g}, true error at rest at most {:g} m\n",
+             options.file, axis.controller.position_tolerance_m, rounded_up(promise.error_m, 3));
+  fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:g} m could be certified\n", limit.name,
+             rounded_up(limit.least_tolerance_m, 3));
   fmt::print("next: breakaway simulate {} --report axis.html\n", shell_word(options.file));
   return done;
 }

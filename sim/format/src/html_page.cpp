@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "breakaway/input/numbers.hpp"
+
 namespace breakaway::format {
 namespace {
 
@@ -53,6 +55,10 @@ void HtmlTable::row(std::string_view name, const std::string& value) {
 
 void HtmlTable::quantity(std::string_view name, double value, std::string_view unit) {
   row(name, std::isfinite(value) ? fmt::format("{:.6g} {}", value, unit) : "–");
+}
+
+void HtmlTable::at_most(std::string_view name, double value, std::string_view unit) {
+  row(name, std::isfinite(value) ? fmt::format("{} {}", brief_up(value), unit) : "–");
 }
 
 std::string HtmlTable::text() const { return "<table>\n" + text_ + "</table>\n"; }

@@ -59,55 +59,55 @@ std::string results_table(const DesignReport& report) {
   table.quantity("Minimal stick set, c<sub>lower</sub> of (9)", 1e3 * report.c_lower_m, "mm");
   table.quantity("Maximal stick set, c<sub>upper</sub> of (9)", 1e3 * report.c_upper_m, "mm");
   table.quantity("Largest impulse, |k₃(c<sub>upper</sub>)|", report.largest_impulse_Ns, "N s");
-  table.quantity("Error left by a kick, of the error before", report.contraction_per_kick, "");
-  table.quantity("Bound (19) on the time in the minimal stick set", report.finite_time_bound_s, "s");
-  table.quantity("Accuracy floor", 1e6 * report.accuracy_floor_m, "µm");
+  table.at_most("Error left by a kick, of the error before", report.contraction_per_kick, "");
+  table.at_most("Bound (19) on the time in the minimal stick set", report.finite_time_bound_s, "s");
+  table.at_most("Accuracy floor", 1e6 * report.accuracy_floor_m, "µm");
   table.row("Friction ratio", fmt::format("{:.4g}; needed {:.4g} (exact), {:.4g} by (18)", report.ratio,
                                           report.exact_ratio_threshold, report.ratio_threshold_18));
   table.quantity("Least k₂₂ for (18), Remark 1", report.least_damping_Ns_per_m, "N s/m");
-  table.row("k₃ table", fmt::format("{} bytes, relative error at most {:.3g} (proved), {:.3g} found",
-                                    report.table_bytes, report.table_proved_error, report.table_measured_error));
+  table.row("k₃ table", fmt::format("{} bytes, relative error at most {:g} (proved), {:.3g} found", report.table_bytes,
+                                    rounded_up(report.table_proved_error, 3), report.table_measured_error));
   return table.text();
 }
 
 std::string braked_results_table(const design::BrakedPromise& promise) {
   format::HtmlTable table;
-  table.quantity("True error at rest, at most", 1e6 * promise.error_m, "µm");
-  table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
-  table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");
-  table.quantity("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
+  table.at_most("True error at rest, at most", 1e6 * promise.error_m, "µm");
+  table.at_most("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
+  table.at_most("Accuracy floor", 1e6 * promise.floor_m, "µm");
+  table.at_most("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
   if (promise.fine_stage)
     table.row("Below the floor", "the fine stage aims at the tolerance, and goes beyond the target");
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");
-  table.quantity("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
+  table.at_most("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
   if (std::isfinite(promise.approach_peak_m_s))
-    table.quantity("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
+    table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
   table.quantity("Brake", promise.brake_N, "N");
-  table.quantity("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
+  table.at_most("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");
   table.row("Kick table", fmt::format("{} bytes, aims short by {:.3g} of the distance at most", promise.table_bytes,
                                       promise.aim_lost));
   if (promise.least_move_s > 0) table.quantity("Longest move, under any law at least", promise.least_move_s, "s");
   if (promise.approach_s > 0) {
-    table.quantity(
+    table.at_most(
         fmt::format("From {}, to the first kick at most (tested)", format::length_text(promise.longest_way_m)),
         promise.approach_s, "s");
-    table.quantity("The kicks take at most", promise.kicks_s, "s");
+    table.at_most("The kicks take at most", promise.kicks_s, "s");
   }
   return table.text();
 }
 
 std::string work_results_table(const design::WorkPromise& promise) {
   format::HtmlTable table;
-  table.quantity("True error at rest of the side with the encoder, at most", 1e6 * promise.error_m, "µm");
-  table.quantity("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
-  table.quantity("The other side off from it at rest, at most", 1e6 * promise.unseen_m, "µm");
+  table.at_most("True error at rest of the side with the encoder, at most", 1e6 * promise.error_m, "µm");
+  table.at_most("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
+  table.at_most("The other side off from it at rest, at most", 1e6 * promise.unseen_m, "µm");
   table.quantity("Resonance, at least", promise.resonance_Hz, "Hz");
-  table.quantity("Added to a kick by the spring, at most", 1e6 * promise.spring_m, "µm");
-  table.quantity("Accuracy floor", 1e6 * promise.floor_m, "µm");
-  table.quantity("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
+  table.at_most("Added to a kick by the spring, at most", 1e6 * promise.spring_m, "µm");
+  table.at_most("Accuracy floor", 1e6 * promise.floor_m, "µm");
+  table.at_most("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Kicked from within", 1e3 * promise.hand_over_m, "mm");

@@ -11,8 +11,8 @@
 #include "breakaway/config/axis_of_document.hpp"
 #include "breakaway/config/edited_file.hpp"
 #include "breakaway/config/parse_toml.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -68,7 +68,7 @@ class Choices {
   void choose_tolerance() {
     const double reading_m =
         number("drive", "encoder_resolution_m").value_or(0) / 2 + number("uncertainty", "encoder_noise_m").value_or(0);
-    const double least_m = config::rounded_up(std::max(1.01 * reading_m, 1e-12), 3);
+    const double least_m = rounded_up(std::max(1.01 * reading_m, 1e-12), 3);
     const toml::table* const run = document_["run"].as_table();
     const bool settles = run != nullptr && run->contains("settle_tolerance_m");
     if (settles) {

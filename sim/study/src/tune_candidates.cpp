@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "breakaway/config/axis_parameters.hpp"
-#include "breakaway/config/rounding.hpp"
+#include "breakaway/input/numbers.hpp"
 
 namespace breakaway::study {
 namespace {
 
-using config::rounded_down;
 using Shares = std::vector<double>;
 
 // To digits that a person would write.
@@ -18,7 +17,7 @@ double written(double value) { return std::isfinite(value) ? rounded_down(value,
 // The speed beyond which no limit matters, or the one that the file has.
 double greatest_speed_m_s(const TunedAxis& axis) {
   return std::min(axis.allowed_m_s(),
-                  std::isfinite(axis.fastest_m_s()) ? config::rounded_up(axis.fastest_m_s(), 2) : config::unlimited);
+                  std::isfinite(axis.fastest_m_s()) ? rounded_up(axis.fastest_m_s(), 2) : config::unlimited);
 }
 
 void add_speeds(std::vector<Gains>& to, const TunedAxis& axis, Gains gains, const Shares& shares) {

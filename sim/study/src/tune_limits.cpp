@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "breakaway/config/axis_parameters.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "parallel.hpp"
 
 namespace breakaway::study {
@@ -113,7 +113,7 @@ double enough(const TunedAxis& axis, std::size_t place, const TuneOptions& optio
 
 // The numbers that are to be changed together, rounded to the side that does.
 std::string changes(const Improvement& i) {
-  const auto rounded = i.after < i.before ? config::rounded_down : config::rounded_up;
+  const auto rounded = i.after < i.before ? rounded_down : rounded_up;
   std::string text;
   for (const config::Setting& s : i.settings)
     text +=

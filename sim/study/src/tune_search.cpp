@@ -9,9 +9,9 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "parallel.hpp"
 #include "tune_candidates.hpp"
 
@@ -22,9 +22,6 @@ constexpr int few_random_laws = 8;
 constexpr double lost_cause =
     1.6;  // times the worst settling time of the first gains: what takes longer is not the best
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-using config::rounded_down;
-using config::rounded_up;
 
 unsigned threads_of(const TuneOptions& options) {
   return options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());

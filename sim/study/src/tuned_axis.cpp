@@ -8,8 +8,8 @@
 
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/read_node.hpp"
-#include "breakaway/config/rounding.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "tunable_file.hpp"
@@ -150,7 +150,7 @@ double TunedAxis::duration_s(double settling_s) const {
   const auto& targets = axis().controller.targets;
   const double least_s = settling_s + run.settle_time_s + (targets.empty() ? 0 : targets.back().time_s);
   constexpr double room = 1.5;
-  return run.duration_s >= least_s ? run.duration_s : config::rounded_up(room * least_s, 2);
+  return run.duration_s >= least_s ? run.duration_s : rounded_up(room * least_s, 2);
 }
 
 std::string TunedAxis::text_with(const Gains& gains) const { return text_with(gains, scenario_.run->duration_s); }

@@ -12,6 +12,14 @@ std::string to_text(double value);
 // Six digits, which people read.
 std::string brief(double value);
 
+// The same, and not less: for what something is said to be at most.
+std::string brief_up(double value);
+
+// Return the value to so many significant digits, which is the double that they are read as. What has no more digits
+// stays, in spite of roundings. Require a finite value above 0.
+double rounded_up(double value, int digits);
+double rounded_down(double value, int digits);
+
 // Two numbers that a sentence compares: brief, but with as many more digits as it takes for them to differ.
 struct ComparedNumbers {
   std::string value, limit;
