@@ -15,28 +15,30 @@ using Eigen::VectorXd;
 
 constexpr std::size_t most_coordinates = 64;  // the closed forms of a segment cost the cube of it
 
-bool take_row(const Entry& entry, std::vector<std::vector<double>>& rows) {
-  return numbers(rows.emplace_back(), "").take(entry) && rows.back().size() == rows.front().size();
+bool take_row(const Entry& entry, Range range, std::vector<std::vector<double>>& rows) {
+  return numbers(rows.emplace_back(), "", range).take(entry) && rows.back().size() == rows.front().size();
 }
 
-Form matrix_form() {
-  const Form row{.type = Form::Type::array, .parts = {{.type = Form::Type::number}}, .most_entries = most_coordinates};
+Form matrix_form(Range range) {
+  const Form number{.type = Form::Type::number, .range = range};
+  const Form row{.type = Form::Type::array, .parts = {number}, .most_entries = most_coordinates};
   return {.type = Form::Type::array, .parts = {row}, .least_entries = 1, .most_entries = most_coordinates};
 }
 
 }  // namespace
 
-Value matrix(MatrixXd& to, std::string_view unit) {
-  const std::string expects = fmt::format("rows of equally many finite numbers{}{}, as [[1, 0], [0, 1]], at most {}",
-                                          unit.empty() ? "" : " in ", unit, most_coordinates);
-  return {.expects = expects,
+Value matrix(MatrixXd& to, std::string_view unit, Range range) {
+  double ignored = 0;
+  const std::string each = number(ignored, unit, range).expects;
+  return {.expects = fmt::format("rows of equally many entries, as [[1, 0], [0, 1]], at most {}, each {}",
+                                 most_coordinates, each),
           .take =
-              [&to](const Entry& entry) {
+              [&to, range](const Entry& entry) {
                 const toml::array* lines = entry.node.as_array();
                 if (lines == nullptr || lines->empty() || lines->size() > most_coordinates) return false;
                 std::vector<std::vector<double>> rows;
                 for (const toml::node& line : *lines) {
-                  if (!take_row({line, entry.parent, entry.key}, rows)) return false;
+                  if (!take_row({line, entry.parent, entry.key}, range, rows)) return false;
                 }
                 if (rows.front().size() > most_coordinates) return false;
                 to.resize(static_cast<Index>(rows.size()), static_cast<Index>(rows.front().size()));
@@ -45,7 +47,7 @@ Value matrix(MatrixXd& to, std::string_view unit) {
                 }
                 return true;
               },
-          .form = matrix_form()};
+          .form = matrix_form(range)};
 }
 
 Value vector(VectorXd& to, std::string_view unit, Range range) {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "breakaway/config/file_contents.hpp"
@@ -25,6 +24,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double longest_s = 1e9;
+// As for the friction of an axis. Beyond, squares of a friction force along its direction are no numbers any more, and
+// neither decisions about sticking nor certificates would end.
+constexpr Range friction{0, 1e12}, direction{-1e12, 1e12};
 
 // The error with the place of its key in the file; an entry of an array stands where the array does.
 void require_valid(const Section& section, const stability::LinearMachine<>& machine) {
@@ -60,13 +62,13 @@ void read_machine(const Section& section, MachineScenario& s) {
   stability::LinearMachine<>& machine = s.machine;
   const bool each = section.has("friction");
   if (each && section.has("friction_N")) section.fail("friction", "stands beside friction_N; give one of them");
-  const Value constants = vector(machine.friction_N, "N", {0, std::numeric_limits<double>::max()});
+  const Value constants = vector(machine.friction_N, "N", friction);
   const Value later = tables([](const Section&) {});
   section.read({
       required("mass", matrix(machine.mass, "kg")),
       required("damping", matrix(machine.damping, "N s/m")),
       required("stiffness", matrix(machine.stiffness, "N/m")),
-      required("directions", matrix(machine.directions, "")),
+      required("directions", matrix(machine.directions, "", direction)),
       each ? required("friction", later) : required("friction_N", constants),
       optional("force_N", vector(machine.force_N, "N")),
   });

@@ -78,6 +78,8 @@ TEST(MachineScenario, RefusesBadInputByName) {
   expect_refused(replaced(machine, "[[0.1, 0], [0, 0.2]]", "[[0.1]]"), "m.toml:4: [machine] damping is 1 x 1");
   expect_refused(replaced(machine, "[0.5]", "[-0.5]"), "friction_N");
   expect_refused(replaced(machine, "[0.5]", "[1, 2]"), "friction_N is 2 x 1");
+  expect_refused(replaced(machine, "[0.5]", "[1.1e12]"), "friction_N");
+  expect_refused(replaced(machine, "[[1], [-1]]", "[[1], [-1.1e12]]"), "directions");
   expect_refused(machine + "[start]\nq = [1]\n", "m.toml:9: [start] q is 1 x 1, must be 2 x 1");
   expect_refused(machine + "[start]\nv = [1, 2]\n", "q is missing");
   expect_refused(machine + "[feedback]\nposition_gain = [[1, 2, 3]]\n", "position_gain is 1 x 3, must be 2 x 2");

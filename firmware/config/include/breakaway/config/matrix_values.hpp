@@ -9,7 +9,7 @@
 namespace breakaway::config {
 
 // [[...], ...], rows of equally many numbers; at most 64 of each.
-Value matrix(Eigen::MatrixXd& to, std::string_view unit);
+Value matrix(Eigen::MatrixXd& to, std::string_view unit, Range range = {});
 
 Value vector(Eigen::VectorXd& to, std::string_view unit, Range range = {});
 
