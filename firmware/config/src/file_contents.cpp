@@ -48,6 +48,7 @@ std::string shown_name(const std::filesystem::path& file) {
 }
 
 std::string file_contents(const std::filesystem::path& file, std::size_t most) {
+  if (file.empty()) throw InputError{"the name of a file to read is empty; give one, or - for standard input"};
   std::string text = is_standard_input(file) ? standard_input(most) : contents_of(file, most);
   if (text.size() > most)
     throw InputError{fmt::format("is larger than {} MiB; give {}", most >> 20U,

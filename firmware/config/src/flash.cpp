@@ -186,7 +186,7 @@ AnyNode<Real, Kicks> flashed_with(const Node& node) try {
   flashed.checksum = checksum_of(flashed);
   return flashed;
 } catch (const InputError& error) {
-  throw error.in_file(node.file);
+  throw error.file().empty() ? error.in_file(node.file) : error;
 }
 
 // What runs is checked in the numbers that it runs with.

@@ -197,7 +197,7 @@ stability::MachineCertificate examine_machine(const Node& node) try {
   }
   return certificate;
 } catch (const InputError& error) {
-  throw error.in_file(node.file);
+  throw error.file().empty() ? error.in_file(node.file) : error;
 }
 
 std::string machine_promise(const Node& node, const stability::MachineCertificate& certificate) {

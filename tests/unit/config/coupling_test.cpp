@@ -88,6 +88,12 @@ TEST(Coupling, WhatTheTheoremDoesNotTakeInIsRefusedInASentence) {
   EXPECT_NE(reason("[loop]", "[bus]\nloss_probability = 0.1\n[loop]").find("loss_probability"), std::string::npos);
 }
 
+TEST(Coupling, WhatDoesNotFitTheBusIsToldWithTheNameOfTheFileOnce) {
+  const std::string said = refusal([] { certificate(with(gantry(), "period_s = 0.001", "period_s = 0.0005")); });
+  EXPECT_TRUE(said.starts_with("gantry.toml: 2 axes at [loop] period_s = 0.0005 do not fit")) << said;
+  EXPECT_EQ(said.find("gantry.toml", 1), std::string::npos) << said;
+}
+
 TEST(Coupling, IsFlashedAsOneMachineUnderOneChecksum) {
   for (const char* name : {"coupled_gantry.toml", "two_link_arm.toml"}) {
     const Node node = parse_node(scene(name), name);
