@@ -39,7 +39,7 @@ std::string to_json(const design::K3<double>& law, const std::vector<double>& po
 void print_table(const design::K3<double>& law, const std::vector<double>& positions_m) {
   fmt::print("{:>24} {:>24} {:>24}\n", "position [m]", "k3 [N s]", "time to go [s]");
   for (const double y : positions_m) {
-    fmt::print("{:>24.15g} {:>24.15g} {:>24.15g}\n", y, law.impulse_Ns(y) + 0.0, law.time_to_go_s(y));
+    fmt::print("{:>24} {:>24} {:>24}\n", y, law.impulse_Ns(y) + 0.0, law.time_to_go_s(y));
   }
 }
 

@@ -22,6 +22,7 @@ TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("k3 --mass 1", {"--k1", "k3 --help"});
   expect_refused("simulate", {"scenario"});
   expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
+  expect_refused("simulate ''", {"empty", "standard input"});
   expect_refused("simulate " + folder_.string(), {folder_.string(), "folder"});
   expect_refused("simulate /dev/zero", {"/dev/zero", "1 MiB"});
   expect_refused("simulate " + scenario(""), {"axis.toml:1", "plant", "missing"});
@@ -187,6 +188,13 @@ TEST_F(Command, PrintsK3Rows) {
   const std::string second = ended.out.substr(ended.out.find("1e-300"));
   // Close to the target k3 = m sqrt(2 f / m |y|).
   EXPECT_NEAR(figure(second, "k3_Ns") / -std::sqrt(5e-300), 1, 1e-14);
+}
+
+// A number that is smaller than all with 53 bits has few digits, and a fixed count of them would invent the others.
+TEST_F(Command, PrintsNumbersOfK3AsItsJsonHasThem) {
+  const std::string table = run(plant + "--position 1e-320 --position -0.1").out;
+  EXPECT_NE(table.find(" 1e-320 "), std::string::npos) << table;
+  EXPECT_NE(table.find(" -0.1 "), std::string::npos) << table;
 }
 
 // Quick: no instructions are counted. Midpoint steps are of the first order, and each method is in its place.
