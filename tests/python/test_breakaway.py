@@ -140,6 +140,8 @@ def test_what_cannot_be_used_is_refused_with_key_and_remedy():
     two_masses = SCENARIOS / "two_mass_example.toml"
     assert "plane" in str(refused(breakaway.basin, two_masses, points=11, window=6, plane=(0, 4)))
     assert "window" in str(refused(breakaway.basin, two_masses, points=11, window=float("nan")))
+    assert "window" in str(refused(breakaway.basin, two_masses, points=11, window=1e300))
+    assert "window" in str(refused(breakaway.attract, two_masses, window=1e300))
     assert "points" in str(refused(breakaway.basin, two_masses, points=1, window=6))
     assert "depth" in str(refused(breakaway.attract, two_masses, depth=15))
     assert "accuracy_m" in str(refused(breakaway.simulate, two_masses, accuracy_m=-1.0))

@@ -100,7 +100,7 @@ void add_attract(CLI::App& app, int& exit_code) {
   command->add_option("--plane", options->plane, "Which two of (q, v) the axes are, as i,j from 1; the others are 0")
       ->capture_default_str();
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s] (what fits B)")
-      ->check(positive_number);
+      ->check(window_half_width);
   command->add_option("--depth", options->depth, "Cells are halved at most so often: 2^depth along each axis")
       ->check(CLI::Range(0, 14))
       ->capture_default_str();

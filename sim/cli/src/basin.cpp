@@ -127,7 +127,7 @@ void add_basin(CLI::App& app, int& exit_code) {
   command->add_option("--grid", options->points, "Points along each axis")->required()->check(CLI::Range(2, 1'000'000));
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
       ->required()
-      ->check(positive_number);
+      ->check(window_half_width);
   command
       ->add_option(
           "--plane", options->plane,

@@ -1,4 +1,4 @@
-// --plane i,j: which two entries of (q, v) a picture shows.
+// --plane i,j and --window X: which two entries of (q, v) a picture shows, and how far.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,6 +9,8 @@
 #include <string>
 
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/study/basin.hpp"
+#include "commands.hpp"
 
 namespace breakaway::cli {
 
@@ -32,5 +34,13 @@ inline std::array<int, 2> read_plane(const std::string& text, int coordinates) {
   }
   return {(*places)[0] - 1, (*places)[1] - 1};
 }
+
+inline const CLI::Validator window_half_width{
+    [](std::string& text) -> std::string {
+      double value = 0;
+      if (CLI::detail::lexical_cast(text, value) && value > 0 && value <= study::widest_half_width) return "";
+      return fmt::format("{} is not a number above 0 and at most {:g}", text, study::widest_half_width);
+    },
+    ""};
 
 }  // namespace breakaway::cli

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "breakaway/input/input_error.hpp"
-#include "breakaway/input/numbers.hpp"
 #include "breakaway/report/attraction_json.hpp"
 #include "breakaway/report/basin_json.hpp"
 #include "breakaway/scenario/machine_scenario.hpp"
@@ -30,6 +29,11 @@ Plane checked(const Plane& plane, const scenario::MachineScenario& s) {
   throw InputError{"plane", fmt::format("is of two different places of (q, v), each from 0 to {}", places - 1)};
 }
 
+double checked_window(double window) {
+  if (window > 0 && window <= study::widest_half_width) return window;
+  throw InputError{"window", fmt::format("must be above 0 and at most {:g}", study::widest_half_width)};
+}
+
 int threads_or_all(int threads) {
   if (threads < 0) throw InputError{"threads", "must be 0, for all processors, or more"};
   return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -43,8 +47,10 @@ py::tuple attract(const std::string& text, const std::string& name, const Plane&
     const py::gil_scoped_release unlocked;
     const scenario::MachineScenario s = scenario::parse_machine_scenario(text, name);
     if (depth < 0 || depth > 14) throw InputError{"depth", "must be from 0 to 14"};
-    found->emplace(study::find_attraction(
-        s, {.plane = checked(plane, s), .half_width = window, .depth = depth, .threads = threads_or_all(threads)}));
+    found->emplace(study::find_attraction(s, {.plane = checked(plane, s),
+                                              .half_width = window == 0 ? 0 : checked_window(window),
+                                              .depth = depth,
+                                              .threads = threads_or_all(threads)}));
     json = report::to_json(s, **found);
   }
   using study::Cell;
@@ -69,9 +75,8 @@ py::tuple basin(const std::string& text, const std::string& name, int points, do
     const py::gil_scoped_release unlocked;
     const scenario::MachineScenario s = scenario::parse_machine_scenario(text, name);
     if (points < 2 || points > 10'000) throw InputError{"points", "must be from 2 to 10000"};
-    require_positive("window", window);
     const auto certificates = sil::certify(s);
-    grid = std::make_shared<Basin>(study::Grid{points, window, checked(plane, s)}, study::Shard{});
+    grid = std::make_shared<Basin>(study::Grid{points, checked_window(window), checked(plane, s)}, study::Shard{});
     const auto begin = std::chrono::steady_clock::now();
     const std::size_t simulated = study::decide_pending(*grid, s, threads_or_all(threads), [](int, std::size_t) {});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

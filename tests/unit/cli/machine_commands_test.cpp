@@ -96,6 +96,7 @@ TEST_F(Command, KeepsTheContractOfAttract) {
 TEST_F(Command, RefusesOrDoubtsWhatCannotBeAttracted) {
   expect_refused("attract " + two_masses + " --plane 1,5", {"--plane", "1,5"});
   expect_refused("attract " + two_masses + " --depth 99", {"--depth"});
+  expect_refused("attract " + two_masses + " --window 1e300", {"--window", "1e300", "at most 1e+09"});
   expect_refused("attract " + two_masses + " --picture a.pdf", {"a.pdf", ".svg"});
   expect_refused("attract " + scenarios + "can_axis.toml", {"can_axis.toml", "machine"});
   const auto machine = [&](const std::string& stiffness, const std::string& friction) {
@@ -156,7 +157,8 @@ TEST_F(Command, RefusesBasinsThatCannotBe) {
   const std::string basin = "basin " + two_masses + " --grid 15 --window 6 ";
   expect_refused("basin " + two_masses + " --window 6", {"--grid"});
   expect_refused("basin " + two_masses + " --grid 1 --window 6", {"--grid"});
-  expect_refused("basin " + two_masses + " --grid 15 --window nan", {"--window", "nan"});
+  for (const char* window : {"nan", "0", "1.1e9", "1e308"})
+    expect_refused("basin " + two_masses + " --grid 15 --window " + window, {"--window", window, "at most 1e+09"});
   expect_refused("basin " + two_masses + " --grid 100000 --window 6", {"--grid", "--shard"});
   expect_refused(basin + "--plane 1,5", {"--plane", "1,5"});
   expect_refused(basin + "--plane 2,2", {"--plane"});

@@ -16,11 +16,14 @@
 
 namespace breakaway::study {
 
+// Of a grid [m, or m/s], as of a coordinate of an axis: the energies out there are far from the end of floating point.
+inline constexpr double widest_half_width = 1e9;
+
 // points x points states: two entries of (q, v) from -half_width to half_width, the others 0. With a constant force f,
 // q is counted from K^-1 f, about which the machine rests.
 struct Grid {
   int points;                // along each axis, >= 2
-  double half_width;         // > 0
+  double half_width;         // > 0, up to widest_half_width
   std::array<int, 2> plane;  // places in (q, v), 0..2n-1
 
   // Exactly symmetric, and exactly half_width at the ends.
