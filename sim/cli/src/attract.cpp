@@ -48,8 +48,11 @@ void print_region(const study::CertifiedRegion& region, const report::Regions& s
   fmt::print("  by Theorem 1   area {:.6g}\n", stability::area(sections.certified));
   fmt::print("  proved         area {:.6g} attracted, {:.6g} lost, by {} motions\n", region.area(Fate::attracted),
              region.area(Fate::lost), region.motions());
-  fmt::print("  simulated      area {:.6g} attracted, of which {:.3g} % are proved\n", region.area_simulated(),
-             100 * region.proved_share());
+  fmt::print("  simulated      area {:.6g} attracted", region.area_simulated(Fate::attracted));
+  const double undecided = region.area_simulated(Fate::undecided);
+  if (undecided > 0) fmt::print(", {:.6g} undecided: it takes too many events, or never rests nor grows", undecided);
+  fmt::print("\n  proved share   {:.3g} % of what is{} attracted\n", 100 * region.proved_share(),
+             undecided > 0 ? ", or may be," : "");
 }
 
 void print_summary(const scenario::MachineScenario& s, const study::Attraction& found) {

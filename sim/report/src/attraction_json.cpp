@@ -70,7 +70,8 @@ void write_region(format::JsonWriter& json, const Attraction& found, const Regio
   json.member("certified_area_theorem_1", stability::area(sections.certified));
   json.member("certified_area", region.area(Fate::attracted));
   json.member("certified_lost_area", region.area(Fate::lost));
-  json.member("true_area", region.area_simulated());
+  json.member("true_area", region.area_simulated(Fate::attracted));
+  json.member("undecided_area", region.area_simulated(Fate::undecided));
   json.member("certified_share", region.proved_share());
   json.member("motions", region.motions());
 }

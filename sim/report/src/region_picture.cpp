@@ -13,16 +13,17 @@ namespace {
 constexpr int finest_level = 10;  // about a thousand pixels along each axis: a picture shows no more
 
 constexpr const char* region_style = R"(
-set palette defined (0 '#4d5966', 1 '#e3ebf1', 2 '#f0cf8e', 3 '#a9803a')
-set palette maxcolors 4
-set cbrange [-0.5:3.5]
+set palette defined (0 '#4d5966', 1 '#e3ebf1', 2 '#f0cf8e', 3 '#a9803a', 4 '#7d5a8c')
+set palette maxcolors 5
+set cbrange [-0.5:4.5]
 set key above center horizontal maxrows 2 samplen 1.2 width -2 textcolor '#333333'
 )";
 
-// Lost, attracted, and not proved to be one of them, by simulation attracted or not.
+// Lost, attracted, and not proved to be one of them: by simulation attracted, lost, or undecided.
 char shade(const study::Cell& cell) {
   if (cell.proved == study::Fate::lost) return '0';
   if (cell.proved == study::Fate::attracted) return '1';
+  if (cell.simulated == study::Fate::undecided) return '4';
   return cell.simulated == study::Fate::attracted ? '2' : '3';
 }
 
@@ -63,6 +64,8 @@ std::string draw_region(const std::string& path, const scenario::MachineScenario
       "NaN with boxes linecolor '#4d5966' title 'proved: lost', "
       "NaN with boxes linecolor '#a9803a' title 'simulated: lost'",
       -window.half_width, side);
+  if (region.area_simulated(study::Fate::undecided) > 0)
+    commands += ", NaN with boxes linecolor '#7d5a8c' title 'undecided'";
   return draw_plane(path, commands + plot_regions(regions) + "\n");
 }
 

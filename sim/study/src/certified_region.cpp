@@ -26,8 +26,11 @@ constexpr double rounding = 1e-10;
 // Multiplications, a second or less on a PC: shared by the motions of one halving of the cells, so that a machine with
 // ever so many events ends, too. Most motions need a tenth of what each has at least.
 constexpr double work_of_a_level = 2e8, least_work_of_a_motion = 1e5;
-// A cell whose motion was given up is quartered no further: its quarters' motions are no shorter.
-constexpr int deepest_given_up = 5;
+// A cell whose motion was given up is quartered no further than this: its quarters' motions are no shorter.
+constexpr int deepest_given_up = 7;
+// Multiplications, a few seconds on a PC: shared by the centres of such cells, which are then followed for their own
+// fate; and the most of one of them, of which a hopeless motion takes an eighth, as many events as a point of a basin.
+constexpr double work_of_the_given_up = 8e9, most_work_of_a_centre = 8e8;
 // Where so many halvings proved nothing at all, smaller cells would not either: the rest of E is certified by a set too
 // small to be seen in this window.
 constexpr int deepest_unproved = 7;
@@ -96,6 +99,38 @@ std::vector<Cell> quartered(const std::vector<Cell>& cells) {
   return quarters;
 }
 
+template <int N, int M>
+using Provers = std::vector<std::unique_ptr<CellProver<N, M>>>;  // one for each thread
+
+template <int N, int M>
+void follow(const std::vector<Cell*>& cells, const Provers<N, M>& provers, const hybrid::Budget& budget) {
+  in_parallel(cells.size(), static_cast<int>(provers.size()), 1, [&](int thread) {
+    return [&cells, &budget, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
+      prover.prove(*cells[i], true, budget);
+    };
+  });
+}
+
+// A cell whose motion was given up counts by its centre as all others do, as far as the work reaches: motions that end
+// early leave theirs to the others. Returns how many were simulated.
+template <int N, int M>
+std::size_t decide_given_up(std::vector<Cell>& cells, const Provers<N, M>& provers) {
+  std::vector<Cell*> left;
+  for (Cell& cell : cells)
+    if (cell.simulated == Fate::pending) left.push_back(&cell);
+  std::size_t motions = 0;
+  for (double before = least_work_of_a_motion; !left.empty();) {
+    const double work = std::min(work_of_the_given_up / static_cast<double>(left.size()), most_work_of_a_centre);
+    if (work < 2 * before) break;
+    before = work;
+    follow<N, M>(left, provers, hybrid::Budget{work});
+    motions += left.size();
+    std::erase_if(left, [](const Cell* cell) { return cell->simulated != Fate::pending; });
+  }
+  for (Cell* cell : left) cell->simulated = Fate::undecided;
+  return motions;
+}
+
 // Tells the share of the work: a level of halving counts for twice the one before.
 class LevelProgress {
  public:
@@ -119,10 +154,9 @@ class LevelProgress {
 template <int N, int M>
 CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBounds& bounds, const Window& window,
                      int threads, const RegionProgress& progress) {
-  using Prover = CellProver<N, M>;
-  std::vector<std::unique_ptr<Prover>> provers;
+  Provers<N, M> provers;
   provers.reserve(static_cast<std::size_t>(threads));
-  for (int i = 0; i < threads; ++i) provers.push_back(std::make_unique<Prover>(machine, bounds, window));
+  for (int i = 0; i < threads; ++i) provers.push_back(std::make_unique<CellProver<N, M>>(machine, bounds, window));
   std::vector<Cell> proved, open{{0, 0, 0, Fate::pending, Fate::pending}};
   std::size_t motions = 0;
   bool anything = false;  // is proved
@@ -141,7 +175,6 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
     std::vector<Cell> unproved;
     for (Cell& cell : open) {
       const bool given_up = cell.simulated == Fate::pending;
-      if (given_up) cell.simulated = Fate::undecided;
       const int deepest = given_up ? std::min(window.depth, deepest_given_up) : window.depth;
       anything |= cell.proved != Fate::undecided;
       (cell.proved == Fate::undecided && level < deepest ? unproved : proved).push_back(cell);
@@ -152,8 +185,12 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
     }
     open = quartered(unproved);
   }
+  motions += decide_given_up<N, M>(proved, provers);
   return {window, std::move(proved), motions};
 }
+
+// A cell by what is proved of it, or else by its centre.
+Fate best_known(const Cell& cell) { return cell.proved == Fate::undecided ? cell.simulated : cell.proved; }
 
 }  // namespace
 
@@ -168,18 +205,15 @@ double CertifiedRegion::area(Fate proved) const {
   return sum;
 }
 
-double CertifiedRegion::proved_share() const {
-  const double whole = area_simulated();
-  return whole > 0 ? area(Fate::attracted) / whole : 0;
+double CertifiedRegion::area_simulated(Fate fate) const {
+  double sum = 0;
+  for (const Cell& cell : cells_) sum += best_known(cell) == fate ? area(cell) : 0;
+  return sum;
 }
 
-double CertifiedRegion::area_simulated() const {
-  double sum = 0;
-  for (const Cell& cell : cells_) {
-    const Fate best = cell.proved == Fate::undecided ? cell.simulated : cell.proved;
-    sum += best == Fate::attracted ? area(cell) : 0;
-  }
-  return sum;
+double CertifiedRegion::proved_share() const {
+  const double whole = area_simulated(Fate::attracted) + area_simulated(Fate::undecided);
+  return whole > 0 ? area(Fate::attracted) / whole : 0;
 }
 
 double fitting_half_width(const stability::LinearMachine<>& machine, const stability::Attractivity& attractivity,

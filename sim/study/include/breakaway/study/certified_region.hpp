@@ -17,7 +17,7 @@ namespace breakaway::study {
 // Squares of [-half_width, half_width]^2 in the plane of two entries of (q, v); the others are 0. With a constant force
 // f, q is counted from K^-1 f. A cell that cannot be proved is quartered, at most `depth` times.
 struct Window {
-  double half_width;         // > 0
+  double half_width;         // > 0, up to widest_half_width
   std::array<int, 2> plane;  // places in (q, v), 0..2n-1
   int depth;                 // 0..14
 };
@@ -26,7 +26,7 @@ struct Cell {
   int level;        // side = 2 half_width / 2^level
   int column, row;  // 0..2^level - 1 from the lower left
   Fate proved;      // of all starts in it: attracted, lost, or undecided
-  Fate simulated;   // of its centre, by simulation alone; in cells that are quartered no longer
+  Fate simulated;   // of its centre, as a point of a Basin, by simulation alone; in cells that are quartered no longer
 };
 
 class CertifiedRegion {
@@ -41,9 +41,10 @@ class CertifiedRegion {
   // Of the cells that are proved to be so.
   double area(Fate proved) const;
 
-  // Of the true region: that of the cells proved to be attracted, and of those undecided whose centre is.
-  double area_simulated() const;
-  // Of area_simulated(), what is proved: 0 to 1.
+  // Of the cells that are proved to be so, and of those undecided whose centre is: attracted is the true region, as
+  // well as simulation knows it; undecided is what neither proof nor simulation could tell within their work.
+  double area_simulated(Fate fate) const;
+  // Of all that is, or may be, attracted, what is proved: 0 to 1.
   double proved_share() const;
 
  private:
