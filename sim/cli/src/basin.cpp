@@ -61,7 +61,7 @@ void check(const BasinCommand& options, const study::Shard& shard) {
 
 report::BasinEffort decide(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
   std::optional<study::Journal> journal;
-  if (!options.resume.empty()) journal.emplace(options.resume, study::table_label(basin.grid(), s), basin);
+  if (!options.resume.empty()) journal.emplace(options.resume, s, basin);
   const auto begin = Clock::now();
   Progress progress{"simulating", options.progress};
   const auto pending = static_cast<double>(basin.count(Fate::pending));
@@ -75,9 +75,7 @@ report::BasinEffort decide(const BasinCommand& options, const scenario::MachineS
 }
 
 void merge(const BasinCommand& options, const scenario::MachineScenario& s, Basin& basin) {
-  for (const std::string& path : options.merge) {
-    study::read_table(path, study::table_label(basin.grid(), s), basin);
-  }
+  for (const std::string& path : options.merge) study::read_table(path, s, basin);
   if (const std::size_t missing = basin.count(Fate::pending); missing > 0) {
     throw InputError{fmt::format("--merge: {} of {} points are in none of the files; add the missing shards", missing,
                                  basin.size())};
@@ -110,7 +108,7 @@ int basin_of(const BasinCommand& options) {
   report::BasinEffort simulated;
   options.merge.empty() ? static_cast<void>(simulated = decide(options, s, basin)) : merge(options, s, basin);
   const std::string drawn = options.picture.empty() ? "" : report::draw_basin(options.picture, s, basin, regions);
-  if (!options.csv.empty()) format::write_output(options.csv, study::table_parts(basin));
+  if (!options.csv.empty()) format::write_output(options.csv, study::table_parts(basin, s));
   if (!options.json.empty()) format::write_output(options.json, report::to_json(s, basin, certificates, simulated));
   if (!options.picture.empty()) format::write_output(options.picture, drawn);
   if (options.json != "-" && options.csv != "-") print_summary(s, basin, regions, simulated);
@@ -133,7 +131,9 @@ void add_basin(CLI::App& app, int& exit_code) {
           "--plane", options->plane,
           "Which two of (q, v) the axes are, as i,j from 1; the others are 0. With force_N, q is counted from K^-1 f")
       ->capture_default_str();
-  files.writes("--csv", options->csv, "Write x1,x2,attracted,time_s of every point; - is standard output");
+  files.writes(
+      "--csv", options->csv,
+      "Write x1,x2,attracted,time_s of every point, below a comment that names the system; - is standard output");
   files.writes("--json", options->json, "Write the figures as JSON to this file; - is standard output");
   files.writes("--picture", options->picture, "Draw it to this .svg or .png (needs gnuplot)");
   command->add_option("--shard", options->shard, "Only part i of n, as i/n, for --merge");

@@ -15,6 +15,7 @@
 #include "breakaway/hybrid/time_stepping.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/sil/certificates.hpp"
+#include "grid_starts.hpp"
 #include "parallel.hpp"
 
 namespace breakaway::study {
@@ -78,30 +79,6 @@ class BudgetedFate {
   std::shared_ptr<std::uint64_t> events_left_;
 };
 
-// The starts of a row, one after the other.
-template <int N>
-class Starts {
- public:
-  Starts(const Grid& grid, const Eigen::VectorXd& centre)
-      : grid_{grid}, centre_{centre}, zero_{Eigen::Matrix<double, N, 1>::Zero(centre.size())} {}
-
-  hybrid::MachineState<N> at(int column, int row) const {
-    hybrid::MachineState<N> start{0, centre_, zero_};
-    add(start, grid_.plane[0], grid_.coordinate(column));
-    add(start, grid_.plane[1], grid_.coordinate(row));
-    return start;
-  }
-
- private:
-  void add(hybrid::MachineState<N>& state, int place, double value) const {
-    const Eigen::Index n = centre_.size();
-    (place < n ? state.q[place] : state.v[place - n]) += value;
-  }
-
-  Grid grid_;
-  Eigen::Matrix<double, N, 1> centre_, zero_;
-};
-
 struct RowCount {
   std::size_t simulated = 0, given_up = 0;
 };
@@ -143,7 +120,7 @@ std::size_t decide(Basin& basin, const scenario::MachineScenario& s, int threads
   const sil::Certificates certificates = sil::certify(s);
   const sil::ProvenFate<N> fate{s.machine, certificates};
   const double end_s = horizon_s(s, certificates);
-  const Starts<N> starts{basin.grid(), certificates.centre};
+  const GridStarts<N> starts{basin.grid(), certificates.centre};
   std::mutex mutex;
   std::size_t simulated = 0;
   const auto events_left = [] { return std::make_shared<std::uint64_t>(); };

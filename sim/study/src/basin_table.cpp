@@ -14,7 +14,9 @@
 #include <string_view>
 
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/sil/certificates.hpp"
 #include "fingerprint.hpp"
+#include "grid_starts.hpp"
 
 namespace breakaway::study {
 namespace {
@@ -51,21 +53,44 @@ std::optional<int> index_of(const Grid& grid, double coordinate) {
   return grid.coordinate(index) == coordinate ? std::optional{index} : std::nullopt;
 }
 
-// Empty, or what is wrong with the line.
-std::string take_line(std::string_view line, Basin& basin) {
-  const auto values = numbers(line);
-  if (!values) return fmt::format("is not of the form {}", header);
-  const auto column = index_of(basin.grid(), (*values)[0]), row = index_of(basin.grid(), (*values)[1]);
-  if (!column || !row) return "is no point of this grid; give the --grid and --window that it was made with";
-  const double fate = (*values)[2];
-  if (fate != -1 && fate != 0 && fate != 1) return "has an attracted that is not 1, 0 or -1";
-  if (!basin.shard().owns(*row)) return {};
-  const Fate known = basin.fate(*column, *row), told = static_cast<Fate>(static_cast<int>(fate));
-  if (known == Fate::pending) basin.set(*column, *row, told, (*values)[3]);
-  const bool same = basin.fate(*column, *row) == told && std::bit_cast<std::uint64_t>(basin.time_s(*column, *row)) ==
-                                                             std::bit_cast<std::uint64_t>((*values)[3]);
-  return same ? "" : "contradicts what is known of this point; the tables are not of one system";
-}
+// Takes the points of tables into a basin, and none that the certificates of its machine exclude.
+class PointReader {
+ public:
+  PointReader(const scenario::MachineScenario& s, Basin& basin) : PointReader{s, sil::certify(s), basin} {}
+
+  // Empty, or what is wrong with the line.
+  std::string take(std::string_view line) {
+    const auto values = numbers(line);
+    if (!values) return fmt::format("is not of the form {}", header);
+    const auto [x1, x2, fate, time_s] = *values;
+    const auto column = index_of(basin_.grid(), x1), row = index_of(basin_.grid(), x2);
+    if (!column || !row) return "is no point of this grid; give the --grid and --window that it was made with";
+    if (fate != -1 && fate != 0 && fate != 1) return "has an attracted that is not 1, 0 or -1";
+    if (!(time_s >= 0 && std::isfinite(time_s))) return "has a time_s that is no time; run that shard again";
+    if (!basin_.shard().owns(*row)) return {};
+    return take(*column, *row, static_cast<Fate>(static_cast<int>(fate)), time_s);
+  }
+
+ private:
+  PointReader(const scenario::MachineScenario& s, const sil::Certificates& certificates, Basin& basin)
+      : starts_{basin.grid(), certificates.centre}, proven_{s.machine, certificates}, basin_{basin} {}
+
+  std::string take(int column, int row, Fate told, double time_s) {
+    const hybrid::Verdict proved = proven_(starts_.at(column, row));
+    if (proved == hybrid::Verdict::captured && told == Fate::lost)
+      return "is marked lost, and the machine is certified to come to rest from there; run that shard again";
+    if (proved == hybrid::Verdict::lost && told == Fate::attracted)
+      return "is marked attracted, and the machine is certified never to come to rest from there; run that shard again";
+    if (basin_.fate(column, row) == Fate::pending) basin_.set(column, row, told, time_s);
+    const bool same = basin_.fate(column, row) == told &&
+                      std::bit_cast<std::uint64_t>(basin_.time_s(column, row)) == std::bit_cast<std::uint64_t>(time_s);
+    return same ? "" : "contradicts what is known of this point; the tables are not of one system";
+  }
+
+  GridStarts<Eigen::Dynamic> starts_;
+  sil::ProvenFate<Eigen::Dynamic> proven_;
+  Basin& basin_;
+};
 
 void mix(Fingerprint& print, const Eigen::MatrixXd& matrix) {
   print.mix(static_cast<double>(matrix.rows()));
@@ -102,6 +127,15 @@ std::uint64_t fingerprint(const scenario::MachineScenario& s) {
   throw InputError{fmt::format("{}: cannot be written: {}; choose another place", path, std::strerror(errno))};
 }
 
+std::string table_head(const Grid& grid, const scenario::MachineScenario& s) {
+  return fmt::format("{}\n{}\n", table_label(grid, s), header);
+}
+
+std::string not_this_label(const std::string& line, const std::string& label) {
+  if (line.starts_with('#')) return "is of another system, grid, window or plane: it is not \"" + label + '"';
+  return "does not say which system it is of, as \"" + label + "\" does; run that shard again";
+}
+
 // What was being written when the run was stopped.
 void drop_torn_line(const std::string& path) {
   std::ifstream in{path, std::ios::binary};
@@ -115,9 +149,9 @@ void drop_torn_line(const std::string& path) {
 
 }  // namespace
 
-std::function<std::string()> table_parts(const Basin& basin) {
-  return [&basin, row = -1]() mutable -> std::string {
-    if (row < 0) return row = 0, std::string{header} + "\n";
+std::function<std::string()> table_parts(const Basin& basin, const scenario::MachineScenario& s) {
+  return [&basin, head = table_head(basin.grid(), s), row = -1]() mutable -> std::string {
+    if (row < 0) return row = 0, head;
     while (row < basin.grid().points && !basin.shard().owns(row)) ++row;
     return row < basin.grid().points ? row_text(basin, row++) : "";
   };
@@ -128,34 +162,35 @@ std::string table_label(const Grid& grid, const scenario::MachineScenario& s) {
                      grid.half_width, grid.plane[0] + 1, grid.plane[1] + 1, fingerprint(s));
 }
 
-void read_table(const std::string& path, const std::string& label, Basin& basin) {
+void read_table(const std::string& path, const scenario::MachineScenario& s, Basin& basin) {
   std::ifstream in{path, std::ios::binary};
   if (!in || std::filesystem::is_directory(path))
     throw InputError{fmt::format("{}: cannot be read; give a table that breakaway basin wrote", path)};
+  const std::string label = table_label(basin.grid(), s);
+  PointReader points{s, basin};
   std::size_t number = 0;
   for (std::string line; std::getline(in, line) && !in.eof();) {
     ++number;
     std::string wrong;
-    if (line.starts_with('#')) {
-      if (line != label) wrong = "is of another system, grid, window or plane: it is not \"" + label + '"';
+    if (number == 1 || line.starts_with('#')) {
+      if (line != label) wrong = not_this_label(line, label);
     } else if (line != header) {
-      wrong = take_line(line, basin);
+      wrong = points.take(line);
     }
     if (!wrong.empty()) throw InputError{fmt::format("{}:{}: {}", path, number, wrong)};
   }
+  if (number == 0) throw InputError{fmt::format("{}: has no whole line; run that shard again", path)};
 }
 
-Journal::Journal(const std::string& path, const std::string& label, Basin& basin)
+Journal::Journal(const std::string& path, const scenario::MachineScenario& s, Basin& basin)
     : path_{path}, file_{nullptr, &std::fclose} {
+  if (std::filesystem::exists(path)) drop_torn_line(path);
   const bool continues = std::filesystem::exists(path) && std::filesystem::file_size(path) > 0;
-  if (continues) {
-    drop_torn_line(path);
-    read_table(path, label, basin);
-  }
+  if (continues) read_table(path, s, basin);
   file_.reset(std::fopen(path.c_str(), "ab"));
   if (!file_) refuse_write(path);
-  if (!continues || std::filesystem::file_size(path) == 0) {
-    const std::string head = fmt::format("{}\n{}\n", label, header);
+  if (!continues) {
+    const std::string head = table_head(basin.grid(), s);
     if (std::fwrite(head.data(), 1, head.size(), file_.get()) != head.size()) refuse_write(path);
   }
 }

@@ -73,8 +73,9 @@ TEST_F(Command, KeepsTheContractOfBasin) {
   EXPECT_NEAR(figure(ended.out, "area_true"), 106.372, 0.5);  // 41 points an axis tell it to a few tenths
   EXPECT_NEAR(figure(ended.out, "area_certified"), 58.0416, 1e-4);
   const std::string csv = content(path("a.csv"));
-  EXPECT_TRUE(csv.starts_with("x1,x2,attracted,time_s\n-6,-6,1,"));
-  EXPECT_EQ(std::ranges::count(csv, '\n'), 41 * 41 + 1);
+  EXPECT_TRUE(csv.starts_with("# breakaway basin, 41 points, window 6, plane 1,2, system "));
+  EXPECT_NE(csv.find("\nx1,x2,attracted,time_s\n-6,-6,1,"), std::string::npos);
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 41 * 41 + 2);
 }
 
 TEST_F(Command, KeepsTheContractOfAttract) {
@@ -151,6 +152,17 @@ TEST_F(Command, MergesShardsToTheSameTable) {
   ASSERT_EQ(run(basin + "--shard 2/2 --resume " + path("2")).exit_code, 0);
   ASSERT_EQ(run(basin + "--merge " + path("1") + " " + path("2") + " --csv " + path("all")).exit_code, 0);
   EXPECT_EQ(content(path("all")), content(path("whole")));
+}
+
+TEST_F(Command, MergesNoShardsOfAnotherMachine) {
+  const std::string shard = " --grid 6 --window 6 --shard 2/2 --csv " + path("other");
+  const std::string other = scenario(
+      "[machine]\nmass = [[1, 0], [0, 1]]\ndamping = [[0.125, 0.375], [0.375, 0.125]]\n"
+      "stiffness = [[2, -1], [-1, 2]]\ndirections = [[1, 0], [0, 1]]\nfriction_N = [1, 1.5]\n"
+      "[run]\nduration_s = 60\n");
+  ASSERT_EQ(run("basin " + other + shard).exit_code, 0);
+  expect_refused("basin " + two_masses + " --grid 6 --window 6 --merge " + path("other"),
+                 {"other:1", "another system", "# breakaway basin, 6 points"});
 }
 
 TEST_F(Command, RefusesBasinsThatCannotBe) {

@@ -41,7 +41,7 @@ Basin decided(const Grid& grid, const Shard& shard = {}, int threads = 1) {
 
 std::string table(const Basin& basin) {
   std::string text;
-  const auto next = study::table_parts(basin);
+  const auto next = study::table_parts(basin, two_masses());
   for (std::string part = next(); !part.empty(); part = next()) text += part;
   return text;
 }
@@ -174,6 +174,8 @@ TEST(Basin, WritesRowsWithTheFirstCoordinateFastest) {
   std::istringstream lines{table(decided({3, 6, {0, 1}}))};
   std::string line;
   std::getline(lines, line);
+  EXPECT_TRUE(line.starts_with("# breakaway basin, 3 points, window 6, plane 1,2, system ")) << line;
+  std::getline(lines, line);
   EXPECT_EQ(line, "x1,x2,attracted,time_s");
   for (const char* start : {"-6,-6,1,", "0,-6,", "6,-6,0,", "-6,0,", "0,0,1,0", "6,0,", "-6,6,0,", "0,6,", "6,6,1,"}) {
     std::getline(lines, line);
@@ -185,12 +187,11 @@ TEST(Basin, WritesRowsWithTheFirstCoordinateFastest) {
 TEST_F(BasinFiles, AreTheSameBitsForAnySplit) {
   const std::string whole = table(decided(small));
   EXPECT_EQ(table(decided(small, {}, 5)), whole);
-  const std::string label = study::table_label(small, two_masses());
   for (const int shards : {2, 3, 30}) {  // 30: more than rows
     Basin merged{small, {}};
     for (int i = 1; i <= shards; ++i) {
       const std::string name = std::to_string(shards) + "-" + std::to_string(i);
-      study::read_table(written(name, table(decided(small, {i, shards}, 2))), label, merged);
+      study::read_table(written(name, table(decided(small, {i, shards}, 2))), two_masses(), merged);
     }
     EXPECT_EQ(merged.count(Fate::pending), 0u);
     EXPECT_EQ(table(merged), whole);
@@ -199,15 +200,15 @@ TEST_F(BasinFiles, AreTheSameBitsForAnySplit) {
 
 TEST_F(BasinFiles, GoOnWhereAnInterruptedRunStopped) {
   const auto s = two_masses();
-  const std::string label = study::table_label(small, s), file = path("journal");
+  const std::string file = path("journal");
   {
     Basin basin{small, {}};
-    study::Journal journal{file, label, basin};
+    study::Journal journal{file, s, basin};
     study::decide_pending(basin, s, 1, [&](int row, std::size_t) { journal.append(basin, row); });
   }
   fs::resize_file(file, fs::file_size(file) / 2);  // in the middle of a line
   Basin basin{small, {}};
-  study::Journal journal{file, label, basin};
+  study::Journal journal{file, s, basin};
   const std::size_t pending = basin.count(Fate::pending);
   EXPECT_GT(pending, 150u);
   EXPECT_LT(pending, 300u);
@@ -216,30 +217,60 @@ TEST_F(BasinFiles, GoOnWhereAnInterruptedRunStopped) {
   EXPECT_EQ(table(basin), table(decided(small)));
 
   Basin again{small, {}};
-  study::read_table(file, label, again);
+  study::read_table(file, s, again);
   EXPECT_EQ(table(again), table(basin));
 }
 
-TEST_F(BasinFiles, OfOtherSystemsOrGridsAreRefused) {
-  const std::string whole = table(decided(small)), label = study::table_label(small, two_masses());
-  const auto refusal = [&](const std::string& text) -> std::string {
-    Basin basin = decided(small);
-    try {
-      study::read_table(written("table", text), label, basin);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(refusal(whole), "");
-  EXPECT_EQ(refusal(label + "\n" + whole), "");
+// What is wrong with a table of the system that is `known`; empty if nothing is.
+class BasinTables : public BasinFiles {
+ protected:
+  std::string refusal(const std::string& text, Basin known) const {
+    const std::string file = written("table", text);
+    return breakaway::testing::refusal([&] { study::read_table(file, two_masses(), known); });
+  }
+  std::string refusal_of_line(const std::string& line, const Basin& known) const {
+    return refusal(study::table_label(small, two_masses()) + '\n' + line + '\n', known);
+  }
+};
+
+TEST_F(BasinTables, OfOtherSystemsOrGridsAreRefused) {
+  const Basin known = decided(small);
+  const std::string whole = table(known), points = whole.substr(whole.find('\n') + 1);
+  EXPECT_EQ(refusal(whole, known), "");
   auto other = two_masses();
   other.machine.friction_N[1] = 1.5;
-  EXPECT_NE(refusal(study::table_label(small, other) + "\n" + whole).find("another system"), std::string::npos);
-  EXPECT_NE(refusal("0.1,0,1,2\n").find("table:1: is no point of this grid"), std::string::npos);
-  EXPECT_NE(refusal("0,0,0,0\n").find("contradicts"), std::string::npos);
-  EXPECT_NE(refusal("0,0,1\n").find("is not of the form"), std::string::npos);
-  EXPECT_NE(refusal("0,0,7,1\n").find("attracted"), std::string::npos);
+  EXPECT_NE(refusal(study::table_label(small, other) + "\n" + points, known).find("another system"), std::string::npos);
+  EXPECT_NE(refusal_of_line("0.1,0,1,2", known).find("table:2: is no point of this grid"), std::string::npos);
+  EXPECT_NE(refusal_of_line("0,0,1,1", known).find("contradicts"), std::string::npos);
+  EXPECT_NE(refusal_of_line("0,0,1", known).find("is not of the form"), std::string::npos);
+  EXPECT_NE(refusal_of_line("0,0,7,1", known).find("attracted"), std::string::npos);
+}
+
+// Its points would be taken for those of any machine.
+TEST_F(BasinTables, ThatDoNotSayOfWhichSystemTheyAreAreRefused) {
+  const std::string whole = table(decided(small)), points = whole.substr(whole.find('\n') + 1);
+  for (const std::string& text : {points, points.substr(points.find('\n') + 1)}) {
+    const std::string said = refusal(text, {small, {}});
+    EXPECT_NE(said.find("table:1: does not say which system it is of"), std::string::npos) << said;
+    EXPECT_NE(said.find(study::table_label(small, two_masses())), std::string::npos) << said;
+  }
+  EXPECT_NE(refusal("", {small, {}}).find("no whole line"), std::string::npos);
+}
+
+TEST_F(BasinTables, WithPointsThatACertificateExcludesAreRefused) {
+  const Basin unknown{small, {}};
+  EXPECT_NE(refusal_of_line("0,0,0,0", unknown).find("certified to come to rest"), std::string::npos);
+  EXPECT_NE(refusal_of_line("-6,6,1,0", unknown).find("certified never to come to rest"), std::string::npos);
+  EXPECT_EQ(refusal_of_line("0,0,1,0", unknown), "");
+  EXPECT_EQ(refusal_of_line("-6,6,0,0", unknown), "");
+  EXPECT_EQ(refusal_of_line("-6,6,-1,0", unknown), "");  // given up
+}
+
+TEST_F(BasinTables, WithTimesThatAreNoneAreRefused) {
+  for (const char* time : {"nan", "inf", "-inf", "-1"}) {
+    const std::string said = refusal_of_line(std::string{"0,0,1,"} + time, {small, {}});
+    EXPECT_NE(said.find("table:2: has a time_s that is no time"), std::string::npos) << time << said;
+  }
 }
 
 TEST(BasinRegions, AreTheEllipseOfTheoremOneAndThePolytope) {
