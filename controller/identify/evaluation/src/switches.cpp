@@ -197,7 +197,9 @@ LatencyEstimate latency_of(const std::vector<Switch>& switches, const Record& re
   latency.fewest_periods = parting.fewest;
   latency.most_periods = parting.most;
   latency.lag_s = std::max(latency.delay_s - latency.periods * period_s, 0.0);
-  latency.lag_error_s = latency.delay_seen_s.most - latency.delay_seen_s.least + 0.1 * period_s;
+  // What friction does within a look puts all switches off alike.
+  const double common_s = (0.02 + 2 * spread_of_lengths(switches, record)) * period_s;
+  latency.lag_error_s = latency.delay_seen_s.most - latency.delay_seen_s.least + common_s;
   latency.lag_is_seen = latency.is_told_apart() && latency.lag_s > latency.lag_error_s;
   return latency;
 }

@@ -41,7 +41,7 @@ struct LatencyEstimate {
   int fewest_periods = 0;    // where readings scatter so much that they do not tell latency from lag, ...
   int most_periods = 0;      // ... periods is one of these, the usual 1 if it is among them
   double lag_s = 0;          // time constant of the current loop
-  double lag_error_s = 0;    // what the switches differ by, and a tenth of a period that may be common to them
+  double lag_error_s = 0;    // what the switches differ by, and what may be common to them
   bool lag_is_seen = false;  // told apart, and above its error
   double delay_s = 0;        // of both together
   Interval delay_seen_s;
