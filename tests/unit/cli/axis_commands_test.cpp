@@ -1,4 +1,6 @@
 // simulate, design and study, on scenarios with axes.
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -71,6 +73,32 @@ TEST_F(Command, CertifiesAndRunsAMoveWithinItsLimits) {
   EXPECT_LE(figure(motion.out, "peak_speed_m_s"), 1.01);
   EXPECT_GE(figure(motion.out, "peak_speed_m_s"), 0.97);
   EXPECT_LE(figure(motion.out, "settling_time_s"), 0.65) << "from 1.25 s on, with a turn on the way";
+}
+
+// What is printed is rounded, to the side on which it holds.
+TEST_F(Command, CertifiesTheLeastToleranceThatItPrintsAndNoLessThanTheErrorThatNewPromises) {
+  const auto number_after = [](const std::string& text, const std::string& name) {
+    const std::size_t at = text.find(name);
+    return at == std::string::npos ? std::nan("") : std::strtod(text.c_str() + at + name.size(), nullptr);
+  };
+  std::string text = content(scenarios + "braked_axis.toml");
+  const std::string printed = run("design " + scenarios + "braked_axis.toml").out;
+  const double least_m = number_after(printed, "least tolerance ");
+  const std::string key = "position_tolerance_m = ";
+  const std::size_t value = text.find(key) + key.size();
+  text.replace(value, text.find_first_of(" \n", value) - value, std::to_string(1e6 * least_m) + "e-6");
+  text.insert(text.find(key), "fine_stage = false\n");
+  const Ended typed = run("design " + scenario(text));
+  EXPECT_EQ(typed.exit_code, 0) << least_m << typed.out;
+  EXPECT_EQ(number_after(typed.out, "least tolerance "), least_m);
+
+  const std::string known =
+      "--mass 602.797 --friction-lower 4740.52 --friction-upper 4748.3 --encoder 2.65681e-09 --rate 250 "
+      "--force 64105.6 --move 0.300609 --overwrite -o ";
+  const double said_m = number_after(run("new " + known + path("new.toml")).out, "true error at rest at most ");
+  const std::string design = run("design " + path("new.toml") + " --json -").out;
+  EXPECT_GE(said_m, figure(design, "error_m"));
+  EXPECT_LE(said_m, 1.01 * figure(design, "error_m"));
 }
 
 TEST_F(Command, SaysWhatLimitsTheAccuracyOfTheCoastBrake) {

@@ -70,6 +70,16 @@ TEST(Bends, TellTheFrictionOfTheMotorFromBothWays) {
   EXPECT_NEAR(found[0].position_m, 2.94e-4, 1e-6) << "as it was read when the force turned, two readings late";
 }
 
+TEST(Bends, TellASpringThatIsStifferThanThatOfTheSwing) {
+  const auto said = [](double stiffness_N_per_m) {
+    const std::vector<Bend> found(least_bends, bends_in(record_of({}), swing_of_Hz(50), stiffness_N_per_m).at(0));
+    return testing::refusal([&] { require_tight(found, stiffness_N_per_m, count_m); });
+  };
+  EXPECT_EQ(said(1e4), "");
+  EXPECT_EQ(said(0.9e4), "") << "a stiffness is sure to a tenth";
+  EXPECT_NE(said(100).find("another swing than that of the load"), std::string::npos) << said(100);
+}
+
 TEST(Bends, AreNoneWhereOneWayIsMissing) {
   EXPECT_TRUE(bends_of({.readings_up = 8}).empty()) << "the force turned before there was a way";
   EXPECT_TRUE(bends_of({.motor_back_N = 100}).empty()) << "the motor did not come back";

@@ -1,10 +1,15 @@
 #include "bends.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <optional>
+
+#include "breakaway/input/input_error.hpp"
+#include "constant_force.hpp"
 
 namespace breakaway::evaluation {
 namespace {
@@ -50,6 +55,7 @@ struct Way {
 struct Creep {
   double over_N;   // what the force has more than the spring, on the mean of the latter half of the way
   double slack_N;  // by so much that fell over the last nine tenths
+  double force_N;  // by so much the force changed meanwhile
 };
 
 // Nothing where the motor crept little, or went faster at the end than along the spring.
@@ -74,7 +80,8 @@ std::optional<Creep> creep_in(const Record& record, const Way& way, std::size_t 
   std::size_t n = 0;
   for (std::size_t i = first; i < way.last; ++i)
     if (moved_m(i) >= moved_m(end) / 2) sum_N += over_N(i), ++n;
-  return Creep{sum_N / static_cast<double>(n), way.direction * (over_N(first) - over_N(end))};
+  return Creep{sum_N / static_cast<double>(n), way.direction * (over_N(first) - over_N(end)),
+               way.direction * (readings[end].command_N - readings[first].command_N)};
 }
 
 // The force turned in between, and the motor followed it both ways.
@@ -89,7 +96,8 @@ std::optional<Bend> bend_in(const Record& record, const SlowForce& part, std::si
   const auto there = creep_in(record, {part.first, top + 1, way}, delay, stiffness_N_per_m);
   const auto back = creep_in(record, {top, part.last, -way}, delay, stiffness_N_per_m);
   if (!there || !back) return {};
-  return Bend{top, readings[top].position_m, way * (there->over_N - back->over_N) / 2, there->slack_N + back->slack_N};
+  return Bend{top, readings[top].position_m, way * (there->over_N - back->over_N) / 2, there->slack_N + back->slack_N,
+              there->force_N + back->force_N};
 }
 
 std::optional<SprungBreakAway> break_away_in(const Record& record, const SlowForce& part, std::size_t delay,
@@ -121,6 +129,28 @@ std::vector<Bend> bends_in(const Record& record, const Swing& swing, double stif
   for (const SlowForce& part : slow_forces_in(record))
     if (const auto one = bend_in(record, part, delay_readings(record, swing), stiffness_N_per_m)) found.push_back(*one);
   return found;
+}
+
+void require_tight(const std::vector<Bend>& bends, double stiffness_N_per_m, double resolution_m) {
+  if (bends.size() < least_bends) return;
+  constexpr double softer = 0.2;  // what a swing tells of its own spring is nearer than this
+  std::vector<double> slack_N, motor_N, force_N;
+  for (const Bend& bend : bends)
+    slack_N.push_back(bend.slack_N), motor_N.push_back(bend.motor_N), force_N.push_back(bend.force_N);
+  const double lost_N = median(slack_N);
+  if (lost_N < -softer * median(force_N) - stiffness_N_per_m * resolution_m)
+    throw InputError{fmt::format(
+        "in {} bends of the spring the motor moved less than the {:.2g} N/m of the swing that was found let it, so "
+        "that "
+        "this is another swing than that of the load: give the axis more force, so that its own is seen, or a finer "
+        "encoder",
+        bends.size(), stiffness_N_per_m)};
+  if (lost_N <= 0.05 * median(motor_N) + stiffness_N_per_m * resolution_m) return;
+  throw InputError{
+      fmt::format("in {} bends of the spring the motor moved {:.2g} m further than the spring gave way, so that the "
+                  "joint has play, which this experiment does not identify: take it out, or describe the load by what "
+                  "its maker says",
+                  bends.size(), lost_N / stiffness_N_per_m)};
 }
 
 std::vector<SprungBreakAway> sprung_break_aways_in(const Record& record, const Swing& swing, double mass_kg) {

@@ -16,8 +16,15 @@ struct Bend {
   double position_m = 0;
   double motor_N = 0;  // mean of the motor's friction either way
   double slack_N = 0;  // the motor crept this much further, as a force of the spring
+  double force_N = 0;  // by which the force changed as it crept
 };
 std::vector<Bend> bends_in(const Record& record, const Swing& swing, double stiffness_N_per_m);
+
+constexpr std::size_t least_bends = 6;
+
+// In a gap the motor moves without the spring, and the spring of another swing gives way further than the joint's does.
+// Throws InputError. Fewer than least_bends tell neither.
+void require_tight(const std::vector<Bend>& bends, double stiffness_N_per_m, double resolution_m);
 
 // A slow ramp from rest until motor and load slide.
 struct SprungBreakAway {

@@ -16,7 +16,6 @@
 namespace breakaway::evaluation {
 namespace {
 
-constexpr std::size_t least_bends = 6;
 constexpr double most_uncertain = 0.1;  // of a mass; no coast "work" is certified beyond
 
 struct SeenSwitch {
@@ -180,28 +179,6 @@ void enter_sides(const Identification& found, SpringEstimate& spring, const std:
       "friction of motor or load comes out at 0 or less, so that something else pushes the axis, or the joint has "
       "play: "
       "balance a weight, and take the play out"};
-}
-
-// In a gap the motor moves without the spring.
-void require_tight(const std::vector<Bend>& bends, double stiffness_N_per_m, double resolution_m) {
-  if (bends.size() < least_bends) return;
-  std::vector<double> slack_N, motor_N;
-  for (const Bend& bend : bends) slack_N.push_back(bend.slack_N), motor_N.push_back(bend.motor_N);
-  const double lost_N = median(slack_N);
-  // The spring of another swing would have given way further.
-  if (lost_N < -0.5 * median(motor_N) - stiffness_N_per_m * resolution_m)
-    throw InputError{fmt::format(
-        "in {} bends of the spring the motor moved less than the {:.2g} N/m of the swing that was found let it, so "
-        "that "
-        "this is another swing than that of the load: give the axis more force, so that its own is seen, or a finer "
-        "encoder",
-        bends.size(), stiffness_N_per_m)};
-  if (lost_N <= 0.05 * median(motor_N) + stiffness_N_per_m * resolution_m) return;
-  throw InputError{
-      fmt::format("in {} bends of the spring the motor moved {:.2g} m further than the spring gave way, so that the "
-                  "joint has play, "
-                  "which this experiment does not identify: take it out, or describe the load by what its maker says",
-                  bends.size(), lost_N / stiffness_N_per_m)};
 }
 
 void require_sure_masses(const Identification& found) {
