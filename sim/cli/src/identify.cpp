@@ -76,11 +76,17 @@ void print_identification(const study::IdentifiedRun& run) {
 }
 
 // What was found may ask for other gains than the file has, or forbid its tolerance: `tune` chooses those. For a PID
-// there is neither certificate nor choice.
-void print_next(const IdentifyCommand& options, const std::string& text, const std::string& name) {
+// there is neither certificate nor choice. No file tells of another latency, so that a certificate would not be that of
+// the loop in the record.
+void print_next(const IdentifyCommand& options, const std::string& text, const std::string& name, bool late) {
   const config::Node node = config::parse_node(text, options.output);
   const auto axis = std::ranges::find(node.axes, name, &config::Axis::name);
   const bool pid = axis->controller.pid.has_value();
+  if (late && !pid)
+    return fmt::print(
+        "  certificate    none: the forces of this loop act too late\n"
+        "next: breakaway identify {} again, when the latency is 1 period\n",
+        shell_word(options.scenario));
   const std::string why_not = pid ? "" : config::why_not_certified(node, *axis);
   if (why_not.empty())
     return fmt::print("next: breakaway {} {}\n", pid ? "simulate" : "design", shell_word(options.output));
@@ -106,7 +112,7 @@ int identify_axis(const IdentifyCommand& options) {
   print_identification(run);
   for (const std::string& path : {options.csv, options.report, options.json, options.output})
     if (!path.empty()) fmt::print("  written        {}\n", path);
-  if (!file.empty()) print_next(options, file, s.node.axes.front().name);
+  if (!file.empty()) print_next(options, file, s.node.axes.front().name, run.found.latency.fewest_periods > 1);
   return run.complete ? done : failed_check;
 }
 

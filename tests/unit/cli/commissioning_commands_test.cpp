@@ -1,11 +1,15 @@
 // The way from an unknown axis to a certified one: new, tune and identify, what a study says and requires, and all that
 // by pipes.
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
+#include <vector>
 
+#include "../number_after.hpp"
 #include "command.hpp"
 
 namespace breakaway::testing {
@@ -161,6 +165,56 @@ TEST_F(Command, IdentifiesAnAxisAndWritesAFileThatDesignTakes) {
   const Ended again = run("identify " + axis + " --log " + path("run.csv") + " --json -");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NEAR(figure(again.out, "mass_kg"), figure(found, "mass_kg"), 1e-6);
+}
+
+// The record of a run whose forces had been commanded by so many periods earlier.
+std::string with_forces_commanded_earlier(const std::string& record, int periods) {
+  std::istringstream in{record};
+  std::string header, line;
+  std::getline(in, header);
+  std::vector<std::string> read, commanded;
+  while (std::getline(in, line)) {
+    const std::size_t comma = line.rfind(',');
+    read.push_back(line.substr(0, comma));
+    commanded.push_back(line.substr(comma));
+  }
+  std::string out = header + '\n';
+  for (int i = 0; i < std::ssize(read); ++i) {
+    const auto from = std::clamp<std::ptrdiff_t>(i + periods, 0, std::ssize(read) - 1);
+    out += read[static_cast<std::size_t>(i)];
+    out += commanded[static_cast<std::size_t>(from)];
+    out += '\n';
+  }
+  return out;
+}
+
+TEST_F(Command, SaysOfARecordWithAnotherLatencyThatItIsOfAnotherLoop) {
+  const std::string axis = scenarios + "braked_axis.toml", record = path("run.csv"), found = path("found.toml");
+  std::string text = content(axis);
+  const std::string lag = "current_loop_time_constant_s = 1e-4";
+  text.replace(text.find(lag), lag.size(), "current_loop_time_constant_s = 3e-4");
+  ASSERT_EQ(run("identify " + axis + " --from -4.5 --to -3.5 --csv " + record).exit_code, 0);
+  const std::string kept = content(record);
+  const auto identify = [&](int periods_earlier) {
+    std::ofstream{record} << with_forces_commanded_earlier(kept, periods_earlier);
+    return run("identify " + scenario(text) + " --log " + record + " --overwrite -o " + found);
+  };
+  const auto lag_in_file = [&] { return number_after(content(found), "current_loop_time_constant_s = "); };
+
+  EXPECT_NE(identify(0).out.find("next: breakaway design"), std::string::npos);
+  EXPECT_NEAR(lag_in_file(), 1e-4, 2e-5) << "the lag of the loop that the file is for";
+
+  const Ended at_once = identify(-1);
+  EXPECT_NE(at_once.out.find("latency        0 periods"), std::string::npos) << at_once.out;
+  EXPECT_NE(at_once.out.find("whose forces act before the next sample"), std::string::npos) << at_once.out;
+  EXPECT_EQ(lag_in_file(), 3e-4) << "of another loop: the file's stays";
+
+  const Ended late = identify(1);
+  EXPECT_NE(late.out.find("latency        2 periods"), std::string::npos) << late.out;
+  EXPECT_NE(late.out.find("find what takes 2: a drive that answers late"), std::string::npos) << late.out;
+  EXPECT_NE(late.out.find("certificate    none: the forces of this loop act too late"), std::string::npos) << late.out;
+  EXPECT_EQ(late.out.find("breakaway design"), std::string::npos) << late.out;
+  EXPECT_EQ(lag_in_file(), 3e-4);
 }
 
 // From seven numbers and an experiment to an axis at rest, by the commands that the one before names.
