@@ -204,14 +204,45 @@ struct RunEnd {
   bool external_motion = false;  // the node would have stopped the axis by this name,
   bool no_motion = false;        // or by "no motion under force"
   bool ends_by_name() const { return fault != law::ControlFault::none || external_motion || no_motion; }
-  double approach_m_s = 0;   // the greatest |speed| in the approach,
-  double approach_m_s2 = 0;  // and the greatest |change of speed| in a period of it, by the period
+  // The greatest |speed| in the approach, and the greatest |change of speed| in a period of it, by the period. Under
+  // the limits of a move whatever the mode, as long as the axis is further away than brake and kicks are for.
+  double approach_m_s = 0;
+  double approach_m_s2 = 0;
+  bool kicked_early = false;  // a move that further approaches may have led nearer
 };
 
 // The target moves on by this much, once.
 struct Retarget {
   double at_s = INFINITY;
   double shift_m = 0;
+};
+
+// What a move with limits does before its kicks. One whose axis is stopped further away than brake and kicks are for is
+// approached again, three times at least, before it is kicked from there.
+template <class Kicks>
+class WatchedMove {
+ public:
+  explicit WatchedMove(const Kicks& kicks) {
+    if constexpr (requires { kicks.hand_over_m(); })
+      if (kicks.approach.move.are_asked_for()) far_m_ = 1.05 * static_cast<double>(kicks.hand_over_m());
+  }
+  void moves_target() { approaches_ = kicked_far_ = 0; }
+  void see(law::Mode mode, bool kicked, double error_m) {
+    if (mode == law::Mode::approach && before_ != law::Mode::approach) ++approaches_;
+    before_ = mode;
+    if (!kicked || !(std::fabs(error_m) > far_m_)) return;
+    ++kicked_far_;
+    if (approaches_ < 3) kicked_early_ = true;
+  }
+  // Of any mode, for as long as no kick has begun that keeps none.
+  bool keeps_limits(double error_m) const { return kicked_far_ == 0 && std::fabs(error_m) > far_m_; }
+  bool kicked_early() const { return kicked_early_; }
+
+ private:
+  double far_m_ = INFINITY;
+  int approaches_ = 0, kicked_far_ = 0;
+  bool kicked_early_ = false;
+  law::Mode before_ = law::Mode::coast;
 };
 
 // Runs until the axis was held for `hold_periods`, has a fault, or the time is up. The target is 0. Axis: Slider, or
@@ -224,6 +255,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   const double start_m = axis.position_m();
   const double q = static_cast<double>(p.encoder_resolution_m), T = static_cast<double>(p.period_s);
   Disturber disturber{disturbance, q};
+  WatchedMove<Kicks> move{kicks};
   std::deque<std::optional<double>> samples;
   firmware::MotionWithoutForce<Real> external{controller.held()};
   firmware::MotionUnderForce<Real> motion{p.mass_kg, controller.breakaway_N(), p.encoder_resolution_m,
@@ -259,6 +291,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     if (now_s >= retarget.at_s) {
       target_m = std::round(std::exchange(retarget.shift_m, 0) / q) * q;
       controller.shift_target(static_cast<Real>(target_m));
+      move.moves_target();
       retarget.at_s = INFINITY;
     }
     const std::optional<double>& seen = samples.front();
@@ -284,8 +317,9 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
     }
     if (out.mode == law::Mode::hold && axis.moves(q)) end.moving_in_hold = true;
     const double before_m_s = axis.velocity_m_s();
+    move.see(out.mode, out.kicked, axis.position_m() - target_m);
     pass(now_s + T);
-    if (out.mode == law::Mode::approach) {
+    if (out.mode == law::Mode::approach || move.keeps_limits(axis.position_m() - target_m)) {
       end.approach_m_s = std::max(end.approach_m_s, std::fabs(axis.velocity_m_s()));
       end.approach_m_s2 = std::max(end.approach_m_s2, std::fabs(axis.velocity_m_s() - before_m_s) / T);
     }
@@ -302,6 +336,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
       break;
     }
   }
+  end.kicked_early = move.kicked_early();
   end.held = held >= hold_periods && !end.external_motion && !end.no_motion;
   end.error_m = axis.position_m() - target_m;
   return end;

@@ -77,6 +77,7 @@ void run_move(long number, const BrakedClass& c, const design::BrakedDesign<floa
     tally.hardest = std::max(tally.hardest, end.approach_m_s2 / c.move->acceleration_m_s2);
     const std::string where = "move " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault);
+    EXPECT_FALSE(end.kicked_early) << where;
     EXPECT_LE(end.approach_m_s, 1.01 * c.move->speed_m_s) << where;
     EXPECT_LE(end.approach_m_s2, 1.001 * c.move->acceleration_m_s2) << where;
     if (target_moves) continue;  // the others are promised from rest

@@ -252,7 +252,7 @@ double bent_beyond_m(const BrakedClass& axes, const BrakedDesign<Real>& design) 
 
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design) {
-  return std::max(design.reach_m, detail::left_beyond * hand_over_m(design));
+  return std::max(design.reach_m, law::left_beyond * hand_over_m(design));
 }
 
 template struct BrakedDesign<float>;

@@ -111,7 +111,8 @@ template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design);
 
 // The distance from which kicks may be needed: a hundredth more than hand_over_m, or what one kick can aim for,
-// whichever is more.
+// whichever is more. In a move, whose limits no kick keeps, they begin from beyond hand_over_m only where friction has
+// stopped as many approaches as the law tries.
 template <class Real>
 double kicks_begin_m(const BrakedDesign<Real>& design);
 

@@ -13,6 +13,10 @@
 
 namespace breakaway::law {
 
+// So many times as far away as the brake takes over may the last approach that the law tries leave an axis: behind a
+// latency one from rest ends where the axis is expected to be under its least friction.
+inline constexpr double left_beyond = 1.01;
+
 // How the axis is brought near the target before the first kick: down the speed w at the distance E from the point
 // aimed at with w^2 = 2 a E, hard while E is large and with the brake alone at the end.
 template <class Scalar>
@@ -74,9 +78,14 @@ struct BrakedKicks {
   KickTable<Scalar> table{};
 
   constexpr bool kicks_show_friction() const noexcept { return most_seen_N < std::numeric_limits<Scalar>::max(); }
-  // Kicks begin from no reading further away than this.
+  // The distance at which an approach gives way to brake and kicks.
+  constexpr Scalar hand_over_m() const noexcept { return approach.switch_distance_m + approach.short_of_target_m; }
+  // Kicks can lead an axis back from there.
+  constexpr Scalar led_back_m() const noexcept { return std::max(table.reach_m(), hand_over_m()); }
+  // An axis that rests further away is approached, and kicked from there only where that does not help: kicks keep none
+  // of the limits of a move.
   constexpr Scalar begin_m() const noexcept {
-    return std::max(table.reach_m(), approach.switch_distance_m + approach.short_of_target_m);
+    return approach.move.are_asked_for() ? Scalar(left_beyond) * hand_over_m() : led_back_m();
   }
 };
 

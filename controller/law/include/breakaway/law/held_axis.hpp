@@ -14,7 +14,7 @@ namespace breakaway::law {
 template <class Scalar>
 struct HeldAxis {
   Scalar force_N = 0;  // beside the feedforward, either way: under it the axis stays where it rests, but for what bends
-  Scalar allowed_m = std::numeric_limits<Scalar>::infinity();  // by more, it would be approached and not kicked back
+  Scalar allowed_m = std::numeric_limits<Scalar>::infinity();  // by more, kicks may not lead it back
   bool is_rigid = true;                                        // else a force either way may throw it either way
 };
 
@@ -30,7 +30,7 @@ template <class Scalar>
 HeldAxis<Scalar> held_axis(const AxisParameters<Scalar>& p, const BrakedKicks<Scalar>* kicks) noexcept {
   if (kicks == nullptr) return {p.friction.lower_N / 2, p.stick_radius_upper_m() + seen_off_m(p), true};
   return {std::max(kicks->holding_force_N, kicks->spring.most_N),
-          kicks->begin_m() + seen_off_m(p) + 2 * kicks->spring.reach_m, true};
+          kicks->led_back_m() + seen_off_m(p) + 2 * kicks->spring.reach_m, true};
 }
 
 // As by the spring, too, is an axis bent while it is held.
