@@ -15,6 +15,7 @@
 #include "breakaway/stability/attractivity.hpp"
 #include "brief.hpp"
 #include "check.hpp"
+#include "pd_trial.hpp"
 #include "planned_force.hpp"
 #include "reachable.hpp"
 #include "work_checks.hpp"
@@ -275,6 +276,21 @@ std::vector<Check> class_checks(const AxisDesign& axis) {
   return checks;
 }
 
+// What the trial of an axis shows for which all else holds.
+Check kicks_of_pd(const PdPromise& pd) {
+  return below("kicks_are_few", "tested, not proved: under the greatest friction the law needs few of the kicks it has",
+               pd.most_kicks, detail::most_tried_kicks(),
+               "kicks under friction_upper_N against a fifth of what the law gives",
+               "use a stronger drive, widen the tolerance, or take coast = \"brake\"", Equality::holds);
+}
+
+std::vector<std::string> reasons_against(const std::vector<Check>& checks) {
+  std::vector<std::string> reasons;
+  for (const Check& check : checks)
+    if (check.required && !check.holds) reasons.push_back(check.name + ": " + check.reason);
+  return reasons;
+}
+
 std::vector<Check> checks_of_coast(const AxisDesign& axis, const std::optional<BrakedDesign<float>>& braked,
                                    const std::optional<WorkDesign<float>>& work) {
   if (braked) return detail::brake_checks(axis, *braked);
@@ -301,7 +317,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
       "its places, and that one of four approaches ends where kicks begin, within reach_m or " +
-      brief(detail::left_beyond) + " hand_over_m of the target, and none goes further than approach_beyond_m beyond it";
+      brief(law::left_beyond) + " hand_over_m of the target, and none goes further than approach_beyond_m beyond it";
   const BrakedClass& c = *axis.braked;
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
@@ -406,6 +422,7 @@ DesignReport design_axis(const AxisDesign& axis) {
       .checks = {},
       .braked = {},
       .work = {},
+      .pd = {},
       .certified = false,
       .reasons = {},
       .conditions = conditions(axis),
@@ -418,8 +435,11 @@ DesignReport design_axis(const AxisDesign& axis) {
   for (Check& check : class_checks(axis)) report.checks.push_back(std::move(check));
   if (braked && braked->possible()) report.braked = promise(axis, *braked);
   if (work && work->possible()) report.work = detail::work_promise(axis, *work);
-  for (const Check& check : report.checks) {
-    if (check.required && !check.holds) report.reasons.push_back(check.name + ": " + check.reason);
+  report.reasons = reasons_against(report.checks);
+  if (report.reasons.empty() && !axis.braked && !axis.work && axis.period_s > 0) {
+    report.pd = detail::try_pd(axis, built.table);
+    report.checks.push_back(kicks_of_pd(*report.pd));
+    report.reasons = reasons_against(report.checks);
   }
   report.certified = report.reasons.empty();
   return report;

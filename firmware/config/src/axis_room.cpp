@@ -32,11 +32,21 @@ void require_room_for_kicks(const Node& node, const Axis& axis, const design::De
                                                      axis.limits.speed_m_s, rounded_up(kick_m_s, 4))};
 }
 
+// Of the coasts whose approach may be faster, and go further, than it is planned.
+struct Approach {
+  double beyond_m = 0, peak_m_s = 0;
+};
+Approach approach_of(const design::DesignReport& report) {
+  if (report.braked) return {report.braked->approach_beyond_m, report.braked->approach_peak_m_s};
+  if (report.pd) return {report.pd->beyond_m, report.pd->approach_peak_m_s};
+  return {};
+}
+
 // Nor must an approach, whose speed is off as readings and what is not known of the axis have it.
 void require_room_for_speed(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  if (!report.certified || !report.braked || axis.limits.speed_m_s >= report.braked->approach_peak_m_s) return;
+  const double peak_m_s = approach_of(report).peak_m_s;
+  if (!report.certified || axis.limits.speed_m_s >= peak_m_s) return;
   const auto allowed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
-  const double peak_m_s = report.braked->approach_peak_m_s;
   throw InputError{
       at_axis(node, axis) +
       fmt::format("[limits] speed_m_s is {:g}, and an approach that is allowed {:.4g} m/s may reach {:g} "
@@ -47,8 +57,15 @@ void require_room_for_speed(const Node& node, const Axis& axis, const design::De
 
 // An approach may go beyond its target.
 void require_room_for_approaches(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  if (!report.certified || !report.braked) return;
-  const double beyond_m = report.braked->approach_beyond_m;
+  const double beyond_m = approach_of(report).beyond_m;
+  if (!report.certified || beyond_m == 0) return;
+  if (!std::isfinite(beyond_m)) {
+    if (!(axis.limits.following_error_m < unlimited)) return;
+    throw InputError{
+        at_axis(node, axis) +
+        "[limits] following_error_m is given, and nothing says how fast an approach may be, nor from where "
+        "it comes; state [limits] speed_m_s or position_m as well"};
+  }
   if (axis.limits.following_error_m < beyond_m)
     throw InputError{at_axis(node, axis) +
                      fmt::format("[limits] following_error_m is {:g}, and an approach may go {:g} m beyond its target; "

@@ -82,6 +82,13 @@ struct WorkPromise {
   std::string promise;  // the above in a sentence
 };
 
+// What a certificate of the coast "pd" says in figures, for an axis with a period. All of it is tested.
+struct PdPromise {
+  double beyond_m;  // that an approach or a kick may go past the target; infinite where nothing limits its speed
+  double approach_peak_m_s;  // that an approach may reach
+  int most_kicks;            // from where friction may hold the axis, under the greatest
+};
+
 struct Check {
   std::string name;
   bool required;  // the certificate depends on it; the others are sufficient conditions, for information
@@ -110,6 +117,7 @@ struct DesignReport {
   std::vector<Check> checks;
   std::optional<BrakedPromise> braked;  // of the coast "brake"
   std::optional<WorkPromise> work;      // of the coast "work"
+  std::optional<PdPromise> pd;          // of the coast "pd"
   bool certified;                       // every required check holds
   std::vector<std::string> reasons;     // why not, one line each; empty when certified
   std::vector<std::string> conditions;  // what must be true of the machine for the certificate to mean anything

@@ -1,0 +1,21 @@
+// The coast "pd" tried in closed loop, on an axis whose friction is constant: what its approach passes its target by,
+// and how many kicks follow.
+//
+// Of all friction within its bounds the least takes an approach furthest: at each place of the way the axis is at least
+// as fast under it, because m v dv/dx = u(x, v) - f, and two ways with the same u do not cross. Of all bounds the
+// greatest lets a kick lead least far. The loop is sampled and its force is late, so that both are tested, not proved.
+#pragma once
+
+#include "breakaway/design/report.hpp"
+#include "breakaway/law/k3_table.hpp"
+
+namespace breakaway::design::detail {
+
+// Kicks with which the trial comes from where the axis may stick to its target, at most: a fifth of what the law
+// gives. How many the last ones are, which lead less and less far, depends on where each begins.
+int most_tried_kicks() noexcept;
+
+// Of an axis with a period whose other checks hold.
+PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& table);
+
+}  // namespace breakaway::design::detail
