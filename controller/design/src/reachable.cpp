@@ -5,6 +5,7 @@
 
 #include "breakaway/law/kick_judge.hpp"
 #include "brief.hpp"
+#include "planned_force.hpp"
 
 namespace breakaway::design::detail {
 namespace {
@@ -25,51 +26,95 @@ bool kicks_are_few(const BrakedClass& axes, const BrakedDesign<float>& design, d
   return kicks > 0 && kicks <= law::KickJudge<float>::most_kicks;
 }
 
-bool reaches(const BrakedClass& axes, double tolerance_m) {
-  const auto design = design_braked_kicks<float>(axes);
-  return design.possible() && design.least_tolerance_m <= tolerance_m && kicks_are_few(axes, design, tolerance_m);
-}
+// What is tried of a class, and what it must keep beside the tolerance.
+class Trials {
+ public:
+  Trials(const Keeps& keeps, double least_period_s) : keeps_{keeps}, least_period_s_{least_period_s} {}
 
-// About the longest period, not above that of the class, with which the tolerance can be promised. Of two digits, since
-// drives are told of their period as a whole number up to 255 and a power of ten.
-std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m, double least_period_s) {
-  constexpr double spacing = 0.9;
-  constexpr int most_tried = 80;
-  axes.fine_tolerance_m = 0;
-  for (int i = 0; i < most_tried && axes.jitter_s <= most_jitter * axes.period_s; ++i) {
-    axes.period_s = less(axes.period_s, 2);
-    if (axes.period_s < least_period_s * (1 - 1e-9)) break;
-    if (reaches(axes, tolerance_m)) return axes.period_s;
-    axes.period_s *= spacing;
+  bool reaches(const BrakedClass& axes, double tolerance_m) const {
+    const auto design = design_braked_kicks<float>(axes);
+    return design.possible() && design.least_tolerance_m <= tolerance_m && kicks_are_few(axes, design, tolerance_m) &&
+           keeps(axes, design);
   }
-  return {};
-}
 
-// Below the floor the fine stage may aim at a tolerance, where kicks are no list of pulses, and few with its own.
-std::string by_fine_stage(BrakedClass axes, double tolerance_m) {
-  const bool is_asked = axes.fine_tolerance_m > 0;
-  axes.fine_tolerance_m = tolerance_m;
-  const auto design = design_braked_kicks<float>(axes);
-  if (!design.possible() || design.kicks.table.list || !kicks_are_few(axes, design, design.least_tolerance_m))
+  // About the longest period, not above that of the class, with which the tolerance can be promised. Of two digits,
+  // since drives are told of their period as a whole number up to 255 and a power of ten.
+  std::optional<double> longest_period_s(BrakedClass axes, double tolerance_m) const {
+    // The ringing on bristles asks for a long period.
+    if (axes.presliding_stiffness_N_per_m > 0) return {};
+    constexpr double spacing = 0.9;
+    constexpr int most_tried = 80;
+    axes.fine_tolerance_m = 0;
+    for (int i = 0; i < most_tried && axes.jitter_s <= most_jitter * axes.period_s; ++i) {
+      axes.period_s = less(axes.period_s, 2);
+      if (axes.period_s < least_period_s_ * (1 - 1e-9)) break;
+      if (reaches(axes, tolerance_m)) return axes.period_s;
+      axes.period_s *= spacing;
+    }
     return {};
-  return "have the fine stage aim at it and state [run] settle_tolerance_m = " +
-         brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
-         (is_asked ? "" : ", without fine_stage = false");
+  }
+
+  // Below the floor the fine stage may aim at a tolerance, where kicks are no list of pulses, and few with its own.
+  std::string by_fine_stage(BrakedClass axes, double tolerance_m) const {
+    const bool is_asked = axes.fine_tolerance_m > 0;
+    axes.fine_tolerance_m = tolerance_m;
+    const auto design = design_braked_kicks<float>(axes);
+    if (!design.possible() || !design.has_fine_stage() || !kicks_are_few(axes, design, design.least_tolerance_m) ||
+        !keeps(axes, design))
+      return {};
+    return "have the fine stage aim at it and state [run] settle_tolerance_m = " +
+           brief(more(error_at_rest_m(axes, design.least_tolerance_m))) + ", within which it ends for certain" +
+           (is_asked ? "" : ", without fine_stage = false");
+  }
+
+  // With finer steps of force there is a pulse for every distance.
+  std::string by_finer_steps(BrakedClass axes, double tolerance_m) const {
+    std::string with_fine_stage;
+    for (int steps = 65; steps < 10000; steps *= 2) {
+      axes.force_step_N = less(axes.max_force_N / steps);
+      const std::string of = "a drive with steps of force of " + brief(axes.force_step_N) + " N";
+      if (reaches(axes, tolerance_m)) return of;
+      if (!with_fine_stage.empty()) continue;
+      if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty())
+        with_fine_stage.append(of).append(" and ").append(fine);
+    }
+    return with_fine_stage;
+  }
+
+ private:
+  bool keeps(const BrakedClass& axes, const BrakedDesign<float>& design) const {
+    return !keeps_ || keeps_(axes, design);
+  }
+
+  const Keeps& keeps_;
+  double least_period_s_;
+};
+
+// An encoder of this count with what else the tolerance takes; nothing where it takes more than one thing else.
+std::string by_finer_count(const Trials& trials, BrakedClass finer, double count_m, double tolerance_m) {
+  finer.encoder_resolution_m = count_m;
+  const std::string encoder = ", or take an encoder_resolution_m of " + brief(count_m) + " m";
+  if (trials.reaches(finer, tolerance_m)) return encoder;
+  std::string ways;
+  if (const auto period_s = trials.longest_period_s(finer, tolerance_m))
+    ways.append(encoder).append(" with a period_s of ").append(brief(*period_s)).append(" s");
+  if (const std::string fine = trials.by_fine_stage(finer, tolerance_m); !fine.empty())
+    return ways.append(encoder).append(" and ").append(fine);
+  if (const std::string steps = trials.by_finer_steps(finer, tolerance_m); ways.empty() && !steps.empty())
+    ways.append(encoder).append(" and ").append(steps);
+  return ways;
 }
 
-// With finer steps of force there is a pulse for every distance.
-std::string by_finer_steps(BrakedClass axes, double tolerance_m) {
-  const std::string drive = ", or take a drive with steps of force of ";
-  std::string with_fine_stage;
-  for (int steps = 65; steps < 10000; steps *= 2) {
-    axes.force_step_N = less(axes.max_force_N / steps);
-    std::string of = drive + brief(axes.force_step_N) + " N";
-    if (reaches(axes, tolerance_m)) return of;
-    if (!with_fine_stage.empty()) continue;
-    if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty())
-      with_fine_stage.append(of).append(", ").append(fine);
-  }
-  return with_fine_stage;
+// Where no reading tells the tolerance. The fine stage may still aim at the least one that a reading tells.
+std::string ways_to_tell(const Trials& trials, const BrakedClass& axes, const BrakedDesign<float>& design,
+                         double tolerance_m) {
+  std::string ways;
+  const double told_m = more(design.least_reading_m);
+  if (const std::string fine = trials.by_fine_stage(axes, told_m); !fine.empty())
+    ways = ", or widen it to " + brief(told_m) + " m only and " + fine;
+  const auto count_m = coarsest_count_m(axes, design, tolerance_m);
+  if (!count_m) return ways + ", or take an encoder with less noise";
+  return ways + by_finer_count(trials, axes, *count_m, tolerance_m);
 }
 
 }  // namespace
@@ -80,28 +125,40 @@ double error_at_rest_m(const BrakedClass& axes, double reached_m) {
 }
 
 std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m,
-                          double least_period_s) {
+                          double least_period_s, const Keeps& keeps) {
   if (!design.possible()) return "mend the other checks first";
+  const Trials trials{keeps, least_period_s};
   std::string ways = "widen it to " + brief(more(design.least_tolerance_m)) + " m";
-  BrakedClass finer = axes;
   const bool told = tolerance_m >= design.least_reading_m * (1 - 1e-9);
-  if (!told) {
-    const auto count_m = coarsest_count_m(axes, design, tolerance_m);
-    if (!count_m) return ways + ", or take an encoder with less noise";
-    finer.encoder_resolution_m = *count_m;
+  if (!told) return ways + ways_to_tell(trials, axes, design, tolerance_m);
+  if (const auto period_s = trials.longest_period_s(axes, tolerance_m))
+    ways += ", or shorten period_s to " + brief(*period_s) + " s";
+  const bool list = design.kicks.table.list;
+  const std::string other = list ? trials.by_finer_steps(axes, tolerance_m) : trials.by_fine_stage(axes, tolerance_m);
+  return other.empty() ? ways : ways + (list ? ", or take " : ", or ") + other;
+}
+
+std::optional<double> longest_lag_s(const BrakedClass& axes, const std::function<bool(const BrakedClass&)>& certified) {
+  constexpr double spacing = 0.6, least_periods = 0.01;  // a lag as short as that is none
+  constexpr int halvings = 10;
+  const double sum_s = axes.lag_s.least + axes.lag_s.most, share = sum_s > 0 ? spread(axes.lag_s) : 0;
+  const auto holds = [&](double lag_s) {
+    BrakedClass quicker = axes;
+    quicker.lag_s = {lag_s * (1 - share), lag_s * (1 + share)};
+    return certified(quicker);
+  };
+  double too_long_s = sum_s / 2, found_s = 0;
+  while (too_long_s > least_periods * axes.period_s && found_s == 0) {
+    const double lag_s = less(spacing * too_long_s);
+    (holds(lag_s) ? found_s : too_long_s) = lag_s;
   }
-  // The ringing on bristles asks for a long period.
-  const bool bends = axes.presliding_stiffness_N_per_m > 0;
-  const auto period_s = bends ? std::nullopt : longest_period_s(finer, tolerance_m, least_period_s);
-  if (!told) {
-    const std::string encoder = ", or take an encoder_resolution_m of " + brief(finer.encoder_resolution_m) + " m";
-    if (period_s) return ways + encoder + " with a period_s of " + brief(*period_s) + " s";
-    return reaches(finer, tolerance_m) ? ways + encoder : ways;
+  if (found_s == 0) return {};
+  for (int i = 0; i < halvings; ++i) {
+    const double between_s = less((found_s + too_long_s) / 2);
+    if (between_s <= found_s) break;
+    (holds(between_s) ? found_s : too_long_s) = between_s;
   }
-  if (period_s) ways += ", or shorten period_s to " + brief(*period_s) + " s";
-  if (design.kicks.table.list) return ways + by_finer_steps(axes, tolerance_m);
-  const std::string fine = by_fine_stage(axes, tolerance_m);
-  return ways + (fine.empty() ? fine : ", or " + fine);
+  return found_s;
 }
 
 }  // namespace breakaway::design::detail
