@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "../../../controller/design/src/kick_table_builder.hpp"
 #include "../../../controller/design/src/kick_time.hpp"
@@ -30,6 +31,25 @@ TEST(KickClass, KnowsPulsesWithoutACut) {
   EXPECT_DOUBLE_EQ(least_travel_m(c, 20, 10, 0), uncut_m(4.5, kicks.preload_N()));
   EXPECT_EQ(kicks.cut_N(20, 10, 0), 0);
   EXPECT_GT(kicks.cut_N(20, 10, 3), 0);
+}
+
+// The lemma of the end of a cut, with jitter: for every loop of the class, and for those beyond its slowest.
+TEST(KickClass, CutsNoLoopToBelowTheBrake) {
+  std::mt19937_64 bits{7};
+  std::uniform_real_distribution<double> unit{0, 1};
+  for (int number = 0; number < 20000; ++number) {
+    BrakedClass c = axes_of_the_scenes(0);
+    c.lag_s.least = c.period_s * std::pow(10, 3 * unit(bits) - 1.5);
+    c.lag_s.most = c.lag_s.least * (1 + unit(bits));
+    if (number % 2 == 0) c.jitter_s = 0.5 * unit(bits) * c.period_s;
+    const KickClass kicks{c};
+    const double force_N = 3 + 47 * unit(bits), slower_s = c.lag_s.least * std::pow(1e4, unit(bits));
+    const int periods = 1 + static_cast<int>(30 * unit(bits)), cut = kicks.cut_periods(force_N, periods);
+    const double left = std::exp(-periods * kicks.shortest_period_s() / slower_s);
+    const double left_of_cut = std::exp(-cut * kicks.longest_period_s() / slower_s);
+    const double end_N = force_N + (kicks.preload_N() - force_N) * left, cut_N = kicks.cut_N(force_N, periods, cut);
+    ASSERT_GE(-cut_N + (cut_N + end_N) * left_of_cut, -kicks.brake_N() - 1e-9) << "kick " << number;
+  }
 }
 
 TEST(KickClass, CutsForNoLongerThanATableCanHold) {

@@ -162,6 +162,48 @@ TEST(PulseWork, IsNeverExceededByAFrictionOrAStiffness) {
   EXPECT_GT(fullest_way, 0.7);
 }
 
+// An axis of the class that the bound stands for: it may be heavier in all, stiffer, tighter and quicker.
+PulseWork inside(const PulseWork& told, std::mt19937_64& bits) {
+  std::uniform_real_distribution<double> unit{0, 1};
+  const double heavier = 1 + 0.3 * unit(bits);
+  PulseWork axis = told;
+  axis.motor_kg *= heavier;
+  axis.load_kg *= heavier;
+  axis.stiffness_N_per_m *= std::pow(30, unit(bits));
+  axis.gap_m *= unit(bits);
+  axis.lag_s *= unit(bits);
+  return axis;
+}
+
+TEST(PulseWork, OfEachAxisOfAClassIsAtMostThatOfTheLightestAndSoftest) {
+  std::mt19937_64 bits{31};
+  for (int number = 0; number < 20000; ++number) {
+    const Draw draw{bits};
+    const PulseWork told = draw.told.work(), axis = inside(told, bits);
+    const double travel_m = told.most_travel_m(draw.force_N, draw.pulse_s),
+                 work_J = told.most_J(draw.force_N, draw.pulse_s);
+    ASSERT_LE(axis.most_travel_m(draw.force_N, draw.pulse_s), travel_m * (1 + 1e-12)) << "pulse " << number;
+    ASSERT_LE(axis.most_J(draw.force_N, draw.pulse_s), work_J * (1 + 1e-12)) << "pulse " << number;
+  }
+}
+
+// So a class of axes with loads of several shares has no lightest one.
+TEST(PulseWork, MayRiseAsTheLoadAloneGetsHeavier) {
+  const PulseWork told{.motor_kg = 1,
+                       .load_kg = 0.434,
+                       .stiffness_N_per_m = 220033,
+                       .gap_m = 0,
+                       .motor_friction_N = 7.009,
+                       .load_friction_N = 0.7014,
+                       .held_N = 1.267,
+                       .lag_s = 0.539e-3};
+  PulseWork heavier = told;
+  heavier.load_kg *= 1.1;
+  EXPECT_GT(heavier.most_travel_m(75.37, 5.393e-3), told.most_travel_m(75.37, 5.393e-3));
+  heavier.motor_kg *= 1.1;
+  EXPECT_LT(heavier.most_travel_m(75.37, 5.393e-3), told.most_travel_m(75.37, 5.393e-3));
+}
+
 TEST(PulseWork, OfARigidAxisIsForceTimesItsTravel) {
   const PulseWork stiff{.motor_kg = 0.4,
                         .load_kg = 0.6,

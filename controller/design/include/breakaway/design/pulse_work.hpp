@@ -1,12 +1,13 @@
 // The most work that a pulse can do on a motor whose load hangs on a spring with backlash, where nothing shows the
 // motor's travel: the theorem of the unread motor in THEORY.md. Friction may vary as it likes and swing the load, so
-// long as it is at least what is stated; the joint may be stiffer, and its gap smaller.
+// long as it is at least what is stated; the joint may be stiffer, and its gap smaller. Both masses may be greater in
+// the same proportion, as those of a class are; with a greater load alone the bound may rise a little.
 #pragma once
 
 namespace breakaway::design {
 
 struct PulseWork {
-  double motor_kg, load_kg;  // the lightest
+  double motor_kg, load_kg;  // the lightest of axes whose load has the same share of the mass
   double stiffness_N_per_m;  // at least
   double gap_m;              // at most
   double motor_friction_N;   // at least, less the most that acts beside the drive
