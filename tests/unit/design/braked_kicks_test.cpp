@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <string>
 #include <utility>
@@ -28,37 +30,73 @@ BrakedClass example(double period_s = 1e-3, double lag_s = 0, double force_step_
   return c;
 }
 
-struct Floor {
-  double period_s, lag_s, force_step_N, most_m;
+constexpr double steps_N[] = {0.025, 0.5, 2, 5, 20};
+
+// Of a prototype that is not in this tree, with its own search for the worst case, for each of the steps of force.
+struct PrototypeFloors {
+  double period_s, lag_s;
+  double floors_um[std::size(steps_N)];
 };
 
-// Of a prototype that is not in this tree, with its own search for the worst case.
+constexpr PrototypeFloors prototype[] = {
+    {1e-3, 0, {1.52, 1.95, 3.11, 10, 70}},           {1e-3, 1e-4, {1.56, 1.85, 3, 9.4, 68}},
+    {1e-3, 1e-3, {2.06, 2.44, 2.44, 7.2, 53}},       {1e-3, 5e-3, {4.25, 4.34, 5.4, 4.5, 115}},
+    {1e-3, 2e-2, {17.9, 17.9, 18.7, 37, 962}},       {2.5e-4, 0, {0.095, 0.122, 0.194, 0.625, 4.38}},
+    {2.5e-4, 1e-3, {0.256, 0.272, 0.297, 0.327, 9}}, {4e-3, 0, {24, 31, 50, 160, 1120}},
+};
+
+// The prototype starts a pulse from 0.9 b, and here it starts from b less a tenth of the least friction already, which
+// is reached sooner. Where steps of force round b down that is less: 1.75 N instead of 1.8 N. Behind 20 periods of lag
+// a pulse of two periods feels it, and 41.5 N take 2.99 % of the furthest error that they are for instead of 3 %, so
+// that the floor is a step higher. From 1.8 N it is 17.79 um.
+double most_of_prototype(const PrototypeFloors& row, double step_N) {
+  return row.lag_s == 2e-2 && step_N == 0.5 ? 1.054 : 1.05;
+}
+
 TEST(BrakedKicks, HaveTheFloorsOfTheClosedFormAndOfThePrototype) {
-  const Floor floors[] = {
-      {1e-3, 0, 0.025, 1.52e-6},    {1e-3, 0, 0.5, 1.95e-6},
-      {1e-3, 0, 2, 3.11e-6},        {1e-3, 0, 5, 10e-6},
-      {1e-3, 0, 20, 70e-6},         {1e-3, 1e-4, 0.025, 1.56e-6},
-      {1e-3, 1e-4, 0.5, 1.85e-6},   {1e-3, 1e-4, 2, 3e-6},
-      {1e-3, 1e-4, 5, 9.4e-6},      {1e-3, 1e-4, 20, 68e-6},
-      {1e-3, 1e-3, 0.025, 2.06e-6}, {1e-3, 1e-3, 0.5, 2.44e-6},
-      {1e-3, 1e-3, 2, 2.44e-6},     {1e-3, 1e-3, 5, 7.2e-6},
-      {1e-3, 1e-3, 20, 53e-6},      {1e-3, 5e-3, 0.025, 4.25e-6},
-      {1e-3, 5e-3, 5, 4.5e-6},      {1e-3, 2e-2, 0.025, 17.9e-6},
-      {2.5e-4, 0, 0.025, 0.095e-6}, {2.5e-4, 1e-3, 0.025, 0.256e-6},
-      {4e-3, 0, 0.025, 24.4e-6},    {4e-3, 0, 20, 1120e-6},
+  for (const PrototypeFloors& row : prototype) {
+    for (std::size_t i = 0; i < std::size(steps_N); ++i) {
+      const auto design = design_braked_kicks<float>(example(row.period_s, row.lag_s, steps_N[i]));
+      EXPECT_TRUE(design.possible());
+      EXPECT_LE(1e6 * design.floor_m, most_of_prototype(row, steps_N[i]) * row.floors_um[i])
+          << row.period_s << " s, lag " << row.lag_s << " s, " << steps_N[i] << " N";
+    }
+  }
+}
+
+// At 1 ms and without lag; the last is behind a lag of a period, which is known to a fifth.
+TEST(BrakedKicks, HaveTheFloorsOfThePrototypeWhereAnAxisIsUncertain) {
+  const struct {
+    const char* of;
+    double most_um;
+    void (*set)(BrakedClass&);
+  } rows[] = {
+      {"force gain", 2.7,
+       [](BrakedClass& c) {
+         c.force_gain = {0.9, 1.1};
+       }},
+      {"mass", 1.7,
+       [](BrakedClass& c) {
+         c.mass_kg = {0.9, 1.1};
+       }},
+      {"load of a fifth of the least friction", 2.9, [](BrakedClass& c) { c.load_N = 0.5; }},
+      {"load of half the least friction", 7.6, [](BrakedClass& c) { c.load_N = 1.25; }},
+      {"mass, force gain and lag", 7.9,
+       [](BrakedClass& c) {
+         c.mass_kg = c.force_gain = {0.9, 1.1};
+         c.lag_s = {0.8e-3, 1.2e-3};
+       }},
   };
-  for (const Floor& f : floors) {
-    const auto design = design_braked_kicks<float>(example(f.period_s, f.lag_s, f.force_step_N));
-    EXPECT_TRUE(design.possible());
-    EXPECT_LE(design.floor_m, 1.05 * f.most_m)
-        << f.period_s << " s, lag " << f.lag_s << " s, " << f.force_step_N << " N";
+  for (const auto& row : rows) {
+    BrakedClass c = example();
+    row.set(c);
+    EXPECT_LE(1e6 * design_braked_kicks<float>(c).floor_m, 1.05 * row.most_um) << row.of;
   }
 }
 
 // The table "Floor in um" of the README, to the digits that it shows.
 TEST(BrakedKicks, HaveTheFloorsThatTheReadmeShows) {
   std::ifstream file{BREAKAWAY_SOURCE_DIR "/controller/design/README.md"};
-  constexpr double steps_N[] = {0.025, 0.5, 2, 5, 20};
   int rows = 0;
   for (std::string line; std::getline(file, line);) {
     double period_ms = 0, lag_ms = 0;
