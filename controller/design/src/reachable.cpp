@@ -14,11 +14,20 @@ namespace {
 double more(double value) { return rounded_up(value, 3); }
 double less(double value, int digits = 3) { return rounded_down(value, digits); }
 
-// The coarsest encoder whose readings tell the tolerance; none where noise alone hides it.
-std::optional<double> coarsest_count_m(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
-  const double per_error = design.least_reading_m / axes.reading_error_m();
-  const double count_m = 2 * (tolerance_m / per_error - axes.encoder_noise_m);
-  return count_m > 0 ? std::optional{less(count_m)} : std::nullopt;
+// The coarsest encoder whose readings tell the tolerance, as an end of a sentence; nothing where a float's rounding
+// alone hides it. Where noise does, half of what readings may be off is left to it.
+std::string take_coarsest_encoder(BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
+  const double error_m = tolerance_m * axes.reading_error_m() / design.least_reading_m;
+  std::string noise;
+  if (!(axes.encoder_noise_m < error_m)) {
+    axes.encoder_noise_m = less(error_m / 2);
+    if (axes.encoder_noise_m < axes.rounding_m) return {};
+    noise = " with an encoder_noise_m of " + brief(axes.encoder_noise_m) + " m";
+  }
+  const double count_m = less(2 * (error_m - axes.encoder_noise_m));
+  if (count_m >= axes.encoder_resolution_m) return "an encoder" + noise;
+  axes.encoder_resolution_m = count_m;
+  return "an encoder_resolution_m of " + brief(count_m) + " m" + noise;
 }
 
 bool kicks_are_few(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m) {
@@ -90,18 +99,17 @@ class Trials {
   double least_period_s_;
 };
 
-// An encoder of this count with what else the tolerance takes; nothing where it takes more than one thing else.
-std::string by_finer_count(const Trials& trials, BrakedClass finer, double count_m, double tolerance_m) {
-  finer.encoder_resolution_m = count_m;
-  const std::string encoder = ", or take an encoder_resolution_m of " + brief(count_m) + " m";
-  if (trials.reaches(finer, tolerance_m)) return encoder;
+// An encoder with what else the tolerance takes; nothing where it takes more than one thing else.
+std::string by_encoder(const Trials& trials, const BrakedClass& finer, const std::string& encoder, double tolerance_m) {
+  const std::string taken = ", or take " + encoder;
+  if (trials.reaches(finer, tolerance_m)) return taken;
   std::string ways;
   if (const auto period_s = trials.longest_period_s(finer, tolerance_m))
-    ways.append(encoder).append(" with a period_s of ").append(brief(*period_s)).append(" s");
+    ways.append(taken).append(" with a period_s of ").append(brief(*period_s)).append(" s");
   if (const std::string fine = trials.by_fine_stage(finer, tolerance_m); !fine.empty())
-    return ways.append(encoder).append(" and ").append(fine);
+    return ways.append(taken).append(" and ").append(fine);
   if (const std::string steps = trials.by_finer_steps(finer, tolerance_m); ways.empty() && !steps.empty())
-    ways.append(encoder).append(" and ").append(steps);
+    ways.append(taken).append(" and ").append(steps);
   return ways;
 }
 
@@ -112,9 +120,10 @@ std::string ways_to_tell(const Trials& trials, const BrakedClass& axes, const Br
   const double told_m = more(design.least_reading_m);
   if (const std::string fine = trials.by_fine_stage(axes, told_m); !fine.empty())
     ways = ", or widen it to " + brief(told_m) + " m only and " + fine;
-  const auto count_m = coarsest_count_m(axes, design, tolerance_m);
-  if (!count_m) return ways + ", or take an encoder with less noise";
-  return ways + by_finer_count(trials, axes, *count_m, tolerance_m);
+  BrakedClass finer = axes;
+  const std::string encoder = take_coarsest_encoder(finer, design, tolerance_m);
+  if (encoder.empty()) return ways + ", or take an encoder with less noise";
+  return ways + by_encoder(trials, finer, encoder, tolerance_m);
 }
 
 }  // namespace

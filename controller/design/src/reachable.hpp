@@ -17,7 +17,8 @@ using Keeps = std::function<bool(const BrakedClass&, const BrakedDesign<float>&)
 
 // In words and numbers, each of which makes the tolerance reachable, all else being equal: a tolerance, a period, and
 // an error up to which the fine stage may fall short of it; or, where no reading tells the tolerance, a count of the
-// encoder with what else it takes. What does not make it reachable by itself, or breaks what else is kept, is left out.
+// encoder, its noise, and what else it takes. What does not make it reachable by itself, or breaks what else is kept,
+// is left out.
 std::string ways_to_reach(const BrakedClass& axes, const BrakedDesign<float>& design, double tolerance_m,
                           double least_period_s, const Keeps& keeps = {});
 

@@ -28,12 +28,33 @@ std::string ways(const BrakedClass& c, double tolerance_m, double least_period_s
   return detail::ways_to_reach(c, design_braked_kicks<float>(c), tolerance_m, least_period_s);
 }
 
-TEST(WaysToReach, NameLessNoiseWhereNoCountOfAnEncoderWouldDo) {
+TEST(WaysToReach, NameANoiseWhereNoCountOfAnEncoderWouldDo) {
   BrakedClass c = counted_axes();
   c.encoder_noise_m = 1e-6;
   const std::string said = ways(c, 1e-6);
   EXPECT_TRUE(said.starts_with("widen it to ")) << said;
+  c.encoder_noise_m = number_after(said, " m with an encoder_noise_m of ");
+  c.encoder_resolution_m = number_after(said, "or take an encoder_resolution_m of ");
+  EXPECT_LE(design_braked_kicks<float>(c).least_reading_m, 1e-6) << said;
+}
+
+// It grows with the way that is counted, and no encoder changes it.
+TEST(WaysToReach, NameNoNoiseBelowTheRoundingOfAFloat) {
+  BrakedClass c = counted_axes();
+  c.encoder_noise_m = c.rounding_m = 1e-6;
+  const std::string said = ways(c, 1e-6);
   EXPECT_TRUE(said.ends_with(" m, or take an encoder with less noise")) << said;
+}
+
+// A fine count whose noise is all that hides the tolerance.
+TEST(WaysToReach, NameANoiseAloneWhereTheCountTells) {
+  BrakedClass c = counted_axes();
+  c.encoder_resolution_m = 1e-8;
+  c.encoder_noise_m = 2e-6;
+  const std::string said = ways(c, 3e-6);
+  EXPECT_EQ(said.find("encoder_resolution_m"), std::string::npos) << said;
+  c.encoder_noise_m = number_after(said, "or take an encoder with an encoder_noise_m of ");
+  EXPECT_LE(design_braked_kicks<float>(c).least_tolerance_m, 3e-6) << said;
 }
 
 TEST(WaysToReach, NameNoPeriodWhereFrictionBends) {

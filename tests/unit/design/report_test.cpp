@@ -471,6 +471,7 @@ bool type(const std::string& way, AxisDesign& axis) {
   take("shorten period_s to ", [&](double value) { axis.period_s = c.period_s = value; });
   take("with a period_s of ", [&](double value) { axis.period_s = c.period_s = value; });
   take("encoder_resolution_m of ", [&](double value) { axis.encoder_resolution_m = c.encoder_resolution_m = value; });
+  take("encoder_noise_m of ", [&](double value) { c.encoder_noise_m = value; });
   take("with steps of force of ", [&](double value) { c.force_step_N = value; });
   take("settle_tolerance_m = ", [&](double value) { axis.settle_tolerance_m = value; });
   take("current_loop_time_constant_s of ", [&](double value) { c.lag_s = {value * (1 - share), value * (1 + share)}; });
