@@ -313,11 +313,20 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
   return checks;
 }
 
-std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
+// What an approach keeps, in figures: a reader of the flashed header has no others.
+std::string tested_of_approach(const BrakedDesign<float>& design, const BrakedPromise& p) {
+  std::string tested = "that one of four approaches ends where kicks begin, within " + brief(kicks_begin_m(design)) +
+                       " m of the target, and none goes further than " + brief_up(p.approach_beyond_m) + " m beyond it";
+  if (std::isfinite(p.approach_peak_m_s)) tested += ", nor faster than " + brief_up(p.approach_peak_m_s) + " m/s";
+  return tested;
+}
+
+std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const BrakedDesign<float>& design,
+                                             const BrakedPromise& promise) {
   const std::string tested =
       "tested, not proved: that a kick goes no further with more lag or less force gain, that the table holds between "
-      "its places, and that one of four approaches ends where kicks begin, within reach_m or " +
-      brief(law::left_beyond) + " hand_over_m of the target, and none goes further than approach_beyond_m beyond it";
+      "its places, and " +
+      tested_of_approach(design, promise);
   const BrakedClass& c = *axis.braked;
   std::vector<std::string> conditions{
       "friction stays between " + brief(c.friction.lower_N) + " N and " + brief(c.friction.upper_N) +
@@ -356,15 +365,18 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis) {
         " m from where the other says, whatever the law; tested, not proved: that the axis settles, and "
         "how many kicks are needed");
   if (c.move)
-    conditions.emplace_back(
-        "the limits of a move hold until brake and kicks take over, within hand_over_m of the target, and that of the "
-        "jerk is of what is planned; tested, not proved: that the speed stays within its limit to 1 %, also where "
-        "samples are lost");
+    conditions.push_back(
+        "the limits of a move hold until brake and kicks take over, within " + brief_up(promise.hand_over_m) +
+        " m of the target, and that of the jerk is of what is planned; tested, not proved: that the speed stays within "
+        "its limit to 1 %, also where samples are lost");
   return conditions;
 }
 
-std::vector<std::string> conditions_of_law(const AxisDesign& axis) {
-  if (axis.braked) return conditions_of_brake(axis);
+std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::optional<BrakedDesign<float>>& braked,
+                                           const DesignReport& report) {
+  // A class for which no kicks are possible has no figures to state, and nothing is certified of it.
+  if (axis.braked)
+    return report.braked ? conditions_of_brake(axis, *braked, *report.braked) : std::vector<std::string>{};
   if (axis.work && axis.work->spring_load) return detail::conditions_of_work(axis);
   const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
   std::vector<std::string> conditions{
@@ -383,8 +395,9 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis) {
   return conditions;
 }
 
-std::vector<std::string> conditions(const AxisDesign& axis) {
-  std::vector<std::string> all = conditions_of_law(axis);
+std::vector<std::string> conditions(const AxisDesign& axis, const std::optional<BrakedDesign<float>>& braked,
+                                    const DesignReport& report) {
+  std::vector<std::string> all = conditions_of_law(axis, braked, report);
   if (axis.sag_m > 0)
     all.push_back(
         "until the drive gives feedforward_N an axis whose brake opens sags by up to " + brief_up(axis.sag_m) +
@@ -425,7 +438,7 @@ DesignReport design_axis(const AxisDesign& axis) {
       .pd = {},
       .certified = false,
       .reasons = {},
-      .conditions = conditions(axis),
+      .conditions = {},
   };
   std::optional<BrakedDesign<float>> braked;
   if (axis.braked) braked = design_braked_kicks<float>(*axis.braked);
@@ -441,6 +454,7 @@ DesignReport design_axis(const AxisDesign& axis) {
     report.checks.push_back(kicks_of_pd(*report.pd));
     report.reasons = reasons_against(report.checks);
   }
+  report.conditions = conditions(axis, braked, report);
   report.certified = report.reasons.empty();
   return report;
 }

@@ -40,11 +40,20 @@ double at_most(double value, int digits = 4) {
 }
 double at_least(double value) { return value > 0 && std::isfinite(value) ? rounded_down(value, 4) : value; }
 
+void print_overshoot(const design::BrakedPromise& p) {
+  fmt::print("overshoot             at most {:g} m by a kick, and {:g} m by an approach (tested){}\n",
+             at_most(p.beyond_m), at_most(p.approach_beyond_m),
+             std::isfinite(p.approach_peak_m_s)
+                 ? fmt::format(", which goes {:g} m/s at most (tested)", at_most(p.approach_peak_m_s))
+                 : "");
+}
+
 void print_promise(const design::BrakedPromise& p, bool certified) {
   fmt::print("coast \"brake\"         brake {:.4g} N, floor {:g} m, least tolerance {:g} m, table {} bytes\n",
              p.brake_N, at_most(p.floor_m), at_most(p.least_tolerance_m), p.table_bytes);
   if (!certified) return;
   fmt::print("                      {}\n", p.promise);
+  print_overshoot(p);
   if (p.least_move_s > 0)
     fmt::print(
         "longest move          {:g} s at least within its limits, under any law; then brake and kicks from {:.4g} "

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "../number_after.hpp"
 #include "command.hpp"
 
 namespace breakaway::testing {
@@ -99,6 +100,28 @@ TEST_F(Command, CertifiesTheLeastToleranceThatItPrintsAndNoLessThanTheErrorThatN
   const std::string design = run("design " + path("new.toml") + " --json -").out;
   EXPECT_GE(said_m, figure(design, "error_m"));
   EXPECT_LE(said_m, 1.01 * figure(design, "error_m"));
+}
+
+TEST_F(Command, SaysHowFarAndHowFastKicksAndApproachesMayGo) {
+  for (const std::string file : {"braked_axis.toml", "move_axis.toml"}) {
+    const std::string text = run("design " + scenarios + file).out;
+    const std::string json = run("design " + scenarios + file + " --json -").out;
+    const std::string line = text.substr(std::min(text.find("\novershoot "), text.size()));
+    const auto expect_at_most = [&](const std::string& words, const std::string& name) {
+      const double said = number_after(line, words), known = figure(json, name);
+      EXPECT_GE(said, known) << words << line.substr(0, 200);
+      EXPECT_LE(said, 1.001 * known) << words << line.substr(0, 200);
+    };
+    expect_at_most("at most ", "beyond_m");
+    expect_at_most("by a kick, and ", "approach_beyond_m");
+    expect_at_most("by an approach (tested), which goes ", "approach_peak_m_s");
+  }
+  std::string unlimited = content(scenarios + "braked_axis.toml");
+  const std::string limits = "[limits]\nposition_m = 10\nspeed_m_s = 20\n";
+  unlimited.erase(unlimited.find(limits), limits.size());
+  unlimited.insert(unlimited.find("max_approach_speed_m_s"), "# ");
+  const std::string text = run("design " + scenario(unlimited)).out;
+  EXPECT_NE(text.find("by an approach (tested)\n"), std::string::npos) << text;
 }
 
 TEST_F(Command, SaysWhatLimitsTheAccuracyOfTheCoastBrake) {

@@ -223,6 +223,26 @@ TEST(DesignReport, CertifiesTheBrakeByItsOwnConditions) {
   EXPECT_FALSE(design_axis(example()).braked.has_value());
 }
 
+TEST(DesignReport, SaysWithFiguresWhatIsTestedOfAnApproach) {
+  AxisDesign axis = braked_example();
+  const auto tested = [&axis] { return design_axis(axis).conditions.back(); };
+  EXPECT_EQ(tested().find("nor faster"), std::string::npos) << "its speed is not limited";
+  axis.max_approach_speed_m_s = 1;
+  const BrakedPromise promise = *design_axis(axis).braked;
+  for (const std::string& part : {"further than " + breakaway::brief_up(promise.approach_beyond_m) + " m beyond it",
+                                  "nor faster than " + breakaway::brief_up(promise.approach_peak_m_s) + " m/s"})
+    EXPECT_NE(tested().find(part), std::string::npos) << part << " in: " << tested();
+}
+
+TEST(DesignReport, StatesNoConditionsOfKicksThatAreImpossible) {
+  AxisDesign axis = braked_example();
+  axis.braked->max_force_N = axis.max_force_N = 4;
+  const DesignReport report = design_axis(axis);
+  ASSERT_FALSE(report.braked.has_value());
+  EXPECT_FALSE(report.certified);
+  EXPECT_TRUE(report.conditions.empty());
+}
+
 TEST(DesignReport, SaysThatALimitOfTheFollowingErrorMustLeaveTheWayToTurn) {
   AxisDesign axis = braked_example();
   const auto said = [&axis] {
