@@ -64,6 +64,15 @@ std::string header_of(const std::string& text, const std::string& file) {
   return config::node_header(config::certified(node, reports), node, reports);
 }
 
+// Of an axis under the coast "brake", for which 3 um at rest will do.
+std::string braked_header(double tolerance_m) {
+  config::Node node = config::read_node(BREAKAWAY_SOURCE_DIR "/sim/scenarios/braked_axis.toml");
+  node.axes[0].controller.position_tolerance_m = tolerance_m;
+  node.settle_tolerance_m = 3e-6;
+  const auto reports = config::examine(node);
+  return config::node_header(config::certified(node, reports), node, reports);
+}
+
 TEST(NodeHeader, IsRefusedForAnAxisThatIsNotCertifiedAndNamesIt) {
   const std::string coarse = with(two_axes, "1.8e-6\n[axis.limits]\nspeed_m_s = 20\n[axis.drive]\nnode_id = 2",
                                   "1e-9\n[axis.limits]\nspeed_m_s = 20\n[axis.drive]\nnode_id = 2");
@@ -83,6 +92,28 @@ TEST(NodeHeader, StatesForEveryAxisOnWhichConditionsItIsCertified) {
   ASSERT_NE(first, std::string::npos);
   ASSERT_NE(second, std::string::npos);
   EXPECT_GT(second, first);
+}
+
+TEST(NodeHeader, SaysOfTheReadingWhatTheToleranceHoldsAndOfTheTrueErrorWhatIsMore) {
+  const std::string by_pd = header_of(two_axes, "node.toml");
+  EXPECT_NE(by_pd.find("at rest its reading is within position_tolerance_m of its target, the true error at most "
+                       "2.3e-06 m, provided that"),
+            std::string::npos)
+      << by_pd.substr(0, 500);
+  const std::string braked = braked_header(2e-6);
+  EXPECT_NE(
+      braked.find("is certified: at rest its reading is within position_tolerance_m of its target, provided that"),
+      std::string::npos)
+      << braked.substr(0, 500);
+  EXPECT_NE(braked.find("the true error is at most 2.5e-06 m"), std::string::npos);
+}
+
+TEST(NodeHeader, PromisesNoToleranceThatIsOnlyAimedAt) {
+  const std::string text = braked_header(0.6e-6);
+  EXPECT_NE(text.find("at rest its reading is within fine_floor_m of its target, and position_tolerance_m, which is "
+                      "less, is only aimed at, provided that"),
+            std::string::npos)
+      << text.substr(0, 500);
 }
 
 }  // namespace
