@@ -7,10 +7,14 @@
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <utility>
 
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3.hpp"
 #include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/plot_style.hpp"
+#include "phase_pictures.hpp"
 #include "plot_data.hpp"
 #include "thin.hpp"
 
@@ -128,91 +132,6 @@ Picture error_over_time(const Axis& axis, double tolerance_m, const AxisResult& 
           format::draw_svg("error", format::width_px, 420, commands + plots + "\n")};
 }
 
-// c_hi and c_lo of (9): where the axis can stick.
-struct StickSets {
-  double upper_m, lower_m;
-};
-
-StickSets stick_sets(const Axis& axis) {
-  const double stiffness = axis.controller.impulsive ? axis.controller.impulsive->stiffness_N_per_m
-                                                     : axis.controller.pid->proportional_N_per_m;
-  return {axis.friction.bounds.upper_N / stiffness, axis.friction.bounds.lower_N / stiffness};
-}
-
-struct Window {
-  double least, most;
-  double width() const { return most - least; }
-};
-
-template <class Value>
-Window window_of(const AxisResult& result, Value value) {
-  const auto [least, most] = std::ranges::minmax(result.trace, {}, value);
-  return {std::invoke(value, least), std::invoke(value, most)};
-}
-
-// Position and velocity to a fifth of a pixel of what is shown.
-std::string solution(const AxisResult& result, Window position_m, Window velocity_m_s) {
-  std::vector<Point> points;
-  for (const sil::Sample& s : result.trace) points.push_back({s.position_m, s.velocity_m_s});
-  const double share = 0.2 / format::width_px;
-  return data("solution", thin_curve(points, std::max(share * position_m.width(), 1e-30),
-                                     std::max(share * velocity_m_s.width(), 1e-30)));
-}
-
-std::string phase_plot(const Axis& axis, const AxisResult& result, Window position_m, Window velocity_m_s,
-                       const std::string& settings) {
-  const auto [upper_m, lower_m] = stick_sets(axis);
-  const double target_m = result.trace.back().target_m;
-  return format::plot_style + solution(result, position_m, velocity_m_s) +
-         fmt::format("$outer << END\n{} 0 {} 0\nEND\n$inner << END\n{} 0 {} 0\nEND\n", number(target_m - upper_m),
-                     number(2 * upper_m), number(target_m - lower_m), number(2 * lower_m)) +
-         "set tmargin 3\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n" + settings +
-         "set xlabel 'position [m]'\nset ylabel 'velocity [m/s]'\n"
-         "plot $outer using 1:2:3:4 with vectors nohead linestyle 6 title 'maximal stick set', "
-         "$inner using 1:2:3:4 with vectors nohead linestyle 7 title 'minimal stick set', "
-         "$solution using 1:2 with lines linestyle 1 title 'solution'";
-}
-
-Picture phase_plane(const Axis& axis, const AxisResult& result) {
-  const std::string plot = phase_plot(axis, result, window_of(result, &sil::Sample::position_m),
-                                      window_of(result, &sil::Sample::velocity_m_s), "") +
-                           ", $solution every ::0::0 using 1:2 with points pointtype 7 pointsize 0.6 linecolor "
-                           "'#1c5d99' title 'start'";
-  return {"Phase plane",
-          axis.controller.pid
-              ? "The solution in the plane of position and velocity, with the sets in which friction can hold "
-                "the proportional part: the greatest friction (maximal) and the least (minimal)."
-              : "The solution in the plane of position and velocity, with the sets in which the axis can "
-                "stick: for the greatest friction (maximal) and for the least (minimal). Compare Figure 6 of "
-                "van de Wouw & Leine.",
-          format::draw_svg("phase", format::width_px, 460, plot)};
-}
-
-// Around the final target, as fast as the axis moves on its last way there.
-std::optional<std::array<Window, 2>> window_near_target(const Axis& axis, const AxisResult& result) {
-  const double target_m = result.trace.back().target_m, upper_m = stick_sets(axis).upper_m;
-  if (upper_m > 0.03 * window_of(result, &sil::Sample::position_m).width()) return std::nullopt;  // seen in the whole
-  Window v{0, 0};
-  for (const sil::Sample& x : result.trace) {
-    if (x.target_m != target_m || std::fabs(x.position_m - target_m) > upper_m / 3) continue;
-    v = {std::min(v.least, x.velocity_m_s), std::max(v.most, x.velocity_m_s)};
-  }
-  if (v.width() == 0) return std::nullopt;  // it never moved there
-  const double margin_m_s = 0.15 * v.width();
-  return std::array{Window{target_m - 1.25 * upper_m, target_m + 1.25 * upper_m},
-                    Window{v.least - margin_m_s, v.most + margin_m_s}};
-}
-
-Picture phase_plane_near_target(const Axis& axis, const AxisResult& result, Window x, Window v) {
-  const std::string window = fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", number(x.least), number(x.most),
-                                         number(v.least), number(v.most));
-  return {"Phase plane near the target",
-          axis.controller.pid ? "The same around the stick sets."
-                              : "The same around the stick sets: each kick gives the axis speed, and it slides to rest "
-                                "closer to the target.",
-          format::draw_svg("phase_near", format::width_px, 420, phase_plot(axis, result, x, v, window))};
-}
-
 Picture kick_law(const Axis& axis, const AxisResult& result) {
   const auto& gains = *axis.controller.impulsive;
   const auto law = design::K3<double>::make(
@@ -241,6 +160,65 @@ Picture kick_law(const Axis& axis, const AxisResult& result) {
       "The impulse that sends the axis from rest at a position error to its target under the least friction, over the "
       "maximal stick set. Compare Figure 4 of van de Wouw & Leine.",
       format::draw_svg("law", format::width_px, 400, commands + "\n")};
+}
+
+// The distances that kicks are for, and those that this run kicked from.
+std::array<double, 2> kicked_distances(const design::BrakedDesign<float>& braked, const AxisResult& result) {
+  double least_m = braked.floor_m, most_m = braked.reach_m;
+  for (const sil::KickRecord& k : result.kicks) {
+    const double distance_m = std::fabs(k.error_m);
+    if (distance_m > 0) least_m = std::min(least_m, distance_m);
+    most_m = std::max(most_m, distance_m);
+  }
+  return {least_m, most_m};
+}
+
+std::string table_data(const design::BrakedDesign<float>& braked, const AxisResult& result) {
+  constexpr int intervals = 600;
+  const auto [least_m, most_m] = kicked_distances(braked, result);
+  std::vector<double> places;
+  for (int i = 0; i <= intervals; ++i)
+    places.push_back(least_m * std::pow(most_m / least_m, static_cast<double>(i) / intervals));
+  return data("table", places, [&](double y) {
+    const law::Pulse<float> pulse = braked.kicks.table.pulse(static_cast<float>(y));
+    return std::array{y, static_cast<double>(pulse.force_N), static_cast<double>(pulse.periods)};
+  });
+}
+
+// The pulses of the coast "brake", which k3 has no part in.
+Picture kick_table(const design::BrakedDesign<float>& braked, const AxisResult& result) {
+  const auto panel_of = [&](std::string_view name, int column, std::string_view style) {
+    std::string plot = fmt::format("set ylabel '{0}'\nplot $table using 1:{1} with {2} linestyle 1 title 'table'", name,
+                                   column, style);
+    if (!result.kicks.empty())
+      plot += fmt::format(", $kicks using 1:{} with points linestyle 8 title 'kicks of this run'", column);
+    return plot + "\n";
+  };
+  const std::string commands =
+      format::plot_style + table_data(braked, result) +
+      data("kicks", result.kicks,
+           [](const sil::KickRecord& k) {
+             return std::array{std::fabs(k.error_m), std::fabs(k.force_N), static_cast<double>(k.periods)};
+           }) +
+      "set multiplot layout 1,2\nset logscale x\nset format x '10^{%T}'\nset xlabel '|position error| [m]'\n"
+      "set yrange [0:*]\n" +
+      panel_of("force of the pulse [N]", 2, "lines") + panel_of("its length [periods]", 3, "steps");
+  return {
+      "Kick table",
+      fmt::format("The pulse that answers a position error at rest. Of all axes that the file admits it is made to "
+                  "lead the one that goes furthest to its target, and any other less far. From the floor of {:.3g} m "
+                  "on each kick is sure to take some of the error away.{}",
+                  braked.floor_m, braked.has_fine_stage() ? " Below it the fine stage finds its own forces." : ""),
+      format::draw_svg("kick_table", format::width_px, 360, commands)};
+}
+
+// What answers a position error at rest; nothing where it is no curve over the error.
+std::optional<Picture> kick_answer(const config::Node& node, const Axis& axis, const AxisResult& result) {
+  const auto& gains = axis.controller.impulsive;
+  if (!gains || gains->coast == law::Coast::work || node.coupling) return std::nullopt;
+  if (gains->coast == law::Coast::pd) return kick_law(axis, result);
+  const auto braked = design::design_braked_kicks<float>(config::braked_class(node, axis));
+  return braked.possible() ? std::optional{kick_table(braked, result)} : std::nullopt;
 }
 
 // Of an axis with a load apart only the motor's friction is seen, between the bounds of the motor.
@@ -338,14 +316,12 @@ Picture bus_load(const AxisResult& result, const sil::LoopFigures& loop) {
 std::vector<Picture> draw_pictures(const config::Node& node, const Axis& axis, const AxisResult& result) {
   if (result.trace.empty()) return {};
   std::vector<Picture> pictures{response(node, axis, result)};
-  if (ever_off_target(result)) pictures.push_back(error_over_time(axis, judged_tolerance_m(node, axis), result));
+  const double tolerance_m = judged_tolerance_m(node, axis);
+  if (ever_off_target(result)) pictures.push_back(error_over_time(axis, tolerance_m, result));
   // Where an axis of several that push each other can stick is no matter of its own numbers.
-  const auto near = node.coupling ? std::nullopt : window_near_target(axis, result);
-  if (!node.coupling) pictures.push_back(phase_plane(axis, result));
-  if (near) pictures.push_back(phase_plane_near_target(axis, result, (*near)[0], (*near)[1]));
+  if (!node.coupling) std::ranges::move(draw_phase_planes(axis, tolerance_m, result), std::back_inserter(pictures));
   if (result.load_position_m) pictures.push_back(motor_and_load(result));
-  const auto& gains = axis.controller.impulsive;
-  if (gains && gains->coast != law::Coast::work && !node.coupling) pictures.push_back(kick_law(axis, result));
+  if (auto answer = kick_answer(node, axis, result)) pictures.push_back(*std::move(answer));
   pictures.push_back(friction_along(axis, result));
   if (!result.kicks.empty()) pictures.push_back(kicks(result));
   return pictures;

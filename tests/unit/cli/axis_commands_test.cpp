@@ -438,5 +438,47 @@ TEST_F(Command, WritesASelfContainedReport) {
   }
 }
 
+// A section of a page, from its title on; empty where there is none.
+std::string section(const std::string& page, const std::string& title) {
+  const auto from = page.find("<h2>" + title + "</h2>");
+  return from == std::string::npos ? "" : page.substr(from, page.find("</section>", from) - from);
+}
+
+TEST_F(Command, DrawsOfEachCoastWhatPlaysAPartInIt) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto page_of = [&](const std::string& file) {
+    EXPECT_EQ(run("simulate " + scenarios + file + " --report " + path("a.html")).exit_code, 0) << file;
+    return content(path("a.html"));
+  };
+  const std::string near = "Phase plane near the target";
+  const std::string pd = page_of("can_axis.toml");
+  for (const std::string title : {"Phase plane", near.c_str()})
+    EXPECT_NE(section(pd, title).find("minimal stick set"), std::string::npos) << title;
+  EXPECT_NE(section(pd, "Impulse law k₃"), "");
+  EXPECT_EQ(section(pd, "Kick table"), "");
+  for (const std::string file : {"braked_axis.toml", "move_axis.toml", "belt_axis.toml"}) {
+    const std::string kicked = page_of(file);
+    EXPECT_EQ(kicked.find("minimal stick set"), std::string::npos) << file;
+    EXPECT_EQ(section(kicked, "Impulse law k₃"), "") << file;
+    EXPECT_EQ(section(kicked, "Kick table").empty(), file == "belt_axis.toml") << file << ": its pulses end by work";
+    for (const char* part : {"tolerance", "kicks"})
+      EXPECT_NE(section(kicked, near).find(part), std::string::npos) << part << ", " << file;
+  }
+}
+
+TEST_F(Command, DrawsTheKicksOfTheCoastBrakeOverAsFarAsTheyGo) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const std::string scene = "simulate " + scenarios + "braked_axis.toml --report " + path("a.html") + " --json -";
+  const double first_m = std::fabs(figure(run(scene).out.substr(run(scene).out.find("\"kicks\"")), "error_m"));
+  const std::string picture = section(content(path("a.html")), "Phase plane near the target");
+  // The number below an axis is "n×10" with the exponent raised.
+  const std::regex tick{"(-?[0-9.]+)×10</tspan><tspan[^>]*>(-[0-9]+)<"};
+  double furthest_m = 0;
+  for (std::sregex_iterator found{picture.begin(), picture.end(), tick}, end; found != end; ++found)
+    furthest_m = std::max(furthest_m, std::stod((*found)[1].str() + "e" + (*found)[2].str()));
+  EXPECT_GT(furthest_m, 0.7 * first_m);
+  EXPECT_LT(furthest_m, 1.4 * first_m) << "or the kicks are too small to be seen";
+}
+
 }  // namespace
 }  // namespace breakaway::testing
