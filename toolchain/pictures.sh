@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renews the picture of the README: one axis under PD, PID and the impulsive law.
+# Renews the pictures of one axis under several laws: of the README under PD, PID and the impulsive law, of the law under its coasts.
 set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -9,7 +9,8 @@ Usage: toolchain/pictures.sh
 
 Simulates sim/scenarios/can_axis.toml and can_axis_pid.toml from -0.1 m at rest, with static friction at the upper and kinetic
 friction at the lower bound, and draws the position error of both, and of a PD with the impulsive law's approach gains, into
-sim/report/stuck_axis.svg.
+sim/report/stuck_axis.svg; and those of sim/scenarios/braked_axis.toml, and of the same file with coast = "pd", into
+sim/report/coasts.svg.
 
 Example: toolchain/pictures.sh
 HELP
@@ -36,24 +37,33 @@ simulated() { # simulated <name> <file> [sed expression...]
 }
 simulated impulsive can_axis.toml
 simulated pid can_axis_pid.toml
+simulated brake braked_axis.toml
+simulated coast_pd braked_axis.toml 's/^coast = .*/coast = "pd"/' '/^\[uncertainty\]/,/^$/d' # which this coast is not certified with
 simulated pd can_axis_pid.toml 's/^kp_N_per_m.*/kp_N_per_m = 400/' 's/^ki_N_per_ms.*/ki_N_per_ms = 0/' 's/^kd_Ns_per_m.*/kd_Ns_per_m = 32/'
 
-gnuplot <<PLOT
+drawn() { # drawn <file> <time shown in s> <title> <plot command>: the distance to the target on a logarithmic axis
+  gnuplot <<PLOT
 set terminal svg size 900,380 font "sans-serif,14" background "white"
-set output "sim/report/stuck_axis.svg"
+set output "$1"
 set datafile separator ","
 set logscale y
-set xrange [0:2]
+set xrange [0:$2]
 set yrange [1e-8:10]
 set format y "10^{%T} m"
 set xlabel "time in s"
-set title "Distance to the target, from 0.1 m, with friction between 2.5 N and 4.5 N"
+set title "$3"
 set grid ytics lc rgb "#dddddd"
 set key right top
-set arrow from 0,3e-6 to 2,3e-6 nohead dashtype 2 lc rgb "#888888"
-set label "3 µm" at 1.9,1.2e-6 textcolor rgb "#666666"
-plot "$work/pd.csv" using 1:(abs(\$2)) with lines lw 2.5 lc rgb "#999999" title "PD: stops short", \
-     "$work/pid.csv" using 1:(abs(\$2)) with lines lw 2.5 lc rgb "#d1793a" title "PID: hunts for ever", \
-     "$work/impulsive.csv" using 1:(abs(\$2)) with lines lw 2.5 lc rgb "#1f6fb4" title "breakaway: sticks, kicks, is there"
+set arrow from 0,3e-6 to $2,3e-6 nohead dashtype 2 lc rgb "#888888"
+set label "3 µm" at 0.015*$2,1.2e-6 textcolor rgb "#666666"
+$4
 PLOT
-printf 'sim/report/stuck_axis.svg\n'
+  printf '%s\n' "$1"
+}
+drawn sim/report/stuck_axis.svg 2 "Distance to the target, from 0.1 m, with friction between 2.5 N and 4.5 N" \
+  "plot '$work/pd.csv' using 1:(abs(\$2)) with lines lw 2.5 lc rgb '#999999' title 'PD: stops short', \
+     '$work/pid.csv' using 1:(abs(\$2)) with lines lw 2.5 lc rgb '#d1793a' title 'PID: hunts for ever', \
+     '$work/impulsive.csv' using 1:(abs(\$2)) with lines lw 2.5 lc rgb '#1f6fb4' title 'breakaway: sticks, kicks, is there'"
+drawn sim/report/coasts.svg 0.3 "Distance to the target, from 0.1 m, of one axis under either coast" \
+  "plot '$work/coast_pd.csv' using 1:(abs(\$2)) with lines lw 2.5 lc rgb '#d1793a' title 'coast \"pd\"', \
+     '$work/brake.csv' using 1:(abs(\$2)) with lines lw 2.5 lc rgb '#1f6fb4' title 'coast \"brake\"'"

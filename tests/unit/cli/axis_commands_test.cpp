@@ -438,6 +438,29 @@ TEST_F(Command, WritesASelfContainedReport) {
   }
 }
 
+// What controller/law/README.md says of one axis under both coasts, and toolchain/pictures.sh draws.
+TEST_F(Command, SettlesSoonerAndByFewerKicksUnderTheBrake) {
+  const std::pair<const char*, const char*> edits[] = {{"position_m = -4\n", "position_m = -0.1\n"},
+                                                       {"velocity_m_s = -4\n", "velocity_m_s = 0\n"},
+                                                       {"kind = \"mean\"", "kind = \"static_kinetic\""}};
+  std::string brake = content(scenarios + "braked_axis.toml");
+  for (const auto& [from, to] : edits) brake.replace(brake.find(from), std::string{from}.size(), to);
+  brake = std::regex_replace(brake, std::regex{"(weights|parts) = .*\n"}, "");
+  std::string pd = std::regex_replace(brake, std::regex{"\n\\[uncertainty\\][^\\[]*"}, "\n");
+  pd.replace(pd.find("coast = \"brake\""), 15, "coast = \"pd\"");
+  const auto expect_run = [&](const std::string& text, double settling_s, double error_m, std::ptrdiff_t kicks) {
+    const Ended ended = run("simulate " + scenario(text) + " --json -");
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_NEAR(figure(ended.out, "settling_time_s"), settling_s, 0.5e-3);
+    EXPECT_NEAR(figure(ended.out, "final_error_m"), error_m, 0.05e-6);
+    const std::regex kick{"\"velocity_after_m_s\""};
+    EXPECT_EQ(std::distance(std::sregex_iterator{ended.out.begin(), ended.out.end(), kick}, std::sregex_iterator{}),
+              kicks);
+  };
+  expect_run(brake, 0.109, -1.1e-6, 1);
+  expect_run(pd, 0.266, 0.37e-6, 5);
+}
+
 // A section of a page, from its title on; empty where there is none.
 std::string section(const std::string& page, const std::string& title) {
   const auto from = page.find("<h2>" + title + "</h2>");
