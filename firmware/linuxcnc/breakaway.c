@@ -78,9 +78,9 @@ static void take_reset(struct axis* a) {
   a->was_reset = *a->reset;
 }
 
-/* A thread whose period is off by more than a hundredth. */
+/* A thread whose period is off by more than a thousandth: the way of a kick goes with the square of it. */
 static bool has_another_period(const struct axis* a, long period_ns) {
-  return fabs((double)period_ns * 1e-9 - a->status.period_s) > 0.01 * a->status.period_s;
+  return fabs((double)period_ns * 1e-9 - a->status.period_s) > 0.001 * a->status.period_s;
 }
 
 static double force_of(struct axis* a) {

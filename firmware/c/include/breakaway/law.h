@@ -95,12 +95,14 @@ BREAKAWAY_PUBLIC int breakaway_law_f_init(breakaway_law_f* law, size_t law_bytes
 BREAKAWAY_PUBLIC int breakaway_law_d_init(breakaway_law_d* law, size_t law_bytes, unsigned abi, const void* image, size_t image_bytes,
                          unsigned axis);
 
-/* Once a period, of a law that is not null. fresh: false where no new sample came, so that position_m is not looked at. Returns the force in newtons;
+/* A float holds a position to a quarter of a count within four million counts (2^22) of 0; further away take double.
+ * Once a period, of a law that is not null. fresh: false where no new sample came, so that position_m is not looked at. Returns the force in newtons;
  * 0 from a law that was not initialised, and one that is no number counts as a fault of its own. */
 BREAKAWAY_PUBLIC float breakaway_law_f_update(breakaway_law_f* law, float position_m, bool fresh);
 BREAKAWAY_PUBLIC double breakaway_law_d_update(breakaway_law_d* law, double position_m, bool fresh);
 
-/* From the next period on. A target that is where it was changes nothing. Any other starts a new approach. */
+/* From the next period on. A target that is where it was changes nothing. Any other is approached anew, or after the
+ * brake or kick that is under way and leads away from it. */
 BREAKAWAY_PUBLIC int breakaway_law_f_set_target(breakaway_law_f* law, float target_m);
 BREAKAWAY_PUBLIC int breakaway_law_d_set_target(breakaway_law_d* law, double target_m);
 
