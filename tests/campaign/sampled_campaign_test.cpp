@@ -157,12 +157,61 @@ TEST(SampledCampaign, AxesThatFailedOnceSettle) {
   }
 }
 
+// They needed a thousand kicks and more: with little force to spare some kicks lead hardly anywhere.
+TEST(SampledCampaign, RefusesAxesThatNeedManyKicks) {
+  for (const long number : {418, 97008548, 97008592}) {
+    Random r{static_cast<std::uint64_t>(number) + 2'000'000};
+    const design::DesignReport report = design::design_axis(random_design(r));
+    ASSERT_FALSE(report.certified) << number;
+    EXPECT_EQ(report.reasons.front().find("kicks_are_few"), 0U) << report.reasons.front();
+  }
+}
+
 TEST(SampledCampaign, EveryCertifiedAxisSettlesBehindAWeakDrive) {
   run_all(Approach::weak, asked_for("BREAKAWAY_WEAK_AXES", 40));
 }
 
 TEST(SampledCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
   run_all(Approach::slow, asked_for("BREAKAWAY_SLOW_AXES", 20));
+}
+
+// Mass, force gain, bounds, load, lag and latency off by up to 2 times.
+TEST(SampledCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
+  const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_TOLD_WRONG", 100);
+  constexpr int most_kicks = law::KickJudge<float>::most_kicks_in_all;
+  long runs = 0, kicks = 0;
+  for (long number = first; number < first + axes; ++number) {
+    Random r{static_cast<std::uint64_t>(number) + 2'000'000};
+    const design::AxisDesign a = random_design(r);
+    if (!design::design_axis(a).certified) continue;
+    const auto p = parameters_of(a);
+    const auto built = design::build_k3_table<float>(
+        {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+    BrakedClass told;
+    told.mass_kg = {a.mass_kg, a.mass_kg};
+    told.friction = a.friction;
+    told.period_s = a.period_s;
+    told.lag_s = {a.current_loop_lag_s, a.current_loop_lag_s};
+    told.latency_periods = a.latency_ticks;
+    told.encoder_resolution_m = a.encoder_resolution_m;
+    for (int kind = 0; kind < kinds; ++kind) {
+      const Wrong truth{told, r};
+      BrakedClass true_class = told;
+      true_class.friction = truth.friction;
+      const Friction friction =
+          friction_of_kind(kind, true_class, static_cast<std::uint64_t>(number * kinds + kind),
+                           std::max(3 * drawn_start_m(a, 0), a.encoder_resolution_m), a.position_tolerance_m);
+      const double start_m = drawn_start_m(a, 1 + 3 * r.share()) * (r.share() < 0.5 ? 1 : -1);
+      const auto end = testing::run_kicked_axis<float>(p, built.table, {}, truth.axis, friction, start_m, 0,
+                                                       10 * patience_s(a) + 50, 4, 100, r.between(-0.5, 0.5));
+      ++runs;
+      kicks = std::max<long>(kicks, end.kicks);
+      EXPECT_TRUE(end.held || end.ends_by_name())
+          << "axis " << number << ", friction " << kind << ": error " << end.error_m << " after " << end.kicks;
+      EXPECT_LE(end.kicks, most_kicks) << "axis " << number << ", friction " << kind;
+    }
+  }
+  std::printf("%ld runs, at most %ld kicks\n", runs, kicks);
 }
 
 }  // namespace

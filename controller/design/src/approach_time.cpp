@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "breakaway/design/kick_promise.hpp"
 #include "kick_time.hpp"
 #include "planned_force.hpp"
 
@@ -102,6 +103,15 @@ double approach_s(const BrakedClass& axes, const BrakedDesign<Real>& design, dou
          again * (end_s + kicks.patient_periods * axes.period_s);
 }
 
+template <class Real>
+double without_progress_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s,
+                          double tolerance_m) {
+  return approach_s(axes, design, max_speed_m_s, hand_over_m(design)) +
+         KickPromise{axes, design, tolerance_m}.most_s(kicks_begin_m(design));
+}
+
+template double without_progress_s(const BrakedClass&, const BrakedDesign<float>&, double, double);
+template double without_progress_s(const BrakedClass&, const BrakedDesign<double>&, double, double);
 template double approach_s(const BrakedClass&, const BrakedDesign<float>&, double, double);
 template double approach_s(const BrakedClass&, const BrakedDesign<double>&, double, double);
 

@@ -173,6 +173,15 @@ double known_for_s(const BrakedClass& axes, const law::BrakedApproach<Real>& pla
   return axes.latency_periods * axes.period_s + static_cast<double>(plan.response_s);
 }
 
+// By which every axis of the class slows down whose plan has it brake as hard as it may.
+template <class Real>
+double sure_braking_m_s2(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
+  const KickClass kicks{axes};
+  const PlannedForce force{axes, kicks};
+  return plan.move.are_asked_for() ? force.sure_deceleration(planned_deceleration_m_s2(axes, kicks))
+                                   : (force.gain_least * kicks.limit_N() + force.least_N) / force.heaviest_kg;
+}
+
 // An axis that is to brake from the speed v by a_h, and goes on by a for tau because readings that jitter, or are lost,
 // have it taken for slower, is taken back by a deceleration of up to d. It goes further by
 // (v + a tau)^2 / (2 d) - v^2 / (2 a_h) + v tau + a tau^2 / 2, which is greatest at some v.
@@ -182,10 +191,8 @@ double misread_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>
   const PlannedForce force{axes, kicks};
   const bool moves = plan.move.are_asked_for();
   const double misread_s = misread_in_a_row * axes.period_s, braking = static_cast<double>(plan.hard_m_s2);
-  const double most_N = kicks.limit_N();
-  const double sure = moves ? force.sure_deceleration(planned_deceleration_m_s2(axes, kicks))
-                            : (force.gain_least * most_N + force.least_N) / force.heaviest_kg;
-  const double given = (force.gain_most * most_N - force.least_N) / force.lightest_kg;
+  const double sure = sure_braking_m_s2(axes, plan);
+  const double given = (force.gain_most * kicks.limit_N() - force.least_N) / force.lightest_kg;
   const double speeding = moves ? std::min(given, axes.move->acceleration_m_s2) : given;
   const double late_s = misread_s * (1 + speeding / sure), taken_back = std::max(1 / braking - 1 / sure, 0.0) / 2;
   const double v = std::min(fastest_m_s, late_s / (2 * taken_back));
@@ -206,6 +213,15 @@ double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const double thrown = (force.gain_most * kicks.limit_N() - force.least_N) / force.lightest_kg;
   return std::max(max_speed_m_s + detail::faster_than_planned_m_s(axes, plan, max_speed_m_s),
                   thrown * known_for_s(axes, plan));
+}
+
+// Known late, and with a jerk that has to take the acceleration away and to bring that of the brake.
+template <class Real>
+double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
+  const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const double fastest_m_s = approach_peak_m_s(axes, design, max_speed_m_s);
+  const double rise_s = axes.move && axes.move->jerk_m_s3 ? axes.move->acceleration_m_s2 / *axes.move->jerk_m_s3 : 0;
+  return fastest_m_s * (known_for_s(axes, plan) + 2 * rise_s + fastest_m_s / (2 * sure_braking_m_s2(axes, plan)));
 }
 
 template <class Real>
@@ -247,6 +263,8 @@ template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
 template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<float>&, double);
 template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<double>&, double);
+template double turning_m(const BrakedClass&, const BrakedDesign<float>&, double);
+template double turning_m(const BrakedClass&, const BrakedDesign<double>&, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&, double);
 

@@ -252,6 +252,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .table_bytes = design.table_bytes,
                   .approach_beyond_m = approach_beyond_m(c, design, axis.max_approach_speed_m_s),
                   .approach_peak_m_s = approach_peak_m_s(c, design, axis.max_approach_speed_m_s),
+                  .turning_m = turning_m(c, design, axis.max_approach_speed_m_s),
                   .farthest_m = design.farthest_m,
                   .least_move_s = c.move ? least_move_s(*c.move) : 0,
                   .longest_way_m = axis.longest_way_m,
@@ -351,6 +352,11 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
       tested};
   if (std::isfinite(axis.following_error_m))
     conditions.push_back("a target moves while the axis rests, or following_error_m leaves it the way to turn");
+  if (std::isfinite(promise.approach_peak_m_s) && !c.move)
+    conditions.push_back(
+        "a target moves while the axis rests or is approached, or the limit of its speed leaves room for " +
+        brief_up(law::most_taken_over * static_cast<double>(design.kicks.approach.switch_speed_m_s)) +
+        " m/s more: an approach that begins under the brake is taken for one that begins at rest");
   if (c.presliding_stiffness_N_per_m > 0)
     conditions.push_back(
         "friction is a spring of " + brief(c.presliding_stiffness_N_per_m) +
@@ -367,9 +373,15 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
   if (c.move)
     conditions.push_back(
         "the limits of a move hold until brake and kicks take over, within " + brief_up(promise.hand_over_m) +
-        " m of the target, and that of the jerk is of what is planned; tested, not proved: that the speed stays within "
-        "its limit to 1 %, also where samples are lost");
+        " m of the target, or where friction has stopped four approaches on their way; that of the jerk is of what is "
+        "planned; tested, not proved: that the speed stays within its limit to 1 %, also where samples are lost");
   return conditions;
+}
+
+std::string beyond_under_pd(const PdPromise& p) {
+  if (!std::isfinite(p.beyond_m)) return "; an approach and a kick may go beyond the target";
+  return ", and neither an approach nor a kick goes further than " + brief_up(p.beyond_m) +
+         " m beyond the target, nor an approach faster than " + brief_up(p.approach_peak_m_s) + " m/s";
 }
 
 std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::optional<BrakedDesign<float>>& braked,
@@ -389,8 +401,8 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::op
       "mass, stiffness and damping are as stated, and the mechanism is rigid"};
   if (axis.period_s > 0) {
     conditions.push_back("the drive gives the commanded force within its limit, period by period");
-    conditions.push_back(
-        "tested, not proved: that the sampled loop settles as the ideal law does; a kick may go beyond the target");
+    conditions.push_back("tested, not proved: that the sampled loop settles as the ideal law does" +
+                         (report.pd ? beyond_under_pd(*report.pd) : std::string{}));
   }
   return conditions;
 }
@@ -449,7 +461,8 @@ DesignReport design_axis(const AxisDesign& axis) {
   if (braked && braked->possible()) report.braked = promise(axis, *braked);
   if (work && work->possible()) report.work = detail::work_promise(axis, *work);
   report.reasons = reasons_against(report.checks);
-  if (report.reasons.empty() && !axis.braked && !axis.work && axis.period_s > 0) {
+  const bool is_sampled = axis.period_s > 0 && axis.encoder_resolution_m > 0;
+  if (report.reasons.empty() && !axis.braked && !axis.work && is_sampled) {
     report.pd = detail::try_pd(axis, built.table);
     report.checks.push_back(kicks_of_pd(*report.pd));
     report.reasons = reasons_against(report.checks);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/hal/time.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
 
@@ -71,6 +72,12 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
                      fmt::format("[limits] following_error_m is {:g}, and an approach may go {:g} m beyond its target; "
                                  "raise it to that",
                                  axis.limits.following_error_m, rounded_up(beyond_m, 3))};
+  const double turning_m = report.braked && !axis.controller.targets.empty() ? report.braked->turning_m : 0;
+  if (axis.limits.following_error_m < turning_m)
+    throw InputError{at_axis(node, axis) +
+                     fmt::format("[limits] following_error_m is {:g}, and an axis whose target moves on the way may go "
+                                 "on for {:g} m before it turns; raise it to that, or allow less speed",
+                                 axis.limits.following_error_m, rounded_up(turning_m, 3))};
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
@@ -118,6 +125,18 @@ void require_reachable_targets(const Node& node, const Axis& axis, const design:
     require(std::abs(change.position_m - from_m), "[controller] has a target that is");
     from_m = change.position_m;
   }
+}
+
+// A sample that is lost is no reason to stop.
+void require_patience_with_samples(const Node& node, const Axis& axis, const design::DesignReport& report) {
+  if (!report.certified || !node.loop || !axis.limits.feedback_timeout) return;
+  const double least_s = 2.5 * node.period_s(), given_s = hal::seconds(*axis.limits.feedback_timeout);
+  if (given_s >= least_s * (1 - 1e-9)) return;
+  throw InputError{
+      at_axis(node, axis) +
+      fmt::format("[limits] feedback_timeout_s is {:g}, and one sample that is lost makes the newest up to "
+                  "{:g} s old; raise it to {:g}",
+                  given_s, 2 * node.period_s(), least_s)};
 }
 
 // A sag must not run into a limit either.
@@ -171,6 +190,7 @@ void require_room(const Node& node, const Axis& axis, const design::DesignReport
   require_room_for_approaches(node, axis, report);
   require_reachable_targets(node, axis, report);
   require_room_for_sag(node, axis, report);
+  require_patience_with_samples(node, axis, report);
 }
 
 }  // namespace breakaway::config

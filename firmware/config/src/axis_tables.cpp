@@ -231,9 +231,8 @@ void check_limits(const Section& section, const Axis& axis, const Node& node) {
   const auto require = [&](bool holds, std::string_view key, double limit, std::string_view what, double least) {
     if (holds) return;
     const auto [limit_text, least_text] = compared(limit, least);
-    section.fail(key,
-                 fmt::format("is {}, below {} = {}, which the controller may use; raise the one or lower the other",
-                             limit_text, what, least_text));
+    section.fail(key, fmt::format("is {}, below {} = {}, which the controller needs; raise the one or lower the other",
+                                  limit_text, what, least_text));
   };
   check_counted(section, axis);
   const Limits& l = axis.limits;

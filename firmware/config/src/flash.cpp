@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string_view>
 #include <type_traits>
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/design/approach_time.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/work_kicks.hpp"
@@ -145,6 +147,29 @@ Kicks kicks_of(const design::BrakedClass& axes) {
     return axes.spring_load ? design::design_work_kicks<Real>(axes).kicks : Kicks{};
 }
 
+// No less than what the supervisor has by itself, and as much as the certificate of a slow axis needs.
+hal::Duration progress_timeout(const Node& node, const Axis& axis) {
+  const hal::Duration usual = firmware::AxisLimits<double>{}.progress_timeout;
+  if (!node.loop || !axis.controller.impulsive || axis.controller.impulsive->coast != law::Coast::brake) return usual;
+  const design::BrakedClass axes = braked_class(node, axis);
+  const auto design = design::design_braked_kicks<float>(axes);
+  if (!design.possible()) return usual;
+  const double tolerance = std::max(tolerance_m(node, axis), design.least_tolerance_m);
+  const double speed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
+  const double lawful_s = design::without_progress_s(axes, design, speed_m_s, tolerance);
+  constexpr double longest_s = 1e6;
+  if (!(lawful_s <= longest_s)) return usual;
+  return std::max(usual, std::chrono::duration_cast<hal::Duration>(
+                             std::chrono::milliseconds{std::llround(std::ceil(1e3 * lawful_s))}));
+}
+
+template <class Real>
+firmware::AxisLimits<Real> limits_under_law(const Node& node, const Axis& axis) {
+  firmware::AxisLimits<Real> limits = axis_limits<Real>(axis);
+  limits.progress_timeout = progress_timeout(node, axis);
+  return limits;
+}
+
 template <class Real, class Kicks>
 firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& axis) {
   // What is flashed has no place for an ODrive: odrive_config() is what commands one.
@@ -156,7 +181,7 @@ firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& ax
   const auto built = design::build_k3_table<Real>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
   firmware::FlashedAxis<Real, Kicks> flashed{.drive = canopen ? drive_config<Real>(axis) : cia402::DriveConfig<Real>{},
-                                             .limits = axis_limits<Real>(axis),
+                                             .limits = limits_under_law<Real>(node, axis),
                                              .law = p,
                                              .k3_table = built.table};
   if (p.coast != law::Coast::pd) {

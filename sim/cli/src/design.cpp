@@ -77,6 +77,14 @@ void print_promise(const design::WorkPromise& p, bool certified) {
   if (certified) fmt::print("                      {}\n", p.promise);
 }
 
+void print_promise(const design::PdPromise& p) {
+  fmt::print("coast \"pd\"            at most {} kicks under the greatest friction", p.most_kicks);
+  if (std::isfinite(p.beyond_m))
+    fmt::print(", at most {:g} m beyond the target, {:g} m/s at most on the way", at_most(p.beyond_m),
+               at_most(p.approach_peak_m_s));
+  fmt::print(" (tested)\n");
+}
+
 void print_report(const design::DesignReport& r) {
   for (const design::Check& check : r.checks) {
     const char* verdict = check.holds ? "holds" : check.required ? "FAILS" : "no";
@@ -92,6 +100,7 @@ void print_report(const design::DesignReport& r) {
              at_most(r.table_proved_error, 3), r.table_measured_error);
   if (r.braked) print_promise(*r.braked, r.certified);
   if (r.work) print_promise(*r.work, r.certified);
+  if (r.pd && r.certified) print_promise(*r.pd);
   fmt::print("{}\n", r.certified ? "certified, provided that" : "NOT certified");
   for (const std::string& line : r.certified ? r.conditions : r.reasons) fmt::print("  {}\n", line);
 }

@@ -65,6 +65,13 @@ std::string results_table(const DesignReport& report) {
   table.row("Friction ratio", fmt::format("{:.4g}; needed {:.4g} (exact), {:.4g} by (18)", report.ratio,
                                           report.exact_ratio_threshold, report.ratio_threshold_18));
   table.quantity("Least k₂₂ for (18), Remark 1", report.least_damping_Ns_per_m, "N s/m");
+  if (report.pd && report.certified) {
+    table.row("Kicks under the greatest friction, at most (tested)", fmt::format("{}", report.pd->most_kicks));
+    if (std::isfinite(report.pd->beyond_m)) {
+      table.at_most("Beyond the target, at most (tested)", 1e3 * report.pd->beyond_m, "mm");
+      table.at_most("Largest speed of an approach (tested)", report.pd->approach_peak_m_s, "m/s");
+    }
+  }
   table.row("k₃ table", fmt::format("{} bytes, relative error at most {:g} (proved), {:.3g} found", report.table_bytes,
                                     rounded_up(report.table_proved_error, 3), report.table_measured_error));
   return table.text();

@@ -51,6 +51,13 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   }
 }
 
+void write_promise(format::JsonWriter& json, const design::PdPromise& promise) {
+  json.member("most_kicks", promise.most_kicks);
+  if (!std::isfinite(promise.beyond_m)) return;
+  json.member("beyond_m", promise.beyond_m);
+  json.member("approach_peak_m_s", promise.approach_peak_m_s);
+}
+
 void write_promise(format::JsonWriter& json, const design::WorkPromise& promise) {
   json.member("accuracy_floor_m", promise.floor_m);
   json.member("least_tolerance_m", promise.least_tolerance_m);
@@ -95,6 +102,7 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
   });
   if (report.braked) json.object("braked", [&] { write_promise(json, *report.braked); });
   if (report.work) json.object("work", [&] { write_promise(json, *report.work); });
+  if (report.pd && report.certified) json.object("pd", [&] { write_promise(json, *report.pd); });
   json.array("checks", [&] {
     for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
   });

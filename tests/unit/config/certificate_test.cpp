@@ -142,6 +142,33 @@ TEST(Certificate, TakesForcesBesideTheDrivesInUnderTheBrakeUpToTheStatedBound) {
   expect_refused(more("[plant]", "force_N = 0.01", under_pd()), "the coast \"pd\" knows nothing");
 }
 
+void expect_no_room(const std::string& text, const std::string& named) {
+  const std::string said = refusal([&] { why_not(text); });
+  EXPECT_NE(said.find(named), std::string::npos) << said;
+}
+
+// `simulate` shows 0.19 m past a target at 0 from -4.9 m under the least friction.
+TEST(Certificate, LeavesRoomUnderTheCoastPdForWhatAnApproachGoesBeyond) {
+  const std::string slack = with(under_pd(), "k21_Ns_per_m = 32", "k21_Ns_per_m = 8");
+  const auto with_limits = [&](const std::string& limits) { return with(slack, "position_m = 1\n", limits + "\n"); };
+  EXPECT_EQ(why_not(with_limits("position_min_m = -4.9\nposition_max_m = 0.21")), "");
+  expect_no_room(with_limits("position_min_m = -4.9\nposition_max_m = 0.19"), "an approach may go 0.202 m beyond");
+  expect_no_room(with(slack, "following_error_m = 2", "following_error_m = 0.1"), "beyond its target; raise it");
+}
+
+TEST(Certificate, LeavesTheFollowingErrorTheWayToTurnWhereTheTargetMoves) {
+  const std::string moved = more("[controller]", "targets = [{ time_s = 0.2, position_m = -0.2 }]");
+  EXPECT_EQ(why_not(with(moved, "following_error_m = 2", "following_error_m = 0.1")), "");
+  expect_no_room(with(moved, "following_error_m = 2", "following_error_m = 0.04"), "before it turns");
+  EXPECT_EQ(why_not(with(scene, "following_error_m = 2", "following_error_m = 0.04")), "") << "no target moves";
+}
+
+TEST(Certificate, IsRefusedWhereOneLostSampleStopsTheAxis) {
+  expect_no_room(with(scene, "following_error_m = 2", "following_error_m = 2\nfeedback_timeout_s = 0.0015"),
+                 "raise it to 0.0025");
+  EXPECT_EQ(why_not(with(scene, "following_error_m = 2", "following_error_m = 2\nfeedback_timeout_s = 0.0025")), "");
+}
+
 TEST(Certificate, CountsWhatTheFeedforwardLeavesOfAKnownForce) {
   const std::string weight = more("[plant]", "force_N = -2");
   expect_refused(weight, "2 N act");

@@ -143,7 +143,7 @@ std::size_t padding_in(const FlashedAxis<float>& axis) {
                inverted, absolute, homing, information] = drive;
   const auto& [first, last] = information;
   const auto& [home, home_counts, method, search, zero, acceleration, homing_timeout] = homing;
-  const auto& [low, high, speed, limit_N, following, feedback_timeout] = limits;
+  const auto& [low, high, speed, limit_N, following, feedback_timeout, progress_timeout] = limits;
   const auto& [root_max, nodes_per_root, nodes] = table;
   const auto& [value, slope] = nodes[0];
   return padding_of(axis, name, drive, limits, law, table, braked, certified) + padding_in(braked) +
@@ -151,8 +151,9 @@ std::size_t padding_in(const FlashedAxis<float>& axis) {
                     user_unit, inverted, absolute, homing, information) +
          padding_of(information, first, last) +
          padding_of(homing, home, home_counts, method, search, zero, acceleration, homing_timeout) +
-         padding_of(limits, low, high, speed, limit_N, following, feedback_timeout) + padding_in(law) +
-         padding_of(table, root_max, nodes_per_root, nodes) + nodes.size() * padding_of(nodes[0], value, slope);
+         padding_of(limits, low, high, speed, limit_N, following, feedback_timeout, progress_timeout) +
+         padding_in(law) + padding_of(table, root_max, nodes_per_root, nodes) +
+         nodes.size() * padding_of(nodes[0], value, slope);
 }
 
 TEST(FlashedNode, AllBytesButPaddingAreVisited) {

@@ -251,11 +251,41 @@ TEST(ReadNode, EveryFieldOfTheLoopCanBeSet) {
   EXPECT_EQ(certified_node(with(two_axes, "1_000_000", "800_000")).loop.network.bit_rate, 800'000U);
 }
 
+// 10 t that hardly rub, read by millimetres: kicks and their proofs of rest take minutes.
+TEST(ReadNode, GivesASlowAxisTheTimeThatItsCertificateNeeds) {
+  const std::string slow = R"(
+[loop]
+period_s = 0.01
+[bus]
+bit_rate = 1_000_000
+[plant]
+mass_kg = 1e4
+[friction]
+lower_N = 0.1
+upper_N = 0.12
+[controller]
+k1_N_per_m = 0.1
+k21_Ns_per_m = 10
+k22_Ns_per_m = 100
+max_force_N = 10
+position_tolerance_m = 2e-3
+[drive]
+rated_torque_Nm = 0.5
+max_torque_per_mille = 2000
+force_per_torque_N_per_Nm = 10
+encoder_resolution_m = 1e-3
+[limits]
+position_m = 100
+speed_m_s = 20
+)";
+  EXPECT_GT(certified_node(slow).axes[0].limits.progress_timeout, 200s);
+}
+
 TEST(ReadNode, EveryLimitOfAnAxisCanBeSet) {
   const auto limits_of = [](const std::string& lines) {
     return certified_node(with_line("limits", lines)).axes[0].limits;
   };
-  const auto [low, high, speed, force, following, feedback_timeout] = limits_of(
+  const auto [low, high, speed, force, following, feedback_timeout, progress_timeout] = limits_of(
       "position_min_m = -2\nposition_max_m = 3\nforce_N = 60\nfollowing_error_m = 0.1\nfeedback_timeout_s = 0.004");
   EXPECT_EQ(low, -2);
   EXPECT_EQ(high, 3);
@@ -263,6 +293,7 @@ TEST(ReadNode, EveryLimitOfAnAxisCanBeSet) {
   EXPECT_EQ(force, 60);
   EXPECT_EQ(following, 0.1F);
   EXPECT_EQ(feedback_timeout, 4ms);
+  EXPECT_EQ(progress_timeout, 60s) << "no line of the file: what the certificate of a slow axis needs, and a minute";
   EXPECT_EQ(limits_of("position_m = 5").position_min_m, -5);
 }
 

@@ -45,6 +45,7 @@ constexpr void visit_limits(Limits& limits, Visitor& visit) {
   visit.value("force_N", limits.force_N, "N");
   visit.value("following_error_m", limits.following_error_m, "m");
   visit.value("feedback_timeout", limits.feedback_timeout, "ns");
+  visit.value("progress_timeout", limits.progress_timeout, "ns");
 }
 
 template <class Parameters, class Visitor>

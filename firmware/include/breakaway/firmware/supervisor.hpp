@@ -143,6 +143,8 @@ struct AxisLimits {
   Scalar force_N = unlimited;
   Scalar following_error_m = unlimited;
   hal::Duration feedback_timeout{};  // age of the newest sample; one lost frame makes two periods
+  // In which an axis that runs comes nearer to its target. A slow one with a coarse encoder may lawfully take longer.
+  hal::Duration progress_timeout = std::chrono::seconds{60};
 };
 
 // What is known of the axis' force and motion; what is not known is not watched.
@@ -175,8 +177,6 @@ struct AxisHealth {
 template <class Scalar>
 class Supervisor {
  public:
-  // No lawful motion takes so long to come nearer to its target.
-  static constexpr hal::Duration progress_timeout = std::chrono::seconds{60};
   // An axis that holds for so many samples holds for long.
   static constexpr std::uint16_t long_rest = 1000;
   // While a drive finds its zero, so many samples in a row that are too fast are no jump to it.
@@ -285,7 +285,7 @@ class Supervisor {
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
     if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
-    if (health.on_its_way && rested_samples_ == 0 && now - progress_time_ > progress_timeout)
+    if (health.on_its_way && rested_samples_ == 0 && now - progress_time_ > limits_.progress_timeout)
       return AxisFault::target_not_reached;
     if (f.fresh) return measured_violation(f, health);
     return AxisFault::none;

@@ -17,4 +17,10 @@ namespace breakaway::design {
 template <class Real>
 double approach_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s, double distance_m);
 
+// An axis that passes its target may come no nearer to it for so long, until it holds [s]: approaches from there, and
+// all kicks with their proofs of rest.
+template <class Real>
+double without_progress_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s,
+                          double tolerance_m);
+
 }  // namespace breakaway::design

@@ -136,6 +136,11 @@ constexpr double most_unknown_with_jerk = 0.1;                                //
 template <class Real>
 double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
 
+// So far may an axis go on whose target comes to lie behind it, until it turns, where its approach goes no faster than
+// this, [m].
+template <class Real>
+double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
+
 // So far may an approach go beyond its target before brake and kicks take over, where it goes no faster than this, also
 // where readings that jitter or are lost are off as it is to begin to brake: tested, not proved.
 template <class Real>

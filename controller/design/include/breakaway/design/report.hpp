@@ -56,6 +56,7 @@ struct BrakedPromise {
   std::size_t table_bytes;
   double approach_beyond_m;  // that an approach may go past its target, tested
   double approach_peak_m_s;  // that it may reach where its speed is limited, tested; else infinite
+  double turning_m;          // that an approach may go on for when its target comes to lie behind it
   double farthest_m;         // a target that the law is certified to reach
   double least_move_s;       // that the longest move takes under any law; 0: none is stated
   double longest_way_m;      // from rest over which

@@ -127,7 +127,7 @@ class ApproachPlan {
       return false;
     }
     passed_ = a_->move.are_asked_for() && distance_ < passed_m_;
-    return is_near && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(1.25);
+    return is_near && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(most_taken_over);
   }
   bool reckons() const noexcept { return reckons_; }
 

@@ -164,7 +164,7 @@ class AxisController {
   static constexpr std::int32_t long_hold_periods = 400;
 
   // The first fault is the one to know.
-  ControlOutput<Scalar> fail(ControlFault fault) noexcept {
+  [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> fail(ControlFault fault) noexcept {
     if (mode_ != Mode::fault) fault_ = fault;
     mode_ = Mode::fault;
     return {Scalar{0}, Scalar{0}, mode_, false};
@@ -250,7 +250,8 @@ class AxisController {
   ControlOutput<Scalar> finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
     if (!(spring_.waits() && cycle_.stays()) && !spring_.overdue()) return give_on_spring();
-    if (std::abs(x) > fine_.tolerance_m()) return start_braked_kick(x);
+    if (std::abs(x) > fine_.tolerance_m())
+      return judge_.has_no_more() ? fail(ControlFault::hunting) : start_braked_kick(x);
     mode_ = Mode::hold;
     held_ = 0;
     return give_on_spring();
@@ -382,6 +383,7 @@ class AxisController {
   // impulse_Ns: |k3(x)|.
   ControlOutput<Scalar> start_kick(Scalar x, Scalar v, Scalar impulse_Ns) noexcept {
     if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
+    if (judge_.has_had_all() && !p_.exact()) return fail(ControlFault::hunting);
     judge_.kicked(x);
     if (p_.ideal()) {
       mode_ = Mode::coast;

@@ -17,6 +17,9 @@ namespace breakaway::law {
 // latency one from rest ends where the axis is expected to be under its least friction.
 inline constexpr double left_beyond = 1.01;
 
+// Of BrakedApproach::switch_speed_m_s, at which the brake takes over at most.
+inline constexpr double most_taken_over = 1.25;
+
 // How the axis is brought near the target before the first kick: down the speed w at the distance E from the point
 // aimed at with w^2 = 2 a E, hard while E is large and with the brake alone at the end.
 template <class Scalar>
@@ -81,7 +84,9 @@ struct BrakedKicks {
   // The distance at which an approach gives way to brake and kicks.
   constexpr Scalar hand_over_m() const noexcept { return approach.switch_distance_m + approach.short_of_target_m; }
   // Kicks can lead an axis back from there.
-  constexpr Scalar led_back_m() const noexcept { return std::max(table.reach_m(), hand_over_m()); }
+  [[gnu::cold, gnu::noinline]] constexpr Scalar led_back_m() const noexcept {
+    return std::max(table.reach_m(), hand_over_m());
+  }
   // An axis that rests further away is approached, and kicked from there only where that does not help: kicks keep none
   // of the limits of a move.
   constexpr Scalar begin_m() const noexcept {

@@ -21,7 +21,7 @@ class KickJudge {
   // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
   static constexpr std::uint8_t most_kicks = 128;
   // Since the target moved, under the coast "pd": an axis that gets on by a count now and then would crawl for ever.
-  static constexpr std::uint16_t most_kicks_in_all = 1024;
+  static constexpr std::uint32_t most_kicks_in_all = 1024;
   // Approaches to one target that end further away than kicks are for, before the axis is kicked from there.
   static constexpr std::uint8_t most_far_ends = 4;
   // Kicks that show friction outside its stated bounds.
@@ -36,7 +36,7 @@ class KickJudge {
   void forget() noexcept {
     least_error_m_ = largest;
     kicks_counted_ = 0;
-    kicks_in_all_ = 0;
+    kicks_before_ = kicks_;
     contradictions_ = far_ends_ = 0;
     moved_since_least_ = false;
     futile_ = growing_ = 0;
@@ -52,6 +52,11 @@ class KickJudge {
 
   // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
   bool left_hold() noexcept { return ++kicks_counted_ > most_kicks; }
+
+  // Under the brake: a kick more would be one too many.
+  bool has_no_more() const noexcept { return kicks_counted_ >= most_kicks; }
+  // Under the coast "pd".
+  bool has_had_all() const noexcept { return kicks_ - kicks_before_ >= most_kicks_in_all; }
 
   // An approach ended further away than kicks are for. Returns whether another may lead nearer.
   bool approach_may_help() noexcept {
@@ -110,8 +115,6 @@ class KickJudge {
 
   // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer.
   void note_least_error(const Parameters& p, Scalar error_m, bool moved, const FineStage<Scalar>* fine) noexcept {
-    const bool is_there = !(error_m > (fine != nullptr ? fine->tolerance_m() : p.position_tolerance_m));
-    if (fine == nullptr && ++kicks_in_all_ >= most_kicks_in_all && !is_there) accuse(ControlFault::hunting);
     if (error_m < least_error_m_ - unseen_m_ / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
@@ -124,7 +127,7 @@ class KickJudge {
     } else if (moved) {
       moved_since_least_ = true;
     }
-    if (++kicks_counted_ >= most_kicks && !is_there)
+    if (++kicks_counted_ >= most_kicks && error_m > (fine != nullptr ? fine->tolerance_m() : p.position_tolerance_m))
       accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
   }
 
@@ -158,8 +161,8 @@ class KickJudge {
   Scalar kicked_from_m_{};
   Scalar seen_friction_N_{};
   std::uint32_t kicks_ = 0;
+  std::uint32_t kicks_before_ = 0;  // the target moved
   ControlFault proved_ = ControlFault::none;
-  std::uint16_t kicks_in_all_ = 0;
   std::uint8_t futile_ = 0;
   std::uint8_t growing_ = 0;
   std::uint8_t kicks_counted_ = 0;
