@@ -81,7 +81,7 @@ class Trials {
     std::string with_fine_stage;
     for (int steps = 65; steps < 10000; steps *= 2) {
       axes.force_step_N = less(axes.max_force_N / steps);
-      const std::string of = "a drive with steps of force of " + brief(axes.force_step_N) + " N";
+      std::string of = "a drive with steps of force of " + brief(axes.force_step_N) + " N";
       if (reaches(axes, tolerance_m)) return of;
       if (!with_fine_stage.empty()) continue;
       if (const std::string fine = by_fine_stage(axes, tolerance_m); !fine.empty())
@@ -101,7 +101,7 @@ class Trials {
 
 // An encoder with what else the tolerance takes; nothing where it takes more than one thing else.
 std::string by_encoder(const Trials& trials, const BrakedClass& finer, const std::string& encoder, double tolerance_m) {
-  const std::string taken = ", or take " + encoder;
+  std::string taken = ", or take " + encoder;
   if (trials.reaches(finer, tolerance_m)) return taken;
   std::string ways;
   if (const auto period_s = trials.longest_period_s(finer, tolerance_m))
