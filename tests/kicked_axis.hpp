@@ -218,7 +218,7 @@ struct Retarget {
 };
 
 // What a move with limits does before its kicks. One whose axis is stopped further away than brake and kicks are for is
-// approached again, three times at least, before it is kicked from there.
+// approached again before it is kicked from there, as often as the law tries, less once where a brake was under way.
 template <class Kicks>
 class WatchedMove {
  public:
@@ -232,13 +232,15 @@ class WatchedMove {
     before_ = mode;
     if (!kicked || !(std::fabs(error_m) > far_m_)) return;
     ++kicked_far_;
-    if (approaches_ < 3) kicked_early_ = true;
+    if (approaches_ < least_approaches) kicked_early_ = true;
   }
   // Of any mode, for as long as no kick has begun that keeps none.
   bool keeps_limits(double error_m) const { return kicked_far_ == 0 && std::fabs(error_m) > far_m_; }
   bool kicked_early() const { return kicked_early_; }
 
  private:
+  static constexpr int least_approaches = law::KickJudge<float>::most_far_ends - 1;
+
   double far_m_ = INFINITY;
   int approaches_ = 0, kicked_far_ = 0;
   bool kicked_early_ = false;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "../../controller/design/src/pd_trial.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/report.hpp"
 #include "random_braked_axis.hpp"
@@ -29,22 +30,6 @@ design::AxisDesign random_design(Random& r) {
   a.position_tolerance_m = std::max(floor_m, a.encoder_resolution_m) * r.between(1.01, 3);
   a.max_approach_speed_m_s = std::max(10.0, 2 * a.friction.upper_N / a.approach_damping_Ns_per_m);
   return a;
-}
-
-law::AxisParameters<float> parameters_of(const design::AxisDesign& a) {
-  law::AxisParameters<float> p;
-  p.mass_kg = static_cast<float>(a.mass_kg);
-  p.stiffness_N_per_m = static_cast<float>(a.stiffness_N_per_m);
-  p.approach_damping_Ns_per_m = static_cast<float>(a.approach_damping_Ns_per_m);
-  p.kick_damping_Ns_per_m = static_cast<float>(a.kick_damping_Ns_per_m);
-  p.friction = {static_cast<float>(a.friction.lower_N), static_cast<float>(a.friction.upper_N)};
-  p.max_force_N = static_cast<float>(a.max_force_N);
-  p.max_approach_speed_m_s = static_cast<float>(a.max_approach_speed_m_s);
-  p.position_tolerance_m = static_cast<float>(a.position_tolerance_m);
-  p.encoder_resolution_m = static_cast<float>(a.encoder_resolution_m);
-  p.period_s = static_cast<float>(a.period_s);
-  p.latency_periods = static_cast<std::uint8_t>(a.latency_ticks);
-  return p;
 }
 
 // Whole kicks of the slowest mode, and the waits for rest.
@@ -86,7 +71,7 @@ struct Tally {
 
 void run(long number, const design::AxisDesign& a, const design::PdPromise& promise, Approach approach, Random& r,
          Tally& tally) {
-  const auto p = parameters_of(a);
+  const auto p = design::detail::parameters_of_pd(a);
   const auto built = design::build_k3_table<float>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
   BrakedClass bounds;
@@ -157,7 +142,7 @@ TEST(SampledCampaign, AxesThatFailedOnceSettle) {
   }
 }
 
-// They needed a thousand kicks and more: with little force to spare some kicks lead hardly anywhere.
+// With little force to spare some kicks lead hardly anywhere, and a thousand of them were too few, or just enough.
 TEST(SampledCampaign, RefusesAxesThatNeedManyKicks) {
   for (const long number : {418, 97008548, 97008592}) {
     Random r{static_cast<std::uint64_t>(number) + 2'000'000};
@@ -184,7 +169,7 @@ TEST(SampledCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
     Random r{static_cast<std::uint64_t>(number) + 2'000'000};
     const design::AxisDesign a = random_design(r);
     if (!design::design_axis(a).certified) continue;
-    const auto p = parameters_of(a);
+    const auto p = design::detail::parameters_of_pd(a);
     const auto built = design::build_k3_table<float>(
         {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
     BrakedClass told;

@@ -14,22 +14,6 @@ constexpr double surely = 1.05;     // of what the approach was seen to do: a fl
 constexpr double by_a_kick = 0.02;  // of the way from where friction may hold the axis goes a kick beyond the target
 constexpr long most_periods = 4'000'000;  // of a trial
 
-law::AxisParameters<float> parameters_of(const AxisDesign& axis) {
-  law::AxisParameters<float> p;
-  p.mass_kg = static_cast<float>(axis.mass_kg);
-  p.stiffness_N_per_m = static_cast<float>(axis.stiffness_N_per_m);
-  p.approach_damping_Ns_per_m = static_cast<float>(axis.approach_damping_Ns_per_m);
-  p.kick_damping_Ns_per_m = static_cast<float>(axis.kick_damping_Ns_per_m);
-  p.friction = {static_cast<float>(axis.friction.lower_N), static_cast<float>(axis.friction.upper_N)};
-  p.max_force_N = static_cast<float>(axis.max_force_N);
-  p.max_approach_speed_m_s = static_cast<float>(axis.max_approach_speed_m_s);
-  p.position_tolerance_m = static_cast<float>(axis.position_tolerance_m);
-  p.encoder_resolution_m = static_cast<float>(axis.encoder_resolution_m);
-  p.period_s = static_cast<float>(axis.period_s);
-  p.latency_periods = static_cast<std::uint8_t>(axis.latency_ticks);
-  return p;
-}
-
 // A mass under dry friction, and a force that is constant for a while.
 class RubbedMass {
  public:
@@ -65,7 +49,7 @@ class RubbedMass {
 class Trial {
  public:
   Trial(const AxisDesign& axis, const law::K3Table<float>& table, double friction_N, double distance_m)
-      : axis_{axis}, controller_{parameters_of(axis), table}, mass_{axis.mass_kg, friction_N, -distance_m} {}
+      : axis_{axis}, controller_{parameters_of_pd(axis), table}, mass_{axis.mass_kg, friction_N, -distance_m} {}
 
   // While `goes_on` says so of the controller.
   template <class GoesOn>
@@ -119,6 +103,22 @@ int kicks_from(const AxisDesign& axis, const law::K3Table<float>& table, double 
 }
 
 }  // namespace
+
+law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) {
+  law::AxisParameters<float> p;
+  p.mass_kg = static_cast<float>(axis.mass_kg);
+  p.stiffness_N_per_m = static_cast<float>(axis.stiffness_N_per_m);
+  p.approach_damping_Ns_per_m = static_cast<float>(axis.approach_damping_Ns_per_m);
+  p.kick_damping_Ns_per_m = static_cast<float>(axis.kick_damping_Ns_per_m);
+  p.friction = {static_cast<float>(axis.friction.lower_N), static_cast<float>(axis.friction.upper_N)};
+  p.max_force_N = static_cast<float>(axis.max_force_N);
+  p.max_approach_speed_m_s = static_cast<float>(axis.max_approach_speed_m_s);
+  p.position_tolerance_m = static_cast<float>(axis.position_tolerance_m);
+  p.encoder_resolution_m = static_cast<float>(axis.encoder_resolution_m);
+  p.period_s = static_cast<float>(axis.period_s);
+  p.latency_periods = static_cast<std::uint8_t>(axis.latency_ticks);
+  return p;
+}
 
 int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks_in_all / 5; }
 

@@ -7,9 +7,13 @@
 #pragma once
 
 #include "breakaway/design/report.hpp"
+#include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/k3_table.hpp"
 
 namespace breakaway::design::detail {
+
+// As they are flashed, under the coast "pd".
+law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis);
 
 // Kicks with which the trial comes from where the axis may stick to its target, at most: a fifth of what the law
 // gives. How many the last ones are, which lead less and less far, depends on where each begins.

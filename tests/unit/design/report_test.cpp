@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "../../../controller/design/src/check.hpp"
-#include "../../campaign/environment.hpp"
-#include "../number_after.hpp"
 #include "../refusal.hpp"
+#include "example_axes.hpp"
 
 namespace {
 
 using namespace breakaway::design;
-using breakaway::testing::number_after;
+using breakaway::testing::braked_example;
 using breakaway::testing::refusal;
 
 // Section V of [I] behind a drive of 50 N at 1 kHz with an encoder of 1 um.
@@ -190,26 +187,6 @@ TEST(DesignReport, RefusesImpossibleAxesByName) {
   }
 }
 
-// The same axis with what the coast "brake" needs to know.
-AxisDesign braked_example() {
-  AxisDesign axis{.mass_kg = 1,
-                  .stiffness_N_per_m = 400,
-                  .approach_damping_Ns_per_m = 32,
-                  .kick_damping_Ns_per_m = 60,
-                  .friction = {2.5, 4.5},
-                  .max_force_N = 50,
-                  .period_s = 1e-3,
-                  .encoder_resolution_m = 1e-6,
-                  .latency_ticks = 1,
-                  .position_tolerance_m = 1.8e-6};
-  axis.braked = BrakedClass{.friction = axis.friction,
-                            .max_force_N = 50,
-                            .force_step_N = 0.025,
-                            .period_s = 1e-3,
-                            .encoder_resolution_m = 1e-6};
-  return axis;
-}
-
 TEST(DesignReport, CertifiesTheBrakeByItsOwnConditions) {
   AxisDesign axis = braked_example();
   axis.kick_damping_Ns_per_m = 600;  // of no concern to the brake
@@ -277,55 +254,6 @@ TEST(DesignReport, PromisesTheFloorWhereTheFineStageAimsBelowIt) {
   EXPECT_GT(promise.kicks_s, by_table.kicks_s);
   axis.settle_tolerance_m = 2e-6;
   EXPECT_FALSE(design_axis(axis).certified) << "the floor is not good enough";
-}
-
-TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheFloorTakes) {
-  AxisDesign axis = braked_example();
-  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.2e-6;
-  const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  const std::string said = report.reasons.front();
-  AxisDesign wider = axis;
-  wider.position_tolerance_m = number_after(said, "widen it to ");
-  EXPECT_TRUE(design_axis(wider).certified) << said;
-  AxisDesign quicker = axis;
-  quicker.period_s = quicker.braked->period_s = number_after(said, "shorten period_s to ");
-  EXPECT_TRUE(design_axis(quicker).certified) << said;
-  EXPECT_GT(quicker.period_s, 0.7e-3) << said;
-  AxisDesign fine = axis;
-  fine.settle_tolerance_m = number_after(said, "settle_tolerance_m = ");
-  EXPECT_TRUE(design_axis(fine).certified) << said;
-  EXPECT_TRUE(design_axis(fine).braked->fine_stage);
-}
-
-TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheEncoderTakes) {
-  AxisDesign axis = braked_example();
-  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 0.3e-6;
-  axis.settle_tolerance_m = 1;
-  const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  const std::string said = report.reasons.front();
-  AxisDesign wider = axis;
-  wider.position_tolerance_m = number_after(said, "widen it to ");
-  EXPECT_TRUE(design_axis(wider).certified) << said;
-  AxisDesign finer = axis;
-  finer.encoder_resolution_m = number_after(said, "encoder_resolution_m of ");
-  finer.braked->encoder_resolution_m = finer.encoder_resolution_m;
-  EXPECT_TRUE(design_axis(finer).certified) << said << design_axis(finer).reasons.front();
-  finer.settle_tolerance_m = 0;
-  finer.period_s = finer.braked->period_s = number_after(said, "with a period_s of ");
-  EXPECT_TRUE(design_axis(finer).certified) << said << design_axis(finer).reasons.front();
-}
-
-TEST(DesignReport, HasNoFineStageWhereTheDriveKnowsAFewForcesOnly) {
-  AxisDesign axis = braked_example();
-  axis.braked->force_step_N = 1;
-  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.5e-6;
-  axis.settle_tolerance_m = 1;
-  const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  axis.braked->force_step_N = number_after(report.reasons.front(), "with steps of force of ");
-  EXPECT_TRUE(design_axis(axis).certified);
 }
 
 TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
@@ -435,123 +363,6 @@ TEST(DesignReport, SaysNoMoreOfMoveAndSpringThanThereIsOfADesign) {
   EXPECT_EQ(find(of_driven, "move_can_be_made"), nullptr);
   EXPECT_EQ(find(of_driven, "spring_keeps_the_target"), nullptr);
   EXPECT_TRUE(of_driven.reasons.front().starts_with("brake_lets_the_axis_rest")) << of_driven.reasons.front();
-}
-
-TEST(DesignReport, NamesACurrentLoopThatIsTooSlowForAnyCut) {
-  AxisDesign axis = braked_example();
-  axis.braked->lag_s = {1, 1};
-  const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  EXPECT_TRUE(report.reasons.front().starts_with(
-      "pulse_breaks_away: the least sure pulse against max_force_N: no finite number"))
-      << report.reasons.front();
-  EXPECT_NE(report.reasons.front().find("a faster current loop"), std::string::npos) << report.reasons.front();
-  const double lag_s = number_after(report.reasons.front(), "current_loop_time_constant_s of ");
-  axis.braked->lag_s = {lag_s, lag_s};
-  EXPECT_TRUE(design_axis(axis).certified) << lag_s;
-}
-
-TEST(DesignReport, NamesTheLongestLagThatReachesTheTolerance) {
-  for (const double told_s : {1e-3, 4e-3, 20e-3}) {
-    AxisDesign axis = braked_example();
-    axis.position_tolerance_m = 2.2e-6;
-    const auto with_lag = [&](double lag_s) {
-      axis.braked->lag_s = {0.8 * lag_s, 1.2 * lag_s};
-      return design_axis(axis);
-    };
-    const DesignReport report = with_lag(told_s);
-    ASSERT_FALSE(report.certified);
-    const double lag_s = number_after(report.reasons.front(), "current_loop_time_constant_s of ");
-    EXPECT_TRUE(with_lag(lag_s).certified) << lag_s;
-    EXPECT_FALSE(with_lag(1.1 * lag_s).certified) << "the floor may fall a little with the lag, but not so much";
-  }
-}
-
-// The pieces of a sentence that each name a way, as it may be typed.
-std::vector<std::string> ways_in(const std::string& reason) {
-  const std::string between = ", or ";
-  std::vector<std::string> ways;
-  std::size_t from = reason.find("; ");
-  while (from < reason.size()) {
-    const std::size_t next = std::min(reason.find(between, from + 1), reason.size());
-    ways.push_back(reason.substr(from, next - from));
-    from = next;
-  }
-  return ways;
-}
-
-// Types each number of a way into the design; false where it has none.
-bool type(const std::string& way, AxisDesign& axis) {
-  bool typed = false;
-  const auto take = [&](const std::string& words, auto&& into) {
-    if (way.find(words) == std::string::npos) return;
-    into(number_after(way, words));
-    typed = true;
-  };
-  BrakedClass& c = *axis.braked;
-  const double share = (c.lag_s.most - c.lag_s.least) / (c.lag_s.most + c.lag_s.least);
-  take("widen it to ", [&](double value) { axis.position_tolerance_m = value; });
-  take("shorten period_s to ", [&](double value) { axis.period_s = c.period_s = value; });
-  take("with a period_s of ", [&](double value) { axis.period_s = c.period_s = value; });
-  take("encoder_resolution_m of ", [&](double value) { axis.encoder_resolution_m = c.encoder_resolution_m = value; });
-  take("encoder_noise_m of ", [&](double value) { c.encoder_noise_m = value; });
-  take("with steps of force of ", [&](double value) { c.force_step_N = value; });
-  take("settle_tolerance_m = ", [&](double value) { axis.settle_tolerance_m = value; });
-  take("current_loop_time_constant_s of ", [&](double value) { c.lag_s = {value * (1 - share), value * (1 + share)}; });
-  const bool fine = c.fine_tolerance_m > 0 || way.find("fine stage") != std::string::npos;
-  c.fine_tolerance_m = fine ? axis.position_tolerance_m : 0;
-  return typed;
-}
-
-// A tolerance below what the axis has, by itself or behind a lag, whose limits are of one kind or another.
-AxisDesign random_out_of_reach(std::mt19937_64& bits) {
-  std::uniform_real_distribution<double> unit{0, 1};
-  const auto decades = [&](double a, double b) { return a * std::pow(b / a, unit(bits)); };
-  const auto one_in = [&](int n) { return unit(bits) * n < 1; };
-  AxisDesign axis = braked_example();
-  BrakedClass& c = *axis.braked;
-  c.friction.upper_N = c.friction.lower_N * decades(1.02, 5);
-  c.max_force_N = c.friction.upper_N * decades(1.5, 30);
-  c.force_step_N = c.max_force_N / (one_in(4) ? decades(10, 60) : decades(100, 4000));
-  c.encoder_resolution_m = axis.encoder_resolution_m = decades(1e-8, 1e-4);
-  c.mass_kg = {1 - 0.1 * unit(bits), 1 + 0.1 * unit(bits)};
-  if (one_in(2)) c.lag_s.most = decades(1e-5, 3e-2), c.lag_s.least = c.lag_s.most * (1 - 0.4 * unit(bits));
-  if (one_in(4)) c.encoder_noise_m = c.encoder_resolution_m * decades(0.01, 3);
-  if (one_in(5)) c.jitter_s = 0.3 * unit(bits) * c.period_s;
-  if (one_in(5)) c.presliding_stiffness_N_per_m = c.friction.lower_N / (c.encoder_resolution_m * decades(1, 40));
-  if (one_in(5)) c.move = MoveRequest{0.4, decades(0.05, 2), decades(5, 50), {}};
-  if (one_in(6))
-    c.spring_load =
-        SpringLoad{0.4, 0.6, decades(1e6, 1e10), {1.3, 0.55 * c.friction.upper_N}, {1.2, 0.45 * c.friction.upper_N}};
-  const double least_m = design_braked_kicks<float>(c).least_tolerance_m;
-  axis.position_tolerance_m = (std::isfinite(least_m) && least_m > 0 ? least_m : 1e-5) * decades(0.02, 0.99);
-  c.fine_tolerance_m = one_in(2) ? axis.position_tolerance_m : 0;
-  axis.settle_tolerance_m = one_in(3) ? 1 : 0;
-  axis.least_period_s = 1e-4;
-  return axis;
-}
-
-// Where nothing else fails, every number that a refused tolerance is answered with is one with which it is certified.
-TEST(DesignReport, IsCertifiedWithEachNumberThatItNames) {
-  std::mt19937_64 bits{26};
-  int answered = 0, refused = 0;
-  for (long number = 0, axes = breakaway::campaign::from_environment("BREAKAWAY_WAYS", 24); number < axes; ++number) {
-    const AxisDesign axis = random_out_of_reach(bits);
-    const DesignReport report = design_axis(axis);
-    if (report.certified || report.reasons.size() > 1 || !report.reasons.front().starts_with("tolerance_above_floor"))
-      continue;
-    ++refused;
-    for (const std::string& way : ways_in(report.reasons.front())) {
-      AxisDesign typed = axis;
-      if (!type(way, typed)) continue;
-      ++answered;
-      const DesignReport then = design_axis(typed);
-      EXPECT_TRUE(then.certified) << "axis " << number << ": " << way << "\nof: " << report.reasons.front()
-                                  << "\nand then: " << then.reasons.front();
-    }
-  }
-  EXPECT_GT(refused, 8);
-  EXPECT_GT(answered, 2 * refused);
 }
 
 }  // namespace

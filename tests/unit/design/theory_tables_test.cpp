@@ -9,34 +9,25 @@
 #include <vector>
 
 #include "breakaway/design/report.hpp"
+#include "example_axes.hpp"
 
 namespace breakaway::design {
 namespace {
 
 using Names = std::set<std::string>;
 
+// Behind a current loop, and with a limit of its speed, which have checks of their own.
 AxisDesign with_springs_law() {
-  return {.mass_kg = 1,
-          .stiffness_N_per_m = 400,
-          .approach_damping_Ns_per_m = 32,
-          .kick_damping_Ns_per_m = 60,
-          .friction = {2.5, 4.5},
-          .max_force_N = 50,
-          .period_s = 1e-3,
-          .encoder_resolution_m = 1e-6,
-          .latency_ticks = 1,
-          .current_loop_lag_s = 1e-4,
-          .position_tolerance_m = 3e-6,
-          .max_approach_speed_m_s = 1};
+  AxisDesign axis = testing::sprung_example();
+  axis.current_loop_lag_s = 1e-4;
+  axis.position_tolerance_m = 3e-6;
+  axis.max_approach_speed_m_s = 1;
+  return axis;
 }
 
 AxisDesign with_brake() {
   AxisDesign axis = with_springs_law();
-  axis.braked = BrakedClass{.friction = axis.friction,
-                            .max_force_N = 50,
-                            .force_step_N = 0.025,
-                            .period_s = 1e-3,
-                            .encoder_resolution_m = 1e-6};
+  axis.braked = testing::braked_example().braked;
   return axis;
 }
 

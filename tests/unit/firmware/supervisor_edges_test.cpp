@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "breakaway/firmware/supervisor.hpp"
 
@@ -173,18 +174,22 @@ TEST(SupervisorEdges, ASampleMayBeAsOldAsTheTimeout) {
   EXPECT_EQ(axis.see(old), AxisFault::feedback_stale);
 }
 
-TEST(SupervisorEdges, AnAxisHasAMinuteToComeNearer) {
-  Watched axis{no_limits()};
-  const auto stands_at = [&](hal::Time time, bool on_its_way) {
-    Feedback f = axis.sample();
-    axis.now = f.sample_time = time;
-    f.position_offset_m = 1;
-    return axis.see(f, {.on_its_way = on_its_way});
-  };
-  EXPECT_EQ(stands_at(axis.now + 1ms, true), AxisFault::none);
-  const hal::Time begin = axis.now;
-  EXPECT_EQ(stands_at(begin + 60s, true), AxisFault::none);
-  EXPECT_EQ(stands_at(begin + 60s + 1ns, true), AxisFault::target_not_reached);
+TEST(SupervisorEdges, AnAxisHasAMinuteToComeNearerOrWhatItsLimitsGive) {
+  AxisLimits<float> slow = no_limits();
+  slow.progress_timeout = 5min;
+  for (const auto& [limits, timeout] : {std::pair{no_limits(), hal::Duration{60s}}, {slow, 5min}}) {
+    Watched axis{limits};
+    const auto stands_at = [&](hal::Time time) {
+      Feedback f = axis.sample();
+      axis.now = f.sample_time = time;
+      f.position_offset_m = 1;
+      return axis.see(f, {.on_its_way = true});
+    };
+    EXPECT_EQ(stands_at(axis.now + 1ms), AxisFault::none);
+    const hal::Time begin = axis.now;
+    EXPECT_EQ(stands_at(begin + timeout), AxisFault::none);
+    EXPECT_EQ(stands_at(begin + timeout + 1ns), AxisFault::target_not_reached);
+  }
   Watched nobody_says{no_limits()};
   EXPECT_EQ(nobody_says.off_by(1), AxisFault::none);
   nobody_says.now += 61s;
