@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/motion/slide.hpp"
@@ -27,10 +28,12 @@ int main() {
   p.period_s = 1e-3F;
   p.position_tolerance_m = p.accuracy_floor_m();  // what a pulse of one period can still correct
 
-  // On a PC, once: the kick that ends on the target under the least friction, as a table over the distance.
+  // On a PC, once: the kicks that end on the target under the least friction, as tables over the distance. k3 is the
+  // ideal one, an impulse; the pulses are what comes to the same in this loop.
   const auto k3 = design::build_k3_table<float>(
       {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
-  law::AxisController<float> controller{p, k3.table};
+  const auto pulses = design::design_pd_kicks(p);
+  law::AxisController<float> controller{p, k3.table, pulses.table};
 
   // The axis, 10 mm short of its target at 0.
   motion::Slide axis{1.0, {{2.5, 4.5}, model::shape::stribeck(0.01)}, {0, -0.01, 0}};

@@ -11,6 +11,7 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/law/pid_controller.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
@@ -51,6 +52,11 @@ inline design::KickPlant<double> kick_plant(const scenario::Scenario& s) {
   const config::Axis& axis = s.node.axes[0];
   return {axis.mass_kg, axis.controller.impulsive->stiffness_N_per_m, axis.controller.impulsive->kick_damping_Ns_per_m,
           axis.friction.bounds.lower_N};
+}
+
+template <class Real>
+law::KickTable<Real> build_pulses(const scenario::Scenario& s) {
+  return design::design_pd_kicks(parameters<Real>(s)).table;
 }
 
 template <class Real>

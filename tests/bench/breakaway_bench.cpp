@@ -60,11 +60,14 @@ void time_kind(const scenario::Scenario& s, const Recording<Real>& r, const law:
 void time_law(const scenario::Scenario& s) {
   static const auto table = build_table<float>(s).table;
   static const auto table_double = build_table<double>(s).table;
-  const law::AxisController<float> controller{parameters<float>(s), table};
+  static const auto pulses = build_pulses<float>(s);
+  static const auto pulses_double = build_pulses<double>(s);
+  const law::AxisController<float> controller{parameters<float>(s), table, pulses};
   time_controller<float>("PidController float", s, pid_controller<float>(s));
   time_controller<double>("PidController double", s, pid_controller<double>(s));
   time_controller<float>("AxisController float", s, controller);
-  time_controller<double>("AxisController double", s, law::AxisController<double>{parameters<double>(s), table_double});
+  time_controller<double>("AxisController double", s,
+                          law::AxisController<double>{parameters<double>(s), table_double, pulses_double});
   const Recording<float> r = record<float>(s, controller);
   time_kind(s, r, controller, "hold", false);
   for (const char* kind : all_kinds) time_kind(s, r, controller, kind, true);
@@ -92,12 +95,14 @@ struct LoopCase {
   explicit LoopCase(std::size_t axes)
       : s{axis_scenario(axes)},
         table{build_table<float>(s).table},
-        controller{parameters<float>(s), table},
+        pulses{build_pulses<float>(s)},
+        controller{parameters<float>(s), table, pulses},
         recording{record<float>(s, controller, loop_steps * s.node.period_s())},
         loop{loop_that_runs(port, s, controller, recording)} {}
 
   scenario::Scenario s;
   law::K3Table<float> table;
+  law::KickTable<float> pulses;
   law::AxisController<float> controller;
   Recording<float> recording;
   TapePort port;
@@ -130,7 +135,8 @@ void time_plant(const std::string& name, const scenario::Scenario& s, const Reco
 
 void time_simulation(scenario::Scenario s) {
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto pulses = build_pulses<float>(s);
+  const law::AxisController<float> controller{parameters<float>(s), table, pulses};
   const auto r = record<float>(s, controller, tour[1].time_s);
   time_plant("plant, friction of can_axis", s, r);
   benchmark::RegisterBenchmark("whole scenario, with its set-up", [=](benchmark::State& state) {

@@ -42,7 +42,8 @@ template <class Real>
 void count_law() {
   const scenario::Scenario s = axis_scenario();
   const auto table = build_table<Real>(s).table;
-  count_controller<Real>(s, law::AxisController<Real>{parameters<Real>(s), table});
+  const auto pulses = build_pulses<Real>(s);
+  count_controller<Real>(s, law::AxisController<Real>{parameters<Real>(s), table, pulses});
   count_controller<Real>(s, pid_controller<Real>(s));
 }
 
@@ -75,7 +76,8 @@ void count_k3() {
 void count_loop(std::size_t axes) {
   const scenario::Scenario s = axis_scenario(axes);
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto pulses = build_pulses<float>(s);
+  const law::AxisController<float> controller{parameters<float>(s), table, pulses};
   const auto r = record<float>(s, controller, loop_steps * s.node.period_s());
   const std::string name = "ControlLoop " + std::to_string(axes);
   TapePort port;
@@ -93,7 +95,8 @@ void count_loop(std::size_t axes) {
 void count_drive() {
   const scenario::Scenario s = axis_scenario();
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto pulses = build_pulses<float>(s);
+  const law::AxisController<float> controller{parameters<float>(s), table, pulses};
   const auto r = record<float>(s, controller, 1);
   TapePort port;
   const auto loop = loop_that_runs(port, s, controller, r);
@@ -166,7 +169,8 @@ void count_scenario(scenario::Scenario s) {
 void count_simulation() {
   scenario::Scenario s = axis_scenario();
   const auto table = build_table<float>(s).table;
-  const law::AxisController<float> controller{parameters<float>(s), table};
+  const auto pulses = build_pulses<float>(s);
+  const law::AxisController<float> controller{parameters<float>(s), table, pulses};
   const auto r = record<float>(s, controller, tour[1].time_s);
   count_plant("plant, friction of can_axis", s, r);
   count_emulator(s, r);

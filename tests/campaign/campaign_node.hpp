@@ -3,6 +3,7 @@
 #pragma once
 
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "fault_world.hpp"
 
 namespace breakaway::campaign {
@@ -26,6 +27,7 @@ inline CampaignNode make_node(bool absolute_encoder) {
                                                  axis.law.kick_damping_Ns_per_m, axis.law.friction.lower_N},
                                                 axis.law.stick_radius_upper_m())
                       .table;
+  axis.kicks.table = design::design_pd_kicks(axis.law).table;
   axis.certified = true;
   node.checksum = checksum_of(node);
   return node;

@@ -6,6 +6,7 @@
 
 #include "../../controller/design/src/pd_trial.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/design/report.hpp"
 #include "random_braked_axis.hpp"
 
@@ -31,6 +32,17 @@ design::AxisDesign random_design(Random& r) {
   a.max_approach_speed_m_s = std::max(10.0, 2 * a.friction.upper_N / a.approach_damping_Ns_per_m);
   return a;
 }
+
+struct PdTables {
+  explicit PdTables(const law::AxisParameters<float>& p)
+      : k3{design::build_k3_table<float>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
+                                         p.stick_radius_upper_m())
+               .table} {
+    kicks.table = design::design_pd_kicks(p).table;
+  }
+  law::K3Table<float> k3;
+  law::BrakedKicks<float> kicks;
+};
 
 // Whole kicks of the slowest mode, and the waits for rest.
 double patience_s(const design::AxisDesign& a) {
@@ -72,8 +84,7 @@ struct Tally {
 void run(long number, const design::AxisDesign& a, const design::PdPromise& promise, Approach approach, Random& r,
          Tally& tally) {
   const auto p = design::detail::parameters_of_pd(a);
-  const auto built = design::build_k3_table<float>(
-      {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+  const PdTables tables{p};
   BrakedClass bounds;
   bounds.friction = a.friction;
   bounds.period_s = a.period_s;
@@ -86,8 +97,8 @@ void run(long number, const design::AxisDesign& a, const design::PdPromise& prom
     const double start_m = r.share() < 0.5 ? away_m : -away_m;
     const Friction friction = friction_of_kind(kind, bounds, static_cast<std::uint64_t>(number * kinds + kind),
                                                std::max(3 * floor_m, q), a.position_tolerance_m);
-    const auto end = testing::run_kicked_axis<float>(p, built.table, {}, truth, friction, start_m, 0, longest_s, 4, 100,
-                                                     r.between(-0.5, 0.5));
+    const auto end = testing::run_kicked_axis<float>(p, tables.k3, tables.kicks, truth, friction, start_m, 0, longest_s,
+                                                     4, 100, r.between(-0.5, 0.5));
     EXPECT_TRUE(end.held) << "axis " << number << ", friction " << kind << ": " << to_string(end.fault)
                           << ", first kick from " << end.first_kick_m << ", error " << end.error_m;
     // Just outside the stick set hardly any force is left of the spring, and an axis may be taken for stuck there.
@@ -130,10 +141,12 @@ TEST(SampledCampaign, EveryCertifiedAxisSettles) {
   run_all(Approach::as_drawn, asked_for("BREAKAWAY_SAMPLED_AXES", 200));
 }
 
-// They were taken for creeping while they flew towards their target, and kicked again.
+// The first were taken for creeping while they flew towards their target, and kicked again. The last has so little force
+// to spare that a pulse of the fewest periods that reach the target hardly moves it under the greatest friction from
+// some distances, where one that falls short does.
 TEST(SampledCampaign, AxesThatFailedOnceSettle) {
   Tally tally;
-  for (const long number : {1302, 1497, 4411}) {
+  for (const long number : {1302, 1497, 4411, 97008548}) {
     Random r{static_cast<std::uint64_t>(number) + 2'000'000};
     const design::AxisDesign a = random_design(r);
     const design::DesignReport report = design::design_axis(a);
@@ -142,9 +155,9 @@ TEST(SampledCampaign, AxesThatFailedOnceSettle) {
   }
 }
 
-// With little force to spare some kicks lead hardly anywhere, and a thousand of them were too few, or just enough.
+// With little force to spare many kicks lead hardly anywhere. The first was certified once and took a thousand of them.
 TEST(SampledCampaign, RefusesAxesThatNeedManyKicks) {
-  for (const long number : {418, 97008548, 97008592}) {
+  for (const long number : {418, 755, 97008592}) {
     Random r{static_cast<std::uint64_t>(number) + 2'000'000};
     const design::DesignReport report = design::design_axis(random_design(r));
     ASSERT_FALSE(report.certified) << number;
@@ -163,15 +176,14 @@ TEST(SampledCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
 // Mass, force gain, bounds, load, lag and latency off by up to 2 times.
 TEST(SampledCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
   const long first = asked_for("BREAKAWAY_FIRST_AXIS", 0), axes = asked_for("BREAKAWAY_TOLD_WRONG", 100);
-  constexpr int most_kicks = law::KickJudge<float>::most_kicks_in_all;
+  constexpr int most_kicks = law::KickJudge<float>::most_kicks;
   long runs = 0, kicks = 0;
   for (long number = first; number < first + axes; ++number) {
     Random r{static_cast<std::uint64_t>(number) + 2'000'000};
     const design::AxisDesign a = random_design(r);
     if (!design::design_axis(a).certified) continue;
     const auto p = design::detail::parameters_of_pd(a);
-    const auto built = design::build_k3_table<float>(
-        {p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N}, p.stick_radius_upper_m());
+    const PdTables tables{p};
     BrakedClass told;
     told.mass_kg = {a.mass_kg, a.mass_kg};
     told.friction = a.friction;
@@ -187,7 +199,7 @@ TEST(SampledCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
           friction_of_kind(kind, true_class, static_cast<std::uint64_t>(number * kinds + kind),
                            std::max(3 * drawn_start_m(a, 0), a.encoder_resolution_m), a.position_tolerance_m);
       const double start_m = drawn_start_m(a, 1 + 3 * r.share()) * (r.share() < 0.5 ? 1 : -1);
-      const auto end = testing::run_kicked_axis<float>(p, built.table, {}, truth.axis, friction, start_m, 0,
+      const auto end = testing::run_kicked_axis<float>(p, tables.k3, tables.kicks, truth.axis, friction, start_m, 0,
                                                        10 * patience_s(a) + 50, 4, 100, r.between(-0.5, 0.5));
       ++runs;
       kicks = std::max<long>(kicks, end.kicks);

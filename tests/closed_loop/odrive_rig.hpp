@@ -50,6 +50,7 @@ class OdriveRig {
     table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
                  .table;
+    pulses_ = design::design_pd_kicks(p).table;
     odrive_emulator::EmulatorConfig emulated = config.drive;
     emulated.force_per_torque_N_per_Nm = 50;
     emulated.travel_per_turn_m = travel_per_turn_m;
@@ -66,7 +67,7 @@ class OdriveRig {
                                            .heartbeat_period = config.heartbeat_period,
                                            .heartbeat_timeout = config.heartbeat_period * 5 / 2,
                                            .absolute_encoder = config.absolute_encoder};
-    const auto added = loop_.add_axis(master, {p, table_}, config.limits);
+    const auto added = loop_.add_axis(master, {p, table_, pulses_}, config.limits);
     if (!added.id) std::abort();
     id_.emplace(*added.id);
   }
@@ -109,6 +110,7 @@ class OdriveRig {
  private:
   OdriveRigConfig config_;
   law::K3Table<Real> table_;
+  law::KickTable<Real> pulses_;
   sil::SimulatedNetwork network_;
   OdriveLoop loop_;
   sil::BrakedSlide mechanism_;

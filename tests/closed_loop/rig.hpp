@@ -13,6 +13,7 @@
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/cia402/drive.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/model/shapes.hpp"
@@ -55,6 +56,7 @@ class Rig {
     table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
                  .table;
+    pulses_ = design::design_pd_kicks(p).table;
     for (std::size_t i = 0; i < config.axes; ++i) add_axis(static_cast<std::uint8_t>(i + 1), p);
   }
 
@@ -178,13 +180,14 @@ class Rig {
     master.torque_base = config_.torque_base;
     master.emcy_information = config_.emcy_information;
     master.user_position_unit = config_.user_position_unit;
-    const auto added = loop_.add_axis(master, {p, table_}, config_.limits);
+    const auto added = loop_.add_axis(master, {p, table_, pulses_}, config_.limits);
     if (!added.id) std::abort();
     ids_.push_back(*added.id);
   }
 
   RigConfig config_;
   law::K3Table<Real> table_;
+  law::KickTable<Real> pulses_;
   std::vector<std::unique_ptr<sil::BrakedSlide>> mechanisms_;
   sil::SimulatedNetwork network_;
   std::vector<drive_emulator::DriveEmulator*> drives_;

@@ -10,6 +10,7 @@
 
 #include "breakaway/law/braked_kicks.hpp"
 #include "kick_class.hpp"
+#include "kick_curve.hpp"
 
 namespace breakaway::design::detail {
 
@@ -91,8 +92,8 @@ class KickTableBuilder {
     for (std::size_t i = 0; i < table_.count; ++i) {
       if (table_.list) note(pulse(static_cast<double>(table_.entries[i].a0)));
       for (int j = 0; j <= samples && !table_.list; ++j) {
-        const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
-        const double right = root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
+        const double left = Table::root_at(table_.first + static_cast<std::uint32_t>(i));
+        const double right = Table::root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
         const double s = left + (right - left) * j / samples;
         note(pulse(s * s));
       }
@@ -117,8 +118,6 @@ class KickTableBuilder {
             kicks_.least_travel_m(force, periods, cut_periods)};
   }
 
-  static double root_at(std::uint32_t high) { return std::bit_cast<float>(high << Table::shift); }
-
   // A curve
 
   void curve(double from_m) {
@@ -132,8 +131,8 @@ class KickTableBuilder {
     const double end_m = longest_.back().travel_m;
     int periods = 1;
     for (std::size_t i = 0; i < Table::most_entries; ++i) {
-      const double left = root_at(first + static_cast<std::uint32_t>(i));
-      const double right = root_at(first + static_cast<std::uint32_t>(i) + 1);
+      const double left = Table::root_at(first + static_cast<std::uint32_t>(i));
+      const double right = Table::root_at(first + static_cast<std::uint32_t>(i) + 1);
       if (left * left > end_m) break;
       const int near = i == 0 ? longest_pulse_periods : periods + 4 + periods / 8;
       periods = best_periods(i == 0 ? 1 : periods, near, left, right);
@@ -192,26 +191,9 @@ class KickTableBuilder {
     }
     table_.periods[i] = static_cast<std::uint8_t>(periods);
     table_.cut_periods[i] = static_cast<std::uint8_t>(cuts);
-    table_.entries[i] = interpolated(left, right, periods, cuts);
+    table_.entries[i] =
+        cubic_through<Real>(left, right, [&](double root) { return kicks_.force_N(root * root, periods, cuts); });
     lower(i, left, right, periods, cuts);
-  }
-
-  // The cubic through four points of the curve at Chebyshev's places.
-  typename Table::Entry interpolated(double left, double right, int periods, int cuts) const {
-    std::array<double, 4> t{}, d{};
-    for (std::size_t j = 0; j < 4; ++j) {
-      t[j] = 0.5 - 0.5 * std::cos((2.0 * static_cast<double>(j) + 1) * 0.39269908169872414);
-      const double s = left + t[j] * (right - left);
-      d[j] = kicks_.force_N(s * s, periods, cuts);
-    }
-    for (std::size_t order = 1; order < 4; ++order) {
-      for (std::size_t j = 3; j >= order; --j) d[j] = (d[j] - d[j - 1]) / (t[j] - t[j - order]);
-    }
-    // From Newton's form to powers of t, from the innermost bracket outwards.
-    const double b0 = d[2] - t[2] * d[3];
-    const double c0 = d[1] - t[1] * b0, c1 = b0 - t[1] * d[3];
-    const double a0 = d[0] - t[0] * c0, a1 = c0 - t[0] * c1, a2 = c1 - t[0] * d[3], a3 = d[3];
-    return {static_cast<Real>(a0), static_cast<Real>(a1), static_cast<Real>(a2), static_cast<Real>(a3)};
   }
 
   // Takes off the most by which the cubic, as the controller computes it, lies above the curve.
@@ -251,7 +233,7 @@ class KickTableBuilder {
 
   // Kicks are wanted from from_m_ on, wherever the interval begins in which that lies.
   Interval range_of_curve() const {
-    const double end = root_at(table_.first + static_cast<std::uint32_t>(table_.count));
+    const double end = Table::root_at(table_.first + static_cast<std::uint32_t>(table_.count));
     const double from = least_root(end);
     return {std::max(from * from, from_m_), end * end};
   }
@@ -260,8 +242,8 @@ class KickTableBuilder {
   double least_root(double end) const {
     double from = end;
     for (int i = table_.count; i-- > 0;) {
-      const double left = root_at(table_.first + static_cast<std::uint32_t>(i));
-      const double right = root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
+      const double left = Table::root_at(table_.first + static_cast<std::uint32_t>(i));
+      const double right = Table::root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
       for (int j = samples; j-- > 0;) {
         const double s = left + (right - left) * j / samples;
         from = take_their_share(s, from) ? s : share_taken_from(s, from);

@@ -5,7 +5,9 @@
 #include <deque>
 #include <limits>
 
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
+#include "rubbed_mass.hpp"
 
 namespace breakaway::design::detail {
 namespace {
@@ -14,42 +16,18 @@ constexpr double surely = 1.05;     // of what the approach was seen to do: a fl
 constexpr double by_a_kick = 0.02;  // of the way from where friction may hold the axis goes a kick beyond the target
 constexpr long most_periods = 4'000'000;  // of a trial
 
-// A mass under dry friction, and a force that is constant for a while.
-class RubbedMass {
- public:
-  RubbedMass(double mass_kg, double friction_N, double position_m) noexcept
-      : mass_kg_{mass_kg}, friction_N_{friction_N}, x_{position_m}, furthest_m_{position_m} {}
-
-  void push(double force_N, double left_s) noexcept {
-    while (left_s > 0) {
-      if (v_ == 0 && std::abs(force_N) <= friction_N_) return;
-      const double direction = v_ == 0 ? force_N : v_;
-      const double acceleration = (force_N - std::copysign(friction_N_, direction)) / mass_kg_;
-      const double stops_s = acceleration * direction < 0 ? -v_ / acceleration : left_s;
-      const double time_s = std::min(left_s, stops_s);
-      x_ += (v_ + acceleration * time_s / 2) * time_s;
-      v_ = time_s == stops_s && stops_s < left_s ? 0 : v_ + acceleration * time_s;
-      furthest_m_ = std::max(furthest_m_, x_);
-      fastest_m_s_ = std::max(fastest_m_s_, std::abs(v_));
-      left_s -= time_s;
-    }
-  }
-
-  double position_m() const noexcept { return x_; }
-  double velocity_m_s() const noexcept { return v_; }
-  double furthest_m() const noexcept { return furthest_m_; }
-  double fastest_m_s() const noexcept { return fastest_m_s_; }
-
- private:
-  double mass_kg_, friction_N_, x_, v_ = 0;
-  double furthest_m_, fastest_m_s_ = 0;
+struct PdTables {
+  const law::K3Table<float>& k3;
+  const law::KickTable<float>& pulses;
 };
 
-// The flashed law on such an axis, which comes from below.
+// The flashed law on an axis under constant friction, which comes from below.
 class Trial {
  public:
-  Trial(const AxisDesign& axis, const law::K3Table<float>& table, double friction_N, double distance_m)
-      : axis_{axis}, controller_{parameters_of_pd(axis), table}, mass_{axis.mass_kg, friction_N, -distance_m} {}
+  Trial(const AxisDesign& axis, const PdTables& tables, double friction_N, double distance_m)
+      : axis_{axis},
+        controller_{parameters_of_pd(axis), tables.k3, tables.pulses},
+        mass_{axis.mass_kg, friction_N, -distance_m} {}
 
   // While `goes_on` says so of the controller.
   template <class GoesOn>
@@ -94,12 +72,12 @@ double far_m(const AxisDesign& axis) {
   return k21 * speed_m_s / axis.stiffness_N_per_m + speeding_m;
 }
 
-// Endless where the axis does not come to a hold.
-int kicks_from(const AxisDesign& axis, const law::K3Table<float>& table, double distance_m) {
-  Trial trial{axis, table, axis.friction.upper_N, distance_m};
+// More than the law gives where the axis does not come to a hold.
+int kicks_from(const AxisDesign& axis, const PdTables& tables, double distance_m) {
+  Trial trial{axis, tables, axis.friction.upper_N, distance_m};
   trial.run([](const auto& law) { return law.mode() != law::Mode::hold && law.mode() != law::Mode::fault; });
   const law::AxisController<float>& law = trial.controller();
-  return law.mode() == law::Mode::hold ? static_cast<int>(law.kicks()) : std::numeric_limits<int>::max();
+  return law.mode() == law::Mode::hold ? static_cast<int>(law.kicks()) : law::KickJudge<float>::most_kicks + 1;
 }
 
 }  // namespace
@@ -120,15 +98,17 @@ law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) {
   return p;
 }
 
-int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks_in_all / 5; }
+int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks * 2 / 3; }
 
-PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& table) {
+PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
+  const PdKicks<float> kicks = design_pd_kicks(parameters_of_pd(axis));
+  const PdTables tables{k3, kicks.table};
   const double stuck_m = axis.friction.upper_N / axis.stiffness_N_per_m, far = far_m(axis);
   const double way_m = axis.longest_way_m > 0 ? std::min(axis.longest_way_m, far) : far;
   constexpr double none = std::numeric_limits<double>::infinity();
-  PdPromise promise{.beyond_m = none, .approach_peak_m_s = none, .most_kicks = 0};
+  PdPromise promise{.beyond_m = none, .approach_peak_m_s = none, .most_kicks = 0, .aim_lost = kicks.aim_lost};
   if (std::isfinite(way_m)) {
-    Trial approach{axis, table, axis.friction.lower_N, way_m};
+    Trial approach{axis, tables, axis.friction.lower_N, way_m};
     approach.run([](const auto& law) { return law.mode() == law::Mode::approach; });
     const double passed_m = std::max(approach.mass().furthest_m(), 0.0);
     promise.beyond_m =
@@ -136,7 +116,7 @@ PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& table) {
     promise.approach_peak_m_s = surely * approach.mass().fastest_m_s();
   }
   for (const double share : {1.0, 0.4, 0.15, 0.05})
-    promise.most_kicks = std::max(promise.most_kicks, kicks_from(axis, table, share * stuck_m));
+    promise.most_kicks = std::max(promise.most_kicks, kicks_from(axis, tables, share * stuck_m));
   return promise;
 }
 

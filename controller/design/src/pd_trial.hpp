@@ -15,11 +15,11 @@ namespace breakaway::design::detail {
 // As they are flashed, under the coast "pd".
 law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis);
 
-// Kicks with which the trial comes from where the axis may stick to its target, at most: a fifth of what the law
+// Kicks with which the trial comes from where the axis may stick to its target, at most: two thirds of what the law
 // gives. How many the last ones are, which lead less and less far, depends on where each begins.
 int most_tried_kicks() noexcept;
 
 // Of an axis with a period whose other checks hold.
-PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& table);
+PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3);
 
 }  // namespace breakaway::design::detail

@@ -281,7 +281,7 @@ std::vector<Check> class_checks(const AxisDesign& axis) {
 Check kicks_of_pd(const PdPromise& pd) {
   return below("kicks_are_few", "tested, not proved: under the greatest friction the law needs few of the kicks it has",
                pd.most_kicks, detail::most_tried_kicks(),
-               "kicks under friction_upper_N against a fifth of what the law gives",
+               "kicks under friction_upper_N against two thirds of what the law gives",
                "use a stronger drive, widen the tolerance, or take coast = \"brake\"", Equality::holds);
 }
 

@@ -235,9 +235,8 @@ class WorkTable {
   static std::uint32_t interval_of(double distance_m) {
     return std::bit_cast<std::uint32_t>(static_cast<float>(std::sqrt(distance_m))) >> Table::shift;
   }
-  static double root_at(std::uint32_t high) { return std::bit_cast<float>(high << Table::shift); }
   double at(std::uint32_t high, double t, int n) const {
-    const double s = root_at(high) + t * (root_at(high + 1) - root_at(high));
+    const double s = Table::root_at(high) + t * (Table::root_at(high + 1) - Table::root_at(high));
     return axis_.force_N(s * s, n);
   }
 
@@ -248,7 +247,7 @@ class WorkTable {
   double least_share(std::uint32_t high, int n) const {
     double least = infinite;
     for (const double t : {0.0, 0.999}) {
-      const double s = root_at(high) + t * (root_at(high + 1) - root_at(high));
+      const double s = Table::root_at(high) + t * (Table::root_at(high + 1) - Table::root_at(high));
       const double command_N = at(high, t, n) - axis_.axes.force_step_N;
       least = std::min(least, axis_.least_travel_m(s * s, command_N, n, enough_share * s * s) / (s * s));
       if (least < enough_share) return least;

@@ -21,10 +21,8 @@ class OwnedLaw {
  public:
   // Nothing else of an axis is looked at.
   static breakaway_result checked(const FlashedAxis<Scalar, Kicks>& axis) noexcept {
-    constexpr law::Coast kicked = firmware::internal::by_work<Kicks> ? law::Coast::work : law::Coast::brake;
     if (validate(axis.law) != law::ParameterError::none) return BREAKAWAY_LAW_INVALID;
-    const bool known = axis.law.coast == law::Coast::pd || (axis.law.coast == kicked && law::are_usable(axis.kicks));
-    if (!known) return BREAKAWAY_LAW_INVALID;
+    if (!firmware::internal::has_its_kicks(axis)) return BREAKAWAY_LAW_INVALID;
     return axis.certified ? BREAKAWAY_OK : BREAKAWAY_NOT_CERTIFIED;
   }
 

@@ -104,7 +104,6 @@ law::AxisParameters<Real> axis_parameters(const Node& node, const Axis& axis) {
   p.flicker_m = static_cast<Real>(flicker_m(axis));
   p.period_s = static_cast<Real>(node.period_s());
   p.latency_periods = axis.latency_periods;
-  p.kick_shape = gains.kick == Kick::naive ? law::KickShape::naive : law::KickShape::two_phase;
   p.coast = gains.coast;
   return p;
 }

@@ -13,6 +13,7 @@
 #include "breakaway/design/approach_time.hpp"
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/design/work_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -170,6 +171,10 @@ firmware::AxisLimits<Real> limits_under_law(const Node& node, const Axis& axis) 
   return limits;
 }
 
+design::PulseAim aim_of(const Axis& axis) {
+  return axis.controller.impulsive->kick == Kick::naive ? design::PulseAim::k3 : design::PulseAim::target;
+}
+
 template <class Real, class Kicks>
 firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& axis) {
   // What is flashed has no place for an ODrive: odrive_config() is what commands one.
@@ -184,7 +189,9 @@ firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& ax
                                              .limits = limits_under_law<Real>(node, axis),
                                              .law = p,
                                              .k3_table = built.table};
-  if (p.coast != law::Coast::pd) {
+  if (p.coast == law::Coast::pd) {
+    flashed.kicks.table = design::design_pd_kicks(p, aim_of(axis)).table;
+  } else {
     flashed.kicks = kicks_of<Real, Kicks>(braked_class(node, axis));
     if (!law::are_usable(flashed.kicks))
       throw InputError{

@@ -70,9 +70,6 @@ class HeaderWriter {
   }
   static std::string exact(std::uint32_t value) { return fmt::format("{}", value); }
   static std::string exact(const firmware::AxisName& name) { return fmt::format("{{\"{}\"}}", name.view()); }
-  static std::string exact(law::KickShape shape) {
-    return shape == law::KickShape::naive ? "law::KickShape::naive" : "law::KickShape::two_phase";
-  }
   static std::string exact(std::int8_t value) { return fmt::format("{}", value); }
   static std::string exact(std::int32_t value) {
     // The least number is no literal.

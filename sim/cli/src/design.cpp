@@ -78,7 +78,9 @@ void print_promise(const design::WorkPromise& p, bool certified) {
 }
 
 void print_promise(const design::PdPromise& p) {
-  fmt::print("coast \"pd\"            at most {} kicks under the greatest friction", p.most_kicks);
+  fmt::print(
+      "coast \"pd\"            kicks aim short by {:g} of the distance at most; {} under the greatest friction at most",
+      at_most(p.aim_lost, 2), p.most_kicks);
   if (std::isfinite(p.beyond_m))
     fmt::print(", at most {:g} m beyond the target, {:g} m/s at most on the way", at_most(p.beyond_m),
                at_most(p.approach_peak_m_s));

@@ -53,6 +53,7 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
 
 void write_promise(format::JsonWriter& json, const design::PdPromise& promise) {
   json.member("most_kicks", promise.most_kicks);
+  json.member("aim_lost", promise.aim_lost);
   if (!std::isfinite(promise.beyond_m)) return;
   json.member("beyond_m", promise.beyond_m);
   json.member("approach_peak_m_s", promise.approach_peak_m_s);

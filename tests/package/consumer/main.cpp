@@ -1,5 +1,6 @@
 // The README's snippet, around a mass on dry friction that is just good enough to show that it works.
 #include <breakaway/design/k3_table_builder.hpp>
+#include <breakaway/design/pd_kicks.hpp>
 #include <breakaway/law/axis_controller.hpp>
 #include <cmath>
 #include <iostream>
@@ -43,8 +44,11 @@ int main() {
   parameters.period_s = 1e-3F;
   parameters.position_tolerance_m = parameters.accuracy_floor_m();
 
-  const auto k3 = breakaway::design::build_k3_table<float>({1, 400, 60, 2.5}, parameters.stick_radius_upper_m());  // PC
-  breakaway::law::AxisController<float> controller{parameters, k3.table};  // flashed: no heap, no exceptions
+  // On a PC.
+  const auto k3 = breakaway::design::build_k3_table<float>({1, 400, 60, 2.5}, parameters.stick_radius_upper_m());
+  const auto pulses = breakaway::design::design_pd_kicks(parameters);
+  // Flashed: no heap, no exceptions.
+  breakaway::law::AxisController<float> controller{parameters, k3.table, pulses.table};
 
   while (periods_left-- > 0) {
     const auto output = controller.update({position_error_m()});

@@ -110,11 +110,11 @@ std::size_t padding_in(const Wiring& wiring) {
                     serial_transmit);
 }
 std::size_t padding_in(const law::AxisParameters<float>& law) {
-  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape, coast, noise,
+  const auto& [mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, coast, noise,
                feedforward] = law;
   const auto& [lower, upper] = friction;
-  return padding_of(law, mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, shape,
-                    coast, noise, feedforward) +
+  return padding_of(law, mass, k1, k21, k22, friction, force, speed, tolerance, resolution, period, latency, coast,
+                    noise, feedforward) +
          padding_of(friction, lower, upper);
 }
 // Of a kick table the entries that are not there count as padding.

@@ -10,6 +10,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/parse_toml.hpp"
 #include "breakaway/config/read_node.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "two_axes.hpp"
 
 namespace breakaway::config {
@@ -60,7 +61,9 @@ TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
   EXPECT_EQ(flashed_node.axes[0].kicks.table.count, design.kicks.table.count);
   EXPECT_EQ(flashed_node.axes[0].kicks.table.entries[3].a0, design.kicks.table.entries[3].a0);
   EXPECT_EQ(flashed_node.axes[1].law.coast, law::Coast::pd);
-  EXPECT_EQ(flashed_node.axes[1].kicks.table.count, 0);
+  const auto pulses = design::design_pd_kicks(flashed_node.axes[1].law).table;
+  EXPECT_EQ(flashed_node.axes[1].kicks.table.count, pulses.count);
+  EXPECT_EQ(flashed_node.axes[1].kicks.table.entries[3].a0, pulses.entries[3].a0);
 }
 
 TEST(Brake, IsTheCoastOfAFileThatNamesNone) {

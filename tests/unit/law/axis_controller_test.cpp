@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "breakaway/design/pd_kicks.hpp"
 #include "law_fixture.hpp"
 
 namespace breakaway::law {
@@ -20,7 +21,8 @@ class AxisControllerTest : public ::testing::Test {
  protected:
   AxisParameters<float> p = sampled_axis<float>();
   K3Table<float> table = ballistic_table(p, p.stick_radius_upper_m());
-  AxisController<float> controller{p, table};
+  KickTable<float> pulses = design::design_pd_kicks(p).table;
+  AxisController<float> controller{p, table, pulses};
 
   ControlOutput<float> show(float x) {
     const ControlOutput<float> out = controller.update({x});
@@ -212,6 +214,7 @@ TEST_F(AxisControllerTest, KeepsToAForceLimitThatTheDriveTellsLater) {
 
 TEST_F(AxisControllerTest, GivesFiniteForceEvenWithADamagedTable) {
   table.nodes.fill({std::nanf(""), std::nanf("")});
+  for (auto& e : pulses.entries) e.a0 = e.a1 = std::nanf("");
   for (int i = 0; i < 200; ++i) ASSERT_LE(std::abs(controller.update({-1e-3F}).force_N), p.max_force_N);
 }
 
@@ -219,20 +222,23 @@ TEST_F(AxisControllerTest, GivesFiniteForceEvenWithADamagedTable) {
 TEST(AxisControllerSymmetry, ScalesExactlyWithLengthAndForce) {
   const auto p = sampled_axis<float>();
   const auto table = ballistic_table(p, p.stick_radius_upper_m());
-  AxisController<float> reference{p, table};
-  for (int k = -20; k <= 20; k += 5) {
+  const auto pulses = design::design_pd_kicks(p).table;
+  AxisController<float> reference{p, table, pulses};
+  for (int k = -20; k <= 20; k += 4) {
     const auto scaled = [k](float value) { return std::ldexp(value, k); };
     auto ps = p;
     for (float* value : {&ps.friction.lower_N, &ps.friction.upper_N, &ps.max_force_N, &ps.max_approach_speed_m_s,
                          &ps.position_tolerance_m, &ps.encoder_resolution_m}) {
       *value = scaled(*value);
     }
-    K3Table<float> table_s = table;  // R scales with the square root of length: only even powers keep its bits
+    K3Table<float> table_s = table;  // R scales with the square root of length
     table_s.root_max = std::sqrt(ps.stick_radius_upper_m());
     table_s.nodes_per_root = static_cast<float>(table.nodes.size() - 1) / table_s.root_max;
-    if (k % 2 != 0) continue;
     table_s.nodes.fill({std::ldexp(table.nodes[0].value, k / 2), 0.0F});
-    AxisController<float> controller{ps, table_s};
+    KickTable<float> pulses_s = pulses;  // over the fourth root of length, an octave of which are 16 intervals
+    pulses_s.first = static_cast<std::uint16_t>(pulses.first + 16 * (k / 4));
+    for (auto& e : pulses_s.entries) e = {scaled(e.a0), scaled(e.a1), scaled(e.a2), scaled(e.a3)};
+    AxisController<float> controller{ps, table_s, pulses_s};
     reference.reset();
     std::mt19937 random{5};
     for (int i = 0; i < 3000; ++i) {

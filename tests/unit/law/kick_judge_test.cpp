@@ -106,12 +106,17 @@ ControlFault fault_of(Judge judge, int kicks, float (*place_m)(int), int& judged
   return fault;
 }
 
-// The last kick of all does nothing, and those before only led to and fro.
+// The last kick of all does nothing, and those before only led to and fro. Under the coast "pd" all of them count,
+// under "work" those since it was nearest.
 TEST(KickJudge, CallsAnAxisHuntingThatMovedSinceItWasNearest) {
   int judged = 0;
   const auto to_and_fro = [](int kick) { return kick > 100 || kick % 2 == 0 ? -1.2e-4F : -1.1e-4F; };
   const auto judge = [](KickJudge<float>& all, float x) { return all.judge(testing::sampled_axis<float>(), x); };
   EXPECT_EQ(fault_of(judge, 1000, to_and_fro, judged), ControlFault::hunting);
+  EXPECT_EQ(judged, KickJudge<float>::most_kicks);
+  const auto of_work = [](KickJudge<float>& all, float x) { return all.judge_work(testing::sampled_axis<float>(), x); };
+  const auto to_and_fro_for_ever = [](int kick) { return kick % 2 == 0 ? -1.2e-4F : -1.1e-4F; };
+  EXPECT_EQ(fault_of(of_work, 1000, to_and_fro_for_ever, judged), ControlFault::hunting);
   EXPECT_EQ(judged, KickJudge<float>::most_kicks + 2) << "the two that led nearer than any before count for none";
 }
 
@@ -162,10 +167,13 @@ TEST(KickJudge, ForgetsWithAnotherTargetWhatTheKicksToTheLastOneShowed) {
   axis = {};
   EXPECT_EQ(axis.kick(1e-3F, 1e-6F), ControlFault::none);
   axis.judge.forget();
-  for (int kick = 0; kick < 200; ++kick) {
+  const auto nearer = [&axis](int kick) {
     const float error_m = 0.02F - 5e-5F * static_cast<float>(kick);
-    ASSERT_EQ(axis.kick(error_m, error_m - 5e-5F), ControlFault::none) << "each leads nearer to this target";
-  }
+    return axis.kick(error_m, error_m - 5e-5F);
+  };
+  for (int kick = 1; kick < KickJudge<float>::most_kicks; ++kick)
+    ASSERT_EQ(nearer(kick), ControlFault::none) << "each leads nearer to this target";
+  EXPECT_EQ(nearer(KickJudge<float>::most_kicks), ControlFault::hunting) << "but they are too many";
 }
 
 TEST(KickJudge, CountsThoseThatLeadAwayInARowOnly) {

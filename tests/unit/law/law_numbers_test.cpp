@@ -138,7 +138,6 @@ TEST(LawDefaults, AreThoseOfTheDocumentation) {
   EXPECT_EQ(p.max_force_N, std::numeric_limits<float>::infinity());
   EXPECT_EQ(p.max_approach_speed_m_s, std::numeric_limits<float>::infinity());
   EXPECT_EQ(p.latency_periods, 1);
-  EXPECT_EQ(p.kick_shape, KickShape::two_phase);
   EXPECT_EQ(p.coast, Coast::pd);
   EXPECT_EQ(p.flicker_m + p.feedforward_N + p.position_tolerance_m + p.period_s + p.encoder_resolution_m, 0);
   const BrakedKicks<float> kicks;
@@ -154,7 +153,6 @@ TEST(LawDefaults, AreThoseOfTheDocumentation) {
   EXPECT_EQ(works.approach.speed_periods, 1);
   EXPECT_EQ(works.approach.mean_periods, 0);
   EXPECT_EQ(Pulse<float>{}.periods + Pulse<float>{}.cut_periods, 0);
-  EXPECT_EQ(Kick<float>{}.periods, 0);
   EXPECT_TRUE(Measurement<float>{}.fresh);
   EXPECT_EQ(ControlOutput<float>{}.mode, Mode::approach);
   EXPECT_FALSE(ControlOutput<float>{}.kicked);

@@ -12,6 +12,7 @@
 #include "../../campaign/random_braked_axis.hpp"
 #include "../../two_mass_axis.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/design/work_kicks.hpp"
 #include "law_fixture.hpp"
 #include "recorded_run.hpp"
@@ -295,9 +296,10 @@ struct PdAxis {
   explicit PdAxis(Random& r) : p{testing::sampled_axis<float>()} {
     p.mass_kg = static_cast<float>(r.between(0.7, 2));
     p.latency_periods = static_cast<std::uint8_t>(r.between(0, 3.99));
-    if (r.share() < 0.2) p.kick_shape = KickShape::naive;
+    const auto aim = r.share() < 0.2 ? design::PulseAim::k3 : design::PulseAim::target;
     if (r.share() < 0.3) p.feedforward_N = static_cast<float>(r.between(-1, 1));
     k3 = k3_of(p);
+    kicks.table = design::design_pd_kicks(p, aim).table;
   }
   Figures run(Random& r, int kind, std::uint64_t seed) const {
     BrakedClass c = axes_of_the_scenes(0);
@@ -307,7 +309,7 @@ struct PdAxis {
     const TrueAxis truth{mass_kg, 1, 0, -static_cast<double>(p.feedforward_N), p.latency_periods};
     const auto friction = campaign::friction_of_kind(kind, c, seed, 1e-5, 1.8e-6);
     const double side = r.share() < 0.5 ? 1 : -1, start_m = side * r.decades(2e-6, 0.5);
-    return recorded_run(p, k3, BrakedKicks<float>{}, Slider{truth, friction, start_m, 0}, circumstances(r));
+    return recorded_run(p, k3, kicks, Slider{truth, friction, start_m, 0}, circumstances(r));
   }
   Circumstances circumstances(Random& r) const {
     Circumstances now;
@@ -329,6 +331,7 @@ struct PdAxis {
   }
   AxisParameters<float> p;
   K3Table<float> k3;
+  BrakedKicks<float> kicks;
 };
 class PdRun : public RecordedRun {};
 TEST_P(PdRun, IsAsItWas) { for_each_friction<PdAxis>("pd"); }
@@ -381,11 +384,13 @@ TEST(MirroredRun, OfAMoveIsTheSame) {
 TEST(MirroredRun, UnderPdIsTheSame) {
   const auto p = testing::sampled_axis<float>();
   const auto k3 = k3_of(p);
+  BrakedKicks<float> kicks;
+  kicks.table = design::design_pd_kicks(p).table;
   for (const double start_m : {0.4, 0.05, 3e-3, 1e-4, 1e-5}) {
     for (int kind = 0; kind < frictions_without_a_side; ++kind) {
       const auto run = [&](double side) {
         const auto friction = campaign::friction_of_kind(kind, axes_of_the_scenes(0), 1, 1e-5, 1e-6);
-        return recorded_run(p, k3, BrakedKicks<float>{}, Slider{{}, friction, side * start_m, 0}, {});
+        return recorded_run(p, k3, kicks, Slider{{}, friction, side * start_m, 0}, {});
       };
       expect_mirrored(run(1), run(-1));
     }

@@ -191,12 +191,19 @@ constexpr NodeError check_drive(const cia402::DriveConfig<Scalar>& drive, const 
   return drive.node_id == loop.network.node_id ? NodeError::node_id_taken : NodeError::drive_invalid;
 }
 
+// Those of its coast. Of the coast "pd" there is a table only.
+template <class Scalar, class Kicks>
+constexpr bool has_its_kicks(const FlashedAxis<Scalar, Kicks>& axis) noexcept {
+  constexpr law::Coast kicked = by_work<Kicks> ? law::Coast::work : law::Coast::brake;
+  if (axis.law.coast == law::Coast::pd) return axis.kicks.table.is_usable();
+  return axis.law.coast == kicked && law::are_usable(axis.kicks);
+}
+
 template <class Scalar, class Kicks>
 constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const LoopConfig& loop) noexcept {
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
-  constexpr law::Coast kicked = by_work<Kicks> ? law::Coast::work : law::Coast::brake;
-  if (p.coast != law::Coast::pd && !(p.coast == kicked && law::are_usable(axis.kicks))) return NodeError::law_invalid;
+  if (!has_its_kicks(axis)) return NodeError::law_invalid;
   if (!axis.certified) return NodeError::not_certified;
   if (!is_period_of(p.period_s, loop)) return NodeError::period_differs;
   if (const NodeError error = check_drive(axis.drive, loop, axis.scale()); error != NodeError::none) return error;

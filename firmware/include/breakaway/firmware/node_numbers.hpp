@@ -64,7 +64,6 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("encoder_resolution_m", p.encoder_resolution_m, "m, one count");
   visit.value("period_s", p.period_s, "s");
   visit.value("latency_periods", p.latency_periods, "");
-  visit.value("kick_shape", p.kick_shape, "");
   visit.value("coast", p.coast, "");
   visit.value("flicker_m", p.flicker_m, "m");
   visit.value("feedforward_N", p.feedforward_N, "N");

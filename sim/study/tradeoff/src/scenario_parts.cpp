@@ -111,10 +111,10 @@ Work work_of(const Part& part, bool set_up_only) {
 }
 
 // The final position under the law, sampled, on the plant alone.
-double run_without_drive(const Scenario& s, const law::AxisParameters<float>& p, const law::K3Table<float>& table) {
+double run_without_drive(const Scenario& s, const firmware::FlashedAxis<float>& flashed) {
   const config::Axis& axis = s.node.axes.front();
   const scenario::AxisWorld& world = s.worlds.front();
-  law::AxisController<float> controller{p, table};
+  law::AxisController<float> controller{flashed.law, flashed.k3_table, flashed.kicks};
   motion::Slide slide{axis.mass_kg, world.friction, {0, world.position_m, 0}};
   const double resolution_m = axis.drive->encoder_resolution_m, period_s = s.node.period_s();
   const config::TargetChange& change = axis.controller.targets.front();
@@ -138,9 +138,8 @@ Work loop_without_drive() {
   return {"scenario-no-drive",
           []() -> std::function<void()> {
             const Scenario s = moving_axis();
-            const auto p = config::axis_parameters<float>(s.node, s.node.axes.front());
-            const auto table = std::make_shared<law::K3Table<float>>(config::flashed<float>(s.node).axes[0].k3_table);
-            return [=] { keep(run_without_drive(s, p, *table)); };
+            const auto flashed = std::make_shared<firmware::FlashedAxis<float>>(config::flashed<float>(s.node).axes[0]);
+            return [=] { keep(run_without_drive(s, *flashed)); };
           },
           duration_s};
 }

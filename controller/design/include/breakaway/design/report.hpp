@@ -88,6 +88,7 @@ struct PdPromise {
   double beyond_m;  // that an approach or a kick may go past the target; infinite where nothing limits its speed
   double approach_peak_m_s;  // that an approach may reach
   int most_kicks;            // from where friction may hold the axis, under the greatest
+  double aim_lost;           // largest share of the distance by which a kick aims short under the least
 };
 
 struct Check {

@@ -39,15 +39,20 @@ class AxisController {
  public:
   using Parameters = AxisParameters<Scalar>;
 
-  // Requires validate(parameters) == ParameterError::none; the table must have been built for these parameters and must
-  // outlive the controller.
+  // The ideal law, without a period. Requires validate(parameters) == ParameterError::none; the table must have been
+  // built for these parameters and must outlive the controller.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table) noexcept
-      : p_{parameters}, pd_{parameters, table}, judge_{parameters.unseen_m()} {}
+      : p_{parameters}, pd_{parameters, table, nullptr}, judge_{parameters.unseen_m()} {}
 
-  // Unless the coast is pd, for which they are not looked at, kicks must be those of these parameters and must outlive
-  // the controller as well.
+  // The coast "pd" with a period: pulses are those of these parameters, and must outlive the controller as well.
+  [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table,
+                               const KickTable<Scalar>& pulses) noexcept
+      : p_{parameters}, pd_{parameters, table, &pulses}, judge_{parameters.unseen_m()} {}
+
+  // Any coast. kicks must be those of these parameters, of which the coast "pd" has a table only, and must outlive the
+  // controller as well.
   [[gnu::cold]] AxisController(const Parameters& parameters, const K3Table<Scalar>& table, const Kicks& kicks) noexcept
-      : p_{parameters}, pd_{parameters, table}, judge_{parameters.unseen_m()} {
+      : p_{parameters}, pd_{parameters, table, &kicks.table}, judge_{parameters.unseen_m()} {
     if (p_.coast != Parts::coast) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
@@ -112,7 +117,6 @@ class AxisController {
     if (!(left_N < p_.max_force_N)) return;
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
     p_.max_force_N = left_N;
-    pd_.limit_force(left_N);
     if (braked_ != nullptr) cycle_.limit_force(left_N);
   }
 
@@ -191,10 +195,10 @@ class AxisController {
     }
     if (pd_.at_rest(p_, x, v, std::max(std::abs(last_force_N_), std::abs(force_before_N_)))) {
       if (!(std::abs(x) > p_.position_tolerance_m)) return enter_hold(x, v);
-      return start_kick(x, Scalar{0}, pd_.impulse_Ns(x));
+      return start_kick(x, std::abs(x));
     }
-    const Scalar impulse_Ns = pd_.impulse_against_creeping_Ns(p_, x, v);
-    if (impulse_Ns > 0) return start_kick(x, v, impulse_Ns);
+    const Scalar rest_m = pd_.kicked_from_m(p_, x, v);
+    if (rest_m > 0) return start_kick(x, rest_m);
     return output(mode_ == Mode::approach ? pd_.approach_N(p_, x, v) : pd_.feedback_N(p_, x, v));
   }
 
@@ -380,21 +384,20 @@ class AxisController {
     return output(pd_.feedback_N(p_, x, v));
   }
 
-  // impulse_Ns: |k3(x)|.
-  ControlOutput<Scalar> start_kick(Scalar x, Scalar v, Scalar impulse_Ns) noexcept {
+  // rest_m: from which distance a kick from rest is as strong.
+  ControlOutput<Scalar> start_kick(Scalar x, Scalar rest_m) noexcept {
     if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
-    if (judge_.has_had_all() && !p_.exact()) return fail(ControlFault::hunting);
     judge_.kicked(x);
     if (p_.ideal()) {
       mode_ = Mode::coast;
       ControlOutput<Scalar> kick = output(-p_.stiffness_N_per_m * x);
-      kick.impulse_Ns = x > 0 ? -impulse_Ns : impulse_Ns;
+      kick.impulse_Ns = x > 0 ? -pd_.impulse_Ns(x) : pd_.impulse_Ns(x);
       kick.kicked = true;
       return kick;
     }
-    pd_.begin_pulse(p_, x, v, impulse_Ns, judge_.futile());
+    pd_.begin_pulse(p_, x, rest_m, judge_.futile());
     mode_ = Mode::kick;
-    // The feedback at the start is that of rest: the shaper's response counts from there.
+    // The feedback at the start is that of rest: the table counts from there.
     ControlOutput<Scalar> first = pulse(-p_.stiffness_N_per_m * x);
     first.kicked = true;
     return first;

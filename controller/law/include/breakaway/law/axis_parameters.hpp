@@ -12,11 +12,6 @@
 
 namespace breakaway::law {
 
-enum class KickShape : std::uint8_t {
-  two_phase,  // whole periods of constant force that end on the k3 curve, for friction at its lower bound
-  naive,      // k3 spread evenly over whole periods: overshoots, kept to compare with
-};
-
 // What follows a kick until the axis rests.
 enum class Coast : std::uint8_t {
   pd,     // the feedback (16) of [I] with the damping k22
@@ -37,7 +32,6 @@ struct AxisParameters {
   Scalar encoder_resolution_m{};     // one count; 0: exact position and velocity are measured
   Scalar period_s{};                 // control period; 0: the ideal law, a kick is an impulse
   std::uint8_t latency_periods = 1;  // from taking a sample to the first force computed from it
-  KickShape kick_shape = KickShape::two_phase;
   Coast coast = Coast::pd;
   Scalar flicker_m{};      // what readings of an axis at rest may differ by; under any coast but pd
   Scalar feedforward_N{};  // given beside max_force_N while there is no fault, against a known constant force

@@ -117,7 +117,7 @@ template <class Scalar>
                         a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
                         a.standing_m_s >= 0 && a.move.are_usable();
   return lags && forces && waits && approach && k.spring.is_usable(a.friction_N) && k.fine_floor_m >= 0 &&
-         k.coast_per_N > 0 && k.table.count > 0 && k.table.count <= KickTable<Scalar>::most_entries;
+         k.coast_per_N > 0 && k.table.is_usable();
 }
 
 }  // namespace breakaway::law

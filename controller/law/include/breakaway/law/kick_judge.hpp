@@ -18,10 +18,9 @@ namespace breakaway::law {
 template <class Scalar>
 class KickJudge {
  public:
-  // Without a new least error, or, under the brake, since the target moved: after that the axis hunts or is jammed.
+  // Since the target moved, or, under the coast "work", without a new least error: after that the axis hunts or is
+  // jammed.
   static constexpr std::uint8_t most_kicks = 128;
-  // Since the target moved, under the coast "pd": an axis that gets on by a count now and then would crawl for ever.
-  static constexpr std::uint32_t most_kicks_in_all = 1024;
   // Approaches to one target that end further away than kicks are for, before the axis is kicked from there.
   static constexpr std::uint8_t most_far_ends = 4;
   // Kicks that show friction outside its stated bounds.
@@ -36,7 +35,6 @@ class KickJudge {
   void forget() noexcept {
     least_error_m_ = largest;
     kicks_counted_ = 0;
-    kicks_before_ = kicks_;
     contradictions_ = far_ends_ = 0;
     moved_since_least_ = false;
     futile_ = growing_ = 0;
@@ -55,8 +53,6 @@ class KickJudge {
 
   // Under the brake: a kick more would be one too many.
   bool has_no_more() const noexcept { return kicks_counted_ >= most_kicks; }
-  // Under the coast "pd".
-  bool has_had_all() const noexcept { return kicks_ - kicks_before_ >= most_kicks_in_all; }
 
   // An approach ended further away than kicks are for. Returns whether another may lead nearer.
   bool approach_may_help() noexcept {
@@ -66,17 +62,17 @@ class KickJudge {
 
   // Where the last kick led the axis that rests at x now: nowhere, closer, or further away. Returns the first fault
   // that it proves. To be called under the coast "pd".
-  ControlFault judge(const Parameters& p, Scalar x) noexcept { return judge(p, x, nullptr, nullptr); }
+  ControlFault judge(const Parameters& p, Scalar x) noexcept { return judge<true>(p, x, nullptr, nullptr); }
 
   // The same under the brake, where the travel of the table's kicks is compared with what was told as well.
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>& cycle,
                      const FineStage<Scalar>& fine) noexcept {
-    return judge(p, x, &cycle, &fine);
+    return judge<true>(p, x, &cycle, &fine);
   }
 
   // The same under the coast "work": kicks that should have moved the axis and did not are few.
   ControlFault judge_work(const Parameters& p, Scalar x) noexcept {
-    const ControlFault proved = judge(p, x, nullptr, nullptr);
+    const ControlFault proved = judge<false>(p, x, nullptr, nullptr);
     return proved == ControlFault::none && futile_ >= most_futile_works ? ControlFault::jammed : proved;
   }
 
@@ -93,6 +89,7 @@ class KickJudge {
   static constexpr std::uint8_t most_futile_works = 8;
   static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
 
+  template <bool all_count>
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>* cycle,
                      const FineStage<Scalar>* fine) noexcept {
     if (!awaiting_result_) return ControlFault::none;
@@ -107,22 +104,23 @@ class KickJudge {
     const bool grew = error_m > lawful_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
-    note_least_error(p, error_m, moved, fine);
+    note_least_error<all_count>(p, error_m, moved, fine);
     if (fine == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
     if (growing_ >= growing_limit) accuse(ControlFault::diverging);
     return proved_;
   }
 
-  // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer.
+  // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer. Where
+  // all count, a certified axis needs no more of them than the limit.
+  template <bool all_count>
   void note_least_error(const Parameters& p, Scalar error_m, bool moved, const FineStage<Scalar>* fine) noexcept {
     if (error_m < least_error_m_ - unseen_m_ / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
-      if (fine == nullptr) {
+      if constexpr (!all_count) {
         kicks_counted_ = 0;
         return;
       }
-      // Under the brake all kicks count, because a certified axis needs no more of them than the limit.
       moved = true;
     } else if (moved) {
       moved_since_least_ = true;
@@ -161,7 +159,6 @@ class KickJudge {
   Scalar kicked_from_m_{};
   Scalar seen_friction_N_{};
   std::uint32_t kicks_ = 0;
-  std::uint32_t kicks_before_ = 0;  // the target moved
   ControlFault proved_ = ControlFault::none;
   std::uint8_t futile_ = 0;
   std::uint8_t growing_ = 0;

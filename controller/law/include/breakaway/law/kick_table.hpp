@@ -39,6 +39,9 @@ struct KickTable {
     Scalar a0, a1, a2, a3;
   };
 
+  // Where the intervals of a curve meet.
+  static constexpr float root_at(std::uint32_t high) noexcept { return std::bit_cast<float>(high << shift); }
+
   std::array<Entry, most_entries> entries{};
   std::array<std::uint8_t, most_entries> periods{};
   std::array<std::uint8_t, most_entries> cut_periods{};
@@ -46,25 +49,27 @@ struct KickTable {
   std::uint8_t count = 0;   // entries that are there
   bool list = false;
 
+  constexpr bool is_usable() const noexcept { return count > 0 && count <= most_entries; }
+
   // The pulse for the distance to the target [m]. Outside the table the answer is that of its nearer end: below it a
   // pulse may go too far, beyond it it stops short. NaN counts as zero.
   Pulse<Scalar> pulse(Scalar distance_m) const noexcept {
-    if (count == 0 || count > most_entries) return {};
+    if (!is_usable()) return {};
     return list ? of_list(distance_m) : of_curve(distance_m);
   }
 
   // The least distance that a curve answers; of a list 0.
   Scalar least_m() const noexcept {
     if (list || count == 0) return 0;
-    const auto root = std::bit_cast<float>(static_cast<std::uint32_t>(first) << shift);
+    const float root = root_at(first);
     return static_cast<Scalar>(root) * static_cast<Scalar>(root);
   }
 
   // The distance up to which a pulse aims at the target; beyond, it goes as far as there.
   Scalar reach_m() const noexcept {
-    if (count == 0 || count > most_entries) return 0;
+    if (!is_usable()) return 0;
     if (list) return entries[count - 1u].a0;
-    const auto root = std::bit_cast<float>((static_cast<std::uint32_t>(first) + count) << shift);
+    const float root = root_at(static_cast<std::uint32_t>(first) + count);
     return static_cast<Scalar>(root) * static_cast<Scalar>(root);
   }
 

@@ -3,6 +3,10 @@
 // Feedback (16) with the damping k21 on the way to the target and k22 from then on, an axis that is certified at rest
 // by its counts, or exactly, and kicks (5) and (15) as pulses of whole periods, each followed by a coast. What they are
 // for, and when one is due, the controller says. It keeps no parameters: each call gets those of the axis.
+//
+// Which pulse ends on the target is read from a table of the loop as it runs; k3 itself is for the ideal law, and says
+// how fast an axis may still be that is kicked as it creeps. The table is over the root of the distance, so that it
+// spans all distances at which an axis may stick, and holds the force in all with which a pulse begins.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +16,7 @@
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/control_types.hpp"
 #include "breakaway/law/k3_table.hpp"
-#include "breakaway/law/kick_shaper.hpp"
+#include "breakaway/law/kick_table.hpp"
 #include "breakaway/law/rest_detector.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 
@@ -23,12 +27,13 @@ class PdCycle {
  public:
   using Parameters = AxisParameters<Scalar>;
 
-  // The parameters must be valid; the table must be theirs and must outlive this.
-  [[gnu::cold]] PdCycle(const Parameters& p, const K3Table<Scalar>& table) noexcept : table_{&table} {
+  // The parameters must be valid; the tables must be theirs and must outlive this. kicks may be null where no pulse is
+  // asked for.
+  [[gnu::cold]] PdCycle(const Parameters& p, const K3Table<Scalar>& table, const KickTable<Scalar>* kicks) noexcept
+      : table_{&table}, kicks_{kicks} {
     if (p.ideal()) return;
     velocity_ = {p.period_s, p.encoder_resolution_m, p.kick_damping_Ns_per_m, p.friction.lower_N};
     rest_ = {p.mass_kg, p.friction.lower_N, p.encoder_resolution_m, p.period_s};
-    shaper_ = {p, velocity_.weight()};
     const Scalar weight = velocity_.weight(), count_m_s = weight * p.encoder_resolution_m / p.period_s;
     creep_radius_m_ = 20 * p.accuracy_floor_m() + 4 * p.encoder_resolution_m +
                       16 * p.mass_kg * count_m_s * count_m_s / p.friction.lower_N;
@@ -66,27 +71,33 @@ class PdCycle {
   Scalar impulse_Ns(Scalar x) const noexcept { return std::abs(table_->impulse_Ns(x)); }
 
   // An axis creeps when it is inside the maximal stick set and closes in far slower than the k3 curve allows, so that
-  // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because the shaper
-  // counts the speed in. Near the target, where a few counts of speed error matter, and a quarter of the curve's speed,
+  // it will stop, or creep for ever, well before the target. A kick now is as safe as one from rest, because its speed
+  // is counted in. Near the target, where a few counts of speed error matter, and a quarter of the curve's speed,
   // sqrt(2 f_lo r / m) at most, is hardly more than one count makes of the velocity, only certified rest will do; nor
-  // is a velocity judged whose filter has not caught up. Once a period. Returns |k3(x)| for an axis that creeps, else
-  // zero.
-  Scalar impulse_against_creeping_Ns(const Parameters& p, Scalar x, Scalar v) const noexcept {
+  // is a velocity judged whose filter has not caught up. Once a period. Returns the distance from which a kick from
+  // rest is as strong as the one that this axis needs, or zero for one that does not creep.
+  //
+  // A kick that ends with the speed V, and coasts from there on the curve, is to make up for what the axis is below it:
+  // that takes (1 - w/V)^2 of the distance, of which the axis comes on by w while the pulse lasts.
+  Scalar kicked_from_m(const Parameters& p, Scalar x, Scalar v) const noexcept {
     const Scalar distance = std::abs(x);
     if (p.exact() || sighted_ <= blind_ || distance > p.stick_radius_upper_m() || distance < creep_radius_m_) return 0;
     const Scalar closing = x > 0 ? -v : v;
     if (!(closing >= 0)) return 0;
-    const Scalar impulse = impulse_Ns(x);
-    return closing * p.mass_kg < creep_share * impulse ? impulse : Scalar{0};
+    const Scalar momentum = closing * p.mass_kg, impulse = impulse_Ns(x);
+    if (!(momentum < creep_share * impulse)) return 0;
+    const Scalar slower = (impulse - momentum) / impulse;
+    const Scalar pulse_s = static_cast<Scalar>(pulse_from(distance).periods) * p.period_s;
+    return std::max((distance - closing * pulse_s) * slower * slower, creep_radius_m_ / 4);
   }
 
-  // impulse_Ns: |k3(x)|; futile: kicks in a row that did not move the axis.
-  void begin_pulse(const Parameters& p, Scalar x, Scalar v, Scalar impulse_Ns, std::uint8_t futile) noexcept {
-    const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
+  // rest_m: from which distance a kick from rest is as strong; futile: kicks in a row that did not move the axis.
+  void begin_pulse(const Parameters& p, Scalar x, Scalar rest_m, std::uint8_t futile) noexcept {
+    const Pulse<Scalar> pulse = pulse_from(rest_m);
     const Scalar least_N = futile > 0 ? p.friction.upper_N * (1 + escalation * static_cast<Scalar>(futile)) : Scalar{0};
-    const Kick<Scalar> kick = shaper_.plan(*table_, std::abs(x), impulse_Ns, std::max(v * towards, Scalar{0}), least_N);
-    pulse_N_ = kick.force_N * towards;
-    periods_left_ = kick.periods;
+    const Scalar in_all_N = limited(std::max(pulse.force_N, least_N), p.max_force_N);
+    pulse_N_ = x > 0 ? p.stiffness_N_per_m * x - in_all_N : p.stiffness_N_per_m * x + in_all_N;
+    periods_left_ = std::max(pulse.periods, std::uint8_t{1});
   }
   Scalar pulse_N() const noexcept { return pulse_N_; }  // to add to the feedback
   // Once a period of a pulse, when its force was given. Returns true with the last one; then the coast begins, which is
@@ -105,9 +116,12 @@ class PdCycle {
     lose_sight();
   }
   void reset() noexcept { velocity_.reset(); }
-  void limit_force(Scalar force_N) noexcept { shaper_.limit_force(force_N); }
 
  private:
+  Pulse<Scalar> pulse_from(Scalar distance_m) const noexcept {
+    return kicks_ != nullptr ? kicks_->pulse(std::sqrt(distance_m)) : Pulse<Scalar>{};
+  }
+
   static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping
 
   // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
@@ -115,9 +129,9 @@ class PdCycle {
   static constexpr Scalar escalation = Scalar(0.02);
 
   const K3Table<Scalar>* table_;
+  const KickTable<Scalar>* kicks_;
   VelocityEstimator<Scalar> velocity_{};
   RestDetector<Scalar> rest_{};
-  KickShaper<Scalar> shaper_{};
   Scalar pulse_N_{};
   Scalar creep_radius_m_{};
   std::int16_t blind_ = 0;    // samples after a pulse until the velocity has caught up with what it began

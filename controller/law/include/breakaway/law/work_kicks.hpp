@@ -63,8 +63,7 @@ constexpr bool are_usable(const WorkKicks<Scalar>& k) noexcept {
   const bool approach = a.mass_kg > 0 && a.friction_N >= 0 && a.acceleration_m_s2 > 0 && a.stiffness_N_per_m >= 0 &&
                         a.damping_Ns_per_m >= 0 && a.short_of_target_m >= 0 && a.begin_m > 0 && a.swing_periods > 0 &&
                         a.speed_periods > 0;
-  return forces && waits && approach && k.table.count > 0 && k.table.count <= KickTable<Scalar>::most_entries &&
-         !k.table.list;
+  return forces && waits && approach && k.table.is_usable() && !k.table.list;
 }
 
 }  // namespace breakaway::law
