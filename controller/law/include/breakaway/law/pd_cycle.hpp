@@ -78,7 +78,8 @@ class PdCycle {
   // rest is as strong as the one that this axis needs, or zero for one that does not creep.
   //
   // A kick that ends with the speed V, and coasts from there on the curve, is to make up for what the axis is below it:
-  // that takes (1 - w/V)^2 of the distance, of which the axis comes on by w while the pulse lasts.
+  // that takes (1 - w/V)^2 of the distance, of which the axis comes on by w while the pulse lasts. One that comes on by
+  // a quarter of it meanwhile does not creep.
   Scalar kicked_from_m(const Parameters& p, Scalar x, Scalar v) const noexcept {
     const Scalar distance = std::abs(x);
     if (p.exact() || sighted_ <= blind_ || distance > p.stick_radius_upper_m() || distance < creep_radius_m_) return 0;
@@ -86,9 +87,10 @@ class PdCycle {
     if (!(closing >= 0)) return 0;
     const Scalar momentum = closing * p.mass_kg, impulse = impulse_Ns(x);
     if (!(momentum < creep_share * impulse)) return 0;
+    const Scalar come_on_m = closing * static_cast<Scalar>(pulse_from(distance).periods) * p.period_s;
+    if (!(come_on_m < creep_share * distance)) return 0;
     const Scalar slower = (impulse - momentum) / impulse;
-    const Scalar pulse_s = static_cast<Scalar>(pulse_from(distance).periods) * p.period_s;
-    return std::max((distance - closing * pulse_s) * slower * slower, creep_radius_m_ / 4);
+    return (distance - come_on_m) * slower * slower;
   }
 
   // rest_m: from which distance a kick from rest is as strong; futile: kicks in a row that did not move the axis.
@@ -122,7 +124,8 @@ class PdCycle {
     return kicks_ != nullptr ? kicks_->pulse(std::sqrt(distance_m)) : Pulse<Scalar>{};
   }
 
-  static constexpr Scalar creep_share = Scalar(0.25);  // of the k3 curve's speed: below it the axis counts as creeping
+  static constexpr Scalar creep_share =
+      Scalar(0.25);  // of the k3 curve's speed, and of the distance during a pulse: below them the axis creeps
 
   // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
   // each before.
