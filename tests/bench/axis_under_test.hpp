@@ -56,7 +56,7 @@ inline design::KickPlant<double> kick_plant(const scenario::Scenario& s) {
 
 template <class Real>
 law::KickTable<Real> build_pulses(const scenario::Scenario& s) {
-  return design::design_pd_kicks(parameters<Real>(s)).table;
+  return design::design_pd_kicks(parameters<Real>(s), s.node.axes[0].drive->current_loop_time_constant_s).table;
 }
 
 template <class Real>

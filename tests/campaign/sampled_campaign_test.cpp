@@ -34,11 +34,11 @@ design::AxisDesign random_design(Random& r) {
 }
 
 struct PdTables {
-  explicit PdTables(const law::AxisParameters<float>& p)
+  PdTables(const law::AxisParameters<float>& p, double lag_s)
       : k3{design::build_k3_table<float>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                          p.stick_radius_upper_m())
                .table} {
-    kicks.table = design::design_pd_kicks(p).table;
+    kicks.table = design::design_pd_kicks(p, lag_s).table;
   }
   law::K3Table<float> k3;
   law::BrakedKicks<float> kicks;
@@ -84,7 +84,7 @@ struct Tally {
 void run(long number, const design::AxisDesign& a, const design::PdPromise& promise, Approach approach, Random& r,
          Tally& tally) {
   const auto p = design::detail::parameters_of_pd(a);
-  const PdTables tables{p};
+  const PdTables tables{p, a.current_loop_lag_s};
   BrakedClass bounds;
   bounds.friction = a.friction;
   bounds.period_s = a.period_s;
@@ -199,7 +199,7 @@ TEST(SampledCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
     const design::AxisDesign a = random_design(r);
     if (!design::design_axis(a).certified) continue;
     const auto p = design::detail::parameters_of_pd(a);
-    const PdTables tables{p};
+    const PdTables tables{p, a.current_loop_lag_s};
     BrakedClass told;
     told.mass_kg = {a.mass_kg, a.mass_kg};
     told.friction = a.friction;

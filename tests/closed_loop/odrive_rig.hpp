@@ -38,6 +38,7 @@ inline OdriveRigConfig with(odrive::Estimates estimates, double clock_error = 0,
 
 class OdriveRig {
  public:
+  static constexpr double lag_s = 1e-4;                           // of its current loop
   static constexpr double travel_per_turn_m = 0.125663706143592;  // 2 pi / (50 N/Nm)
 
   explicit OdriveRig(const OdriveRigConfig& config)
@@ -50,11 +51,11 @@ class OdriveRig {
     table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
                  .table;
-    pulses_ = design::design_pd_kicks(p).table;
+    pulses_ = design::design_pd_kicks(p, lag_s).table;
     odrive_emulator::EmulatorConfig emulated = config.drive;
     emulated.force_per_torque_N_per_Nm = 50;
     emulated.travel_per_turn_m = travel_per_turn_m;
-    emulated.current_loop_time_constant_s = 1e-4;
+    emulated.current_loop_time_constant_s = lag_s;
     emulated.heartbeat_period = config.heartbeat_period;
     emulated.counts_from_power_on = !config.absolute_encoder;
     if (config.estimates == odrive::Estimates::polled) emulated.estimate_period = emulated.torque_period = {};

@@ -56,7 +56,7 @@ class Rig {
     table_ = design::build_k3_table<Real>({p.mass_kg, p.stiffness_N_per_m, p.kick_damping_Ns_per_m, p.friction.lower_N},
                                           p.stick_radius_upper_m())
                  .table;
-    pulses_ = design::design_pd_kicks(p).table;
+    pulses_ = design::design_pd_kicks(p, config.current_loop_time_constant_s).table;
     for (std::size_t i = 0; i < config.axes; ++i) add_axis(static_cast<std::uint8_t>(i + 1), p);
   }
 

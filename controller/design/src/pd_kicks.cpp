@@ -70,7 +70,7 @@ class Feedback {
 template <class Real>
 class PdTableBuilder {
  public:
-  PdTableBuilder(const law::AxisParameters<double>& p, PulseAim aim) : p_{p}, aim_{aim} {
+  PdTableBuilder(const law::AxisParameters<double>& p, double lag_s, PulseAim aim) : p_{p}, lag_s_{lag_s}, aim_{aim} {
     // Without a limit of force no kick takes more than this in one period.
     const double farthest_m = p.stick_radius_upper_m();
     const double enough_N = 8 * (k3_Ns(farthest_m) / p.period_s + p.stiffness_N_per_m * farthest_m);
@@ -129,7 +129,7 @@ class PdTableBuilder {
       double beyond_m = -HUGE_VAL, short_share = 0;
       for (int j = 0; j <= samples; ++j) {
         const auto y = static_cast<Real>(distance_m(left + (right - left) * (j + 1e-3) / (samples + 2e-3)));
-        const double off_m = pd_travel_m(p_, y, read(y), periods_) - static_cast<double>(y);
+        const double off_m = pd_travel_m(p_, lag_s_, y, read(y), periods_) - static_cast<double>(y);
         beyond_m = std::max(beyond_m, off_m + unseen * static_cast<double>(y));
         short_share = std::max(short_share, -off_m / static_cast<double>(y));
       }
@@ -150,9 +150,9 @@ class PdTableBuilder {
       periods_ = static_cast<int>(std::clamp(std::ceil(exact), 1.0, 32.0));
       return;
     }
-    double travel_m = pd_travel_m(p_, right_m, p_.max_force_N, reaching_);
+    double travel_m = pd_travel_m(p_, lag_s_, right_m, p_.max_force_N, reaching_);
     while (travel_m < right_m && reaching_ < longest_periods) {
-      const double more_m = pd_travel_m(p_, right_m, p_.max_force_N, reaching_ + 1);
+      const double more_m = pd_travel_m(p_, lag_s_, right_m, p_.max_force_N, reaching_ + 1);
       if (!(more_m > travel_m * (1 + 1e-9))) break;
       travel_m = more_m;
       ++reaching_;
@@ -165,7 +165,7 @@ class PdTableBuilder {
   double share_sure(int periods, double left_m, double right_m) const {
     const auto share = [&](double distance_m) {
       const double force = std::min(force_N(distance_m, periods), p_.max_force_N);
-      return pd_travel_m(under_most_, distance_m, force, periods) / distance_m;
+      return pd_travel_m(under_most_, lag_s_, distance_m, force, periods) / distance_m;
     };
     return std::min(share(left_m), share(right_m));
   }
@@ -175,7 +175,9 @@ class PdTableBuilder {
     if (aim_ == PulseAim::k3) return k3_Ns(distance_m) / (periods * p_.period_s) + p_.stiffness_N_per_m * distance_m;
     // Regula falsi over the root of the way, which grows about as the force does; an end that stays counts half.
     const double wanted = std::sqrt(distance_m);
-    const auto off = [&](double force_N) { return std::sqrt(pd_travel_m(p_, distance_m, force_N, periods)) - wanted; };
+    const auto off = [&](double force_N) {
+      return std::sqrt(pd_travel_m(p_, lag_s_, distance_m, force_N, periods)) - wanted;
+    };
     double low = p_.friction.lower_N, high = p_.max_force_N, under = -wanted, over = off(high);
     for (int step = 0; step < 40 && over < 0; ++step) {
       low = std::exchange(high, 2 * high);
@@ -200,6 +202,7 @@ class PdTableBuilder {
   }
 
   law::AxisParameters<double> p_, under_most_;
+  double lag_s_;
   PulseAim aim_;
   int reaching_ = 1;  // periods of a pulse that reaches the target
   int periods_ = 1;   // of the interval
@@ -208,9 +211,11 @@ class PdTableBuilder {
 
 }  // namespace
 
-double pd_travel_m(const law::AxisParameters<double>& p, double distance_m, double force_N, int periods) {
+double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double distance_m, double force_N, int periods) {
   constexpr long most_periods = 2'000'000;
   const double pulse_N = force_N - p.stiffness_N_per_m * distance_m;
+  const double late_s = std::min(lag_s, p.period_s);
+  double acting_N = p.stiffness_N_per_m * distance_m;
   const double limit_N = std::max(p.max_force_N, force_N);
   const double fading_s = p.kick_damping_Ns_per_m / p.stiffness_N_per_m;
   detail::RubbedMass mass{p.mass_kg, p.friction.lower_N, -distance_m};
@@ -218,7 +223,8 @@ double pd_travel_m(const law::AxisParameters<double>& p, double distance_m, doub
   for (long k = 0; k < most_periods; ++k) {
     const double feedback_N = feedback.next_N(mass.position_m(), mass.velocity_m_s());
     const double wanted_N = feedback_N + (k < periods ? pulse_N : 0);
-    mass.push(std::clamp(wanted_N, -limit_N, limit_N), p.period_s);
+    mass.push(std::exchange(acting_N, std::clamp(wanted_N, -limit_N, limit_N)), late_s);
+    mass.push(acting_N, p.period_s - late_s);
     if (k < periods + p.latency_periods) continue;
     // One that turned back does not come as far again, and from beyond the least stick radius an axis may fade into
     // rest for ever.
@@ -229,11 +235,11 @@ double pd_travel_m(const law::AxisParameters<double>& p, double distance_m, doub
 }
 
 template <class Real>
-PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, PulseAim aim) {
-  return PdTableBuilder<Real>{in_double(p), aim}.build();
+PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, double lag_s, PulseAim aim) {
+  return PdTableBuilder<Real>{in_double(p), lag_s, aim}.build();
 }
 
-template PdKicks<float> design_pd_kicks(const law::AxisParameters<float>&, PulseAim);
-template PdKicks<double> design_pd_kicks(const law::AxisParameters<double>&, PulseAim);
+template PdKicks<float> design_pd_kicks(const law::AxisParameters<float>&, double, PulseAim);
+template PdKicks<double> design_pd_kicks(const law::AxisParameters<double>&, double, PulseAim);
 
 }  // namespace breakaway::design

@@ -13,7 +13,7 @@ namespace breakaway::design::detail {
 namespace {
 
 constexpr double surely = 1.05;     // of what the approach was seen to do: a float, and friction that changes
-constexpr double by_a_kick = 0.02;  // of the way from where friction may hold the axis goes a kick beyond the target
+constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
 constexpr long most_periods = 4'000'000;  // of a trial
 
 struct PdTables {
@@ -101,7 +101,7 @@ law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) {
 int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks * 2 / 3; }
 
 PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
-  const PdKicks<float> kicks = design_pd_kicks(parameters_of_pd(axis));
+  const PdKicks<float> kicks = design_pd_kicks(parameters_of_pd(axis), axis.current_loop_lag_s);
   const PdTables tables{k3, kicks.table};
   const double stuck_m = axis.friction.upper_N / axis.stiffness_N_per_m, far = far_m(axis);
   const double way_m = axis.longest_way_m > 0 ? std::min(axis.longest_way_m, far) : far;

@@ -171,8 +171,10 @@ firmware::AxisLimits<Real> limits_under_law(const Node& node, const Axis& axis) 
   return limits;
 }
 
-design::PulseAim aim_of(const Axis& axis) {
-  return axis.controller.impulsive->kick == Kick::naive ? design::PulseAim::k3 : design::PulseAim::target;
+template <class Real>
+design::PdKicks<Real> pd_kicks(const Axis& axis, const law::AxisParameters<Real>& p) {
+  const auto aim = axis.controller.impulsive->kick == Kick::naive ? design::PulseAim::k3 : design::PulseAim::target;
+  return design::design_pd_kicks(p, axis.drive->current_loop_time_constant_s, aim);
 }
 
 template <class Real, class Kicks>
@@ -190,7 +192,7 @@ firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& ax
                                              .law = p,
                                              .k3_table = built.table};
   if (p.coast == law::Coast::pd) {
-    flashed.kicks.table = design::design_pd_kicks(p, aim_of(axis)).table;
+    flashed.kicks.table = pd_kicks(axis, p).table;
   } else {
     flashed.kicks = kicks_of<Real, Kicks>(braked_class(node, axis));
     if (!law::are_usable(flashed.kicks))

@@ -398,7 +398,7 @@ TEST_F(Command, SettlesSoonerAndByFewerKicksUnderTheBrake) {
               kicks);
   };
   expect_run(brake, 0.109, -1.1e-6, 1);
-  expect_run(pd, 0.265, -1.07e-6, 5);
+  expect_run(pd, 0.268, -1.35e-6, 5);
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ TEST(Brake, IsFlashedWithTheVeryTableThatIsCertified) {
   EXPECT_EQ(flashed_node.axes[0].kicks.table.count, design.kicks.table.count);
   EXPECT_EQ(flashed_node.axes[0].kicks.table.entries[3].a0, design.kicks.table.entries[3].a0);
   EXPECT_EQ(flashed_node.axes[1].law.coast, law::Coast::pd);
-  const auto pulses = design::design_pd_kicks(flashed_node.axes[1].law).table;
+  const auto pulses =
+      design::design_pd_kicks(flashed_node.axes[1].law, node.axes[1].drive->current_loop_time_constant_s).table;
   EXPECT_EQ(flashed_node.axes[1].kicks.table.count, pulses.count);
   EXPECT_EQ(flashed_node.axes[1].kicks.table.entries[3].a0, pulses.entries[3].a0);
 }

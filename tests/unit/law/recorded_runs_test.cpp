@@ -299,7 +299,7 @@ struct PdAxis {
     const auto aim = r.share() < 0.2 ? design::PulseAim::k3 : design::PulseAim::target;
     if (r.share() < 0.3) p.feedforward_N = static_cast<float>(r.between(-1, 1));
     k3 = k3_of(p);
-    kicks.table = design::design_pd_kicks(p, aim).table;
+    kicks.table = design::design_pd_kicks(p, 0, aim).table;
   }
   Figures run(Random& r, int kind, std::uint64_t seed) const {
     BrakedClass c = axes_of_the_scenes(0);

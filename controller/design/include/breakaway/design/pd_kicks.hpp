@@ -25,12 +25,14 @@ struct PdKicks {
   double aim_lost = 0;           // largest share of the distance by which a pulse within the force limit aims short
 };
 
-// p: valid, with a period. Distances from what is left alone up to where the axis may stick.
+// p: valid, with a period; lag_s: time constant of the current loop. Distances from what is left alone up to where the
+// axis may stick.
 template <class Real>
-PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, PulseAim aim = PulseAim::target);
+PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, double lag_s = 0, PulseAim aim = PulseAim::target);
 
 // How far a pulse takes an axis from rest at distance_m before its target, under the least friction until it rests
-// again: force_N in all as the pulse begins, 0 < force_N, for 1 to 255 periods [m].
-double pd_travel_m(const law::AxisParameters<double>& p, double distance_m, double force_N, int periods);
+// again: force_N in all as the pulse begins, 0 < force_N, for 1 to 255 periods [m]. A force that lags counts as one
+// that begins a time constant later, within a period: its impulse is the same, and so is where its middle lies.
+double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double distance_m, double force_N, int periods);
 
 }  // namespace breakaway::design

@@ -197,7 +197,7 @@ class AxisController {
       if (!(std::abs(x) > p_.position_tolerance_m)) return enter_hold(x, v);
       return start_kick(x, std::abs(x));
     }
-    const Scalar rest_m = pd_.kicked_from_m(p_, x, v);
+    const Scalar rest_m = pd_.kicked_from_m(p_, x, v, last_force_N_);
     if (rest_m > 0) return start_kick(x, rest_m);
     return output(mode_ == Mode::approach ? pd_.approach_N(p_, x, v) : pd_.feedback_N(p_, x, v));
   }
@@ -387,6 +387,8 @@ class AxisController {
   // rest_m: from which distance a kick from rest is as strong.
   ControlOutput<Scalar> start_kick(Scalar x, Scalar rest_m) noexcept {
     if (const ControlFault proved = judge_unless_exact(x); proved != ControlFault::none) return fail(proved);
+    // The last of them may have led into a hold that the axis left.
+    if (judge_.has_no_more() && !p_.exact()) return fail(ControlFault::hunting);
     judge_.kicked(x);
     if (p_.ideal()) {
       mode_ = Mode::coast;

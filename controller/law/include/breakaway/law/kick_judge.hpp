@@ -51,7 +51,7 @@ class KickJudge {
   // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
   bool left_hold() noexcept { return ++kicks_counted_ > most_kicks; }
 
-  // Under the brake: a kick more would be one too many.
+  // Where all count, a kick more would be one too many.
   bool has_no_more() const noexcept { return kicks_counted_ >= most_kicks; }
 
   // An approach ended further away than kicks are for. Returns whether another may lead nearer.

@@ -37,6 +37,7 @@ class PdCycle {
     const Scalar weight = velocity_.weight(), count_m_s = weight * p.encoder_resolution_m / p.period_s;
     creep_radius_m_ = 20 * p.accuracy_floor_m() + 4 * p.encoder_resolution_m +
                       16 * p.mass_kg * count_m_s * count_m_s / p.friction.lower_N;
+    late_s_per_kg_ = (static_cast<Scalar>(p.latency_periods) + 1 / weight) * p.period_s / p.mass_kg;
     blind_ = static_cast<std::int16_t>(std::min(2 / weight, Scalar{90}) + static_cast<Scalar>(p.latency_periods) - 1);
   }
 
@@ -79,12 +80,14 @@ class PdCycle {
   //
   // A kick that ends with the speed V, and coasts from there on the curve, is to make up for what the axis is below it:
   // that takes (1 - w/V)^2 of the distance, of which the axis comes on by w while the pulse lasts. One that comes on by
-  // a quarter of it meanwhile does not creep.
-  Scalar kicked_from_m(const Parameters& p, Scalar x, Scalar v) const noexcept {
+  // a quarter of it meanwhile does not creep. force_N, the last that was given, may have sped it up since it was seen.
+  Scalar kicked_from_m(const Parameters& p, Scalar x, Scalar v, Scalar force_N) const noexcept {
     const Scalar distance = std::abs(x);
     if (p.exact() || sighted_ <= blind_ || distance > p.stick_radius_upper_m() || distance < creep_radius_m_) return 0;
-    const Scalar closing = x > 0 ? -v : v;
-    if (!(closing >= 0)) return 0;
+    const Scalar seen = x > 0 ? -v : v;
+    if (!(seen >= 0)) return 0;
+    const Scalar spare_N = (x > 0 ? -force_N : force_N) - p.friction.lower_N;
+    const Scalar closing = seen + std::max(spare_N, Scalar{0}) * late_s_per_kg_;
     const Scalar momentum = closing * p.mass_kg, impulse = impulse_Ns(x);
     if (!(momentum < creep_share * impulse)) return 0;
     const Scalar come_on_m = closing * static_cast<Scalar>(pulse_from(distance).periods) * p.period_s;
@@ -137,6 +140,7 @@ class PdCycle {
   RestDetector<Scalar> rest_{};
   Scalar pulse_N_{};
   Scalar creep_radius_m_{};
+  Scalar late_s_per_kg_{};    // by which what is seen of the velocity is late, per mass
   std::int16_t blind_ = 0;    // samples after a pulse until the velocity has caught up with what it began
   std::int16_t sighted_ = 0;  // samples that show the time after the last pulse, as far as it matters
   std::uint8_t periods_left_ = 0;
