@@ -12,7 +12,7 @@
 namespace breakaway::design::detail {
 namespace {
 
-constexpr double surely = 1.05;     // of what the approach was seen to do: a float, and friction that changes
+constexpr double surely = 1.05;      // of what the approach was seen to do: a float, and friction that changes
 constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
 constexpr long most_periods = 4'000'000;  // of a trial
 
