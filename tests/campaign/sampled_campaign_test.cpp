@@ -65,7 +65,7 @@ double drawn_start_m(const design::AxisDesign& a, double decades) {
   return std::min(std::max(floor_m, a.encoder_resolution_m) * std::pow(10, decades), 1.0);
 }
 
-enum class Approach { as_drawn, slow, weak };
+enum class Approach { as_drawn, slow, weak, to_a_wide_tolerance };
 
 struct Tally {
   long runs = 0, most_kicks = 0;
@@ -118,6 +118,7 @@ design::AxisDesign random_design(Random& r, Approach approach) {
   // The least is 1.2 of this, and what the encoder asks for.
   if (approach == Approach::slow)
     a.max_approach_speed_m_s = a.friction.upper_N / a.approach_damping_Ns_per_m * r.decades(1.2, 6);
+  if (approach == Approach::to_a_wide_tolerance) a.position_tolerance_m *= r.decades(1, 300);
   if (approach == Approach::weak) a.max_force_N = a.friction.upper_N * r.between(1.5, 2);
   a.longest_way_m = approach == Approach::slow ? longest_slow_way_m(a) : drawn_start_m(a, 4);
   return a;
@@ -183,6 +184,11 @@ TEST(SampledCampaign, RefusesAxesThatNeedManyKicks) {
 
 TEST(SampledCampaign, EveryCertifiedAxisSettlesBehindAWeakDrive) {
   run_all(Approach::weak, asked_for("BREAKAWAY_WEAK_AXES", 40));
+}
+
+// One that creeps is kicked inside a wide tolerance as well.
+TEST(SampledCampaign, EveryCertifiedAxisSettlesToAWideTolerance) {
+  run_all(Approach::to_a_wide_tolerance, asked_for("BREAKAWAY_WIDE_AXES", 100));
 }
 
 TEST(SampledCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {

@@ -85,7 +85,7 @@ class PdTableBuilder {
     for (std::size_t i = 0; i < Table::most_entries; ++i) {
       const double left = Table::root_at(first + static_cast<std::uint32_t>(i));
       const double right = Table::root_at(first + static_cast<std::uint32_t>(i) + 1);
-      if (distance_m(left) > p_.stick_radius_upper_m()) break;
+      if (i > 0 && distance_m(left) > p_.stick_radius_upper_m()) break;
       fit(i, left, right);
     }
     return made_;
@@ -101,10 +101,11 @@ class PdTableBuilder {
     return std::bit_cast<std::uint32_t>(static_cast<float>(std::sqrt(std::sqrt(distance_m)))) >> Table::shift;
   }
 
-  // Of the distances that kicks are for.
+  // Of the distances that kicks are for: a creeping axis is kicked as from less than a wide tolerance.
   double least_m() const {
-    return std::max({p_.position_tolerance_m, p_.encoder_resolution_m / 2, p_.accuracy_floor_m() / 64,
-                     p_.stick_radius_upper_m() * std::ldexp(1, -28)});
+    const double creeping_m = 8 * p_.accuracy_floor_m() + p_.encoder_resolution_m;
+    return std::max({std::min(p_.position_tolerance_m, creeping_m), p_.encoder_resolution_m / 2,
+                     p_.accuracy_floor_m() / 64, p_.stick_radius_upper_m() * std::ldexp(1, -28)});
   }
 
   void fit(std::size_t i, double left, double right) {
@@ -120,7 +121,7 @@ class PdTableBuilder {
   // Takes off what the cubic, as the controller reads it, lies above the curve, until no pulse leads beyond the target.
   void lower(std::size_t i, double left, double right) {
     constexpr int most_rounds = 8;
-    constexpr double unseen = 3e-7;  // of the way: what the curve does between the places that are looked at
+    constexpr double unseen = 1e-6;  // of the way: what the curve does between the places that are looked at
     typename Table::Entry& e = made_.table.entries[i];
     const double slope_N_per_m = (double{e.a1} + double{e.a2} + double{e.a3}) / (distance_m(right) - distance_m(left));
     // Roundings of what is read, and of the law's own sum.
@@ -138,6 +139,7 @@ class PdTableBuilder {
         return;
       }
       e.a0 -= static_cast<Real>(1.05 * beyond_m * slope_N_per_m + 1e-7 * std::abs(e.a0));
+      if (round + 1 == most_rounds) made_.beyond = std::max(made_.beyond, beyond_m / distance_m(left));
     }
   }
   double read(Real distance_m) const { return static_cast<double>(made_.table.pulse(std::sqrt(distance_m)).force_N); }
@@ -217,6 +219,7 @@ double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double di
   const double late_s = std::min(lag_s, p.period_s);
   double acting_N = p.stiffness_N_per_m * distance_m;
   const double limit_N = std::max(p.max_force_N, force_N);
+  const double fades_to_m = -p.friction.lower_N / p.stiffness_N_per_m;
   const double fading_s = p.kick_damping_Ns_per_m / p.stiffness_N_per_m;
   detail::RubbedMass mass{p.mass_kg, p.friction.lower_N, -distance_m};
   Feedback feedback{p, distance_m};
@@ -226,9 +229,10 @@ double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double di
     mass.push(std::exchange(acting_N, std::clamp(wanted_N, -limit_N, limit_N)), late_s);
     mass.push(acting_N, p.period_s - late_s);
     if (k < periods + p.latency_periods) continue;
-    // One that turned back does not come as far again, and from beyond the least stick radius an axis may fade into
-    // rest for ever.
-    const double speed_m_s = mass.velocity_m_s();
+    // One that turned back does not come as far again. Beyond the least stick radius an axis fades into rest at its
+    // end, for ever: overdamped, it does not pass that end where its speed is below that of the fast mode.
+    const double speed_m_s = mass.velocity_m_s(), short_m = fades_to_m - mass.position_m();
+    if (speed_m_s > 0 && speed_m_s * fading_s <= 2 * short_m) return distance_m + fades_to_m;
     if (speed_m_s == 0 ? feedback.holds() : speed_m_s * fading_s < 1e-10 * distance_m) break;
   }
   return mass.furthest_m() + distance_m;

@@ -115,6 +115,7 @@ PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
         std::max(surely * passed_m + axis.position_tolerance_m + 2 * axis.encoder_resolution_m, by_a_kick * stuck_m);
     promise.approach_peak_m_s = surely * approach.mass().fastest_m_s();
   }
+  promise.beyond_m = std::max(promise.beyond_m, kicks.beyond * stuck_m);
   for (const double share : {1.0, 0.4, 0.15, 0.05})
     promise.most_kicks = std::max(promise.most_kicks, kicks_from(axis, tables, share * stuck_m));
   return promise;

@@ -211,6 +211,14 @@ TEST(PdKicks, CoverAllDistancesAtWhichAnAxisMayStick) {
   EXPECT_LE(table.least_m(), std::sqrt(2e-8F));
   EXPECT_GE(table.reach_m(), std::sqrt(p.stick_radius_upper_m()));
   EXPECT_LE(sizeof(table), 2150U);
+  p = example<float>();
+  for (const float tolerance_m : {2e-4F, 5e-3F, 0.02F}) {
+    p.position_tolerance_m = tolerance_m;
+    const auto wide = design_pd_kicks(p).table;
+    EXPECT_TRUE(wide.is_usable());
+    EXPECT_LE(wide.least_m(), std::sqrt(8 * p.accuracy_floor_m() + 1e-6F))
+        << "a creeping axis is kicked inside it, too";
+  }
 }
 
 }  // namespace

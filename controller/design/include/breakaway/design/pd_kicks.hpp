@@ -22,11 +22,12 @@ enum class PulseAim : std::uint8_t {
 template <class Real>
 struct PdKicks {
   law::KickTable<Real> table{};  // over the root of the distance: see law::PdCycle
-  double aim_lost = 0;           // largest share of the distance by which a pulse within the force limit aims short
+  double aim_lost = 0;           // largest share of the distance by which a pulse aims short
+  double beyond = 0;             // and beyond, where the spring alone leads there and no pulse would be right
 };
 
-// p: valid, with a period; lag_s: time constant of the current loop. Distances from what is left alone up to where the
-// axis may stick.
+// p: valid, with a period; lag_s: time constant of the current loop. Distances from what is left alone, or a 64th of
+// the accuracy floor, up to where the axis may stick.
 template <class Real>
 PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, double lag_s = 0, PulseAim aim = PulseAim::target);
 

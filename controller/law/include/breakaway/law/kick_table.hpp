@@ -26,8 +26,8 @@ struct Pulse {
   std::uint8_t cut_periods = 0;
 };
 
-// Made by design::design_braked_kicks. Nothing here can fail, and no argument, not even a damaged table, leads to a
-// read outside `entries`.
+// Made by design::design_braked_kicks, and by those of the other coasts. Nothing here can fail, and no argument, not
+// even a damaged table, leads to a read outside `entries`.
 template <class Scalar>
 struct KickTable {
   static constexpr std::size_t most_entries = 118;
