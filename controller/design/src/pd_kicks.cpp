@@ -54,6 +54,8 @@ class Feedback {
     newest_ = (newest_ + 1) % size;
     return acts_N;
   }
+  // Until it shows what the axis does.
+  double late_s() const { return (p_.latency_periods + 1 / weight_) * p_.period_s; }
   // None that is on its way moves an axis that rests; the velocity that is still believed only fades.
   bool holds() const {
     return std::ranges::all_of(late_N_, [&](double force_N) { return std::abs(force_N) <= p_.friction.lower_N; });
@@ -223,6 +225,7 @@ double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double di
   const double fading_s = p.kick_damping_Ns_per_m / p.stiffness_N_per_m;
   detail::RubbedMass mass{p.mass_kg, p.friction.lower_N, -distance_m};
   Feedback feedback{p, distance_m};
+  const bool damps_in_time = p.kick_damping_Ns_per_m * (late_s + feedback.late_s()) < p.mass_kg / 2;
   for (long k = 0; k < most_periods; ++k) {
     const double feedback_N = feedback.next_N(mass.position_m(), mass.velocity_m_s());
     const double wanted_N = feedback_N + (k < periods ? pulse_N : 0);
@@ -230,9 +233,10 @@ double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double di
     mass.push(acting_N, p.period_s - late_s);
     if (k < periods + p.latency_periods) continue;
     // One that turned back does not come as far again. Beyond the least stick radius an axis fades into rest at its
-    // end, for ever: overdamped, it does not pass that end where its speed is below that of the fast mode.
+    // end, for ever: overdamped, and damped in time, it does not pass that end where its speed is below that of the
+    // fast mode.
     const double speed_m_s = mass.velocity_m_s(), short_m = fades_to_m - mass.position_m();
-    if (speed_m_s > 0 && speed_m_s * fading_s <= 2 * short_m) return distance_m + fades_to_m;
+    if (damps_in_time && speed_m_s > 0 && speed_m_s * fading_s <= 2 * short_m) return distance_m + fades_to_m;
     if (speed_m_s == 0 ? feedback.holds() : speed_m_s * fading_s < 1e-10 * distance_m) break;
   }
   return mass.furthest_m() + distance_m;

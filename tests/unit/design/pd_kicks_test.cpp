@@ -203,6 +203,22 @@ TEST(PdKicks, CountTheSpeedOfACreepingAxisInAndDoNotLeadItBeyond) {
   }
 }
 
+// Damped by a velocity that is smoothed over thousands of periods the spring alone leads such an axis beyond its
+// target.
+TEST(PdKicks, SayHowFarBeyondAnAxisGoesForWhichNoPulseIsRight) {
+  law::AxisParameters<double> p;
+  p.mass_kg = 1.71619;
+  p.stiffness_N_per_m = 66702.9;
+  p.approach_damping_Ns_per_m = 300;
+  p.kick_damping_Ns_per_m = 677.543;
+  p.friction = {1786.09, 7698.65};
+  p.position_tolerance_m = 0.0547276;
+  p.encoder_resolution_m = 0.00222108;
+  p.period_s = 0.000149961;
+  EXPECT_GT(design_pd_kicks(p).beyond, 0.5);
+  EXPECT_EQ(design_pd_kicks(example<double>()).beyond, 0);
+}
+
 TEST(PdKicks, CoverAllDistancesAtWhichAnAxisMayStick) {
   auto p = example<float>(1e-4);
   p.encoder_resolution_m = 1e-9F;
