@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "kick_curve.hpp"
@@ -14,8 +15,6 @@
 
 namespace breakaway::design {
 namespace {
-
-constexpr int longest_periods = 255;  // that the table's bytes hold
 
 law::AxisParameters<double> in_double(const law::AxisParameters<float>& p) {
   law::AxisParameters<double> d;
@@ -151,11 +150,11 @@ class PdTableBuilder {
   void choose_periods(double left_m, double right_m) {
     if (aim_ == PulseAim::k3) {
       const double exact = k3_Ns(right_m) / ((p_.max_force_N - p_.friction.lower_N) * p_.period_s);
-      periods_ = static_cast<int>(std::clamp(std::ceil(exact), 1.0, 32.0));
+      periods_ = static_cast<int>(std::clamp(std::ceil(exact), 1.0, double{longest_pulse_periods}));
       return;
     }
     double travel_m = pd_travel_m(p_, lag_s_, right_m, p_.max_force_N, reaching_);
-    while (travel_m < right_m && reaching_ < longest_periods) {
+    while (travel_m < right_m && reaching_ < longest_pulse_periods) {
       const double more_m = pd_travel_m(p_, lag_s_, right_m, p_.max_force_N, reaching_ + 1);
       if (!(more_m > travel_m * (1 + 1e-9))) break;
       travel_m = more_m;

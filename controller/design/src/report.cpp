@@ -10,11 +10,8 @@
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/kick_promise.hpp"
 #include "breakaway/law/fine_stage.hpp"
-#include "breakaway/law/rest_detector.hpp"
-#include "breakaway/law/velocity_estimator.hpp"
-#include "breakaway/stability/attractivity.hpp"
 #include "brief.hpp"
-#include "check.hpp"
+#include "pd_checks.hpp"
 #include "pd_trial.hpp"
 #include "planned_force.hpp"
 #include "reachable.hpp"
@@ -23,8 +20,6 @@
 namespace breakaway::design {
 namespace {
 
-using detail::below;
-using detail::Equality;
 using detail::error_at_rest_m;
 using detail::range;
 
@@ -45,178 +40,6 @@ void require_in_range(const AxisDesign& axis) {
                      "is not a finite number; give 0 when there is no smooth friction"};
   }
   require_valid(axis.friction);
-}
-
-// A check of the friction ratio against a threshold, for information.
-Check above(std::string name, std::string source, double ratio, double threshold) {
-  const bool holds = ratio > threshold;
-  std::string reason = "friction_lower_N / friction_upper_N = " + brief(ratio) + (holds ? " is" : " is not") +
-                       " above " + brief(threshold);
-  if (!holds) reason += "; raise the damping k22 or narrow the friction bounds";
-  return {std::move(name), false, holds, ratio - threshold, std::move(source), std::move(reason)};
-}
-
-// Propositions 2 and 3 cover different friction: the one that fits the axis is required. (17) and (18) are sufficient
-// for Assumption 3, the exact threshold is necessary too.
-std::vector<Check> assumption_checks(const AxisDesign& axis, const DesignReport& report) {
-  const law::FrictionBounds<double>& friction = axis.friction;
-  Check assumption_1{
-      "assumption_1",
-      true,
-      true,
-      friction.upper_N - friction.lower_N,
-      "[I] Assumption 1",
-      "0 < friction_lower_N = " + brief(friction.lower_N) + " <= friction_upper_N = " + brief(friction.upper_N)};
-  const double critical = 2 * std::sqrt(axis.stiffness_N_per_m) * std::sqrt(axis.mass_kg);
-  const std::string remedy = "lower the approach damping k21";
-  Check proposition_2 =
-      below("assumption_2_proposition_2", "[I] Proposition 2 (friction constant between velocity reversals)",
-            report.zeta_approach, 1, "zeta = k21 / (2 sqrt(k1 m)) against 1", remedy);
-  Check proposition_3 =
-      below("assumption_2_proposition_3", "[I] Proposition 3 (constant dry friction and a smooth one)",
-            axis.approach_damping_Ns_per_m + axis.smooth_friction_slope_Ns_per_m, critical,
-            "k21 + smooth friction slope against 2 sqrt(k1 m)", remedy);
-  const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
-  proposition_2.required = purely_dry;
-  proposition_3.required = !purely_dry;
-  Check exact = above("assumption_3_exact", "a kick from c_upper under friction_upper_N ends in the inner stick set",
-                      report.ratio, report.exact_ratio_threshold);
-  exact.required = true;
-  return {std::move(assumption_1),
-          std::move(proposition_2),
-          std::move(proposition_3),
-          above("assumption_3_eq_17", "[I] (17)", report.ratio, ratio_threshold_17),
-          above("assumption_3_eq_18", "[I] (18)", report.ratio, report.ratio_threshold_18),
-          std::move(exact)};
-}
-
-// The approach is a machine of one coordinate: [A] says whether it comes to rest, and from where.
-Check rest_check(const AxisDesign& axis) {
-  const double damping = axis.approach_damping_Ns_per_m + axis.smooth_friction_slope_Ns_per_m;
-  const auto scalar = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
-  const stability::Attractivity rest =
-      stability::certify_attractivity({scalar(axis.mass_kg), scalar(damping), scalar(axis.stiffness_N_per_m), scalar(1),
-                                       Eigen::VectorXd::Constant(1, axis.friction.lower_N)});
-  const bool from_everywhere = rest.certified && std::isinf(rest.rho_star_J);
-  return {"approach_comes_to_rest",
-          true,
-          from_everywhere,
-          damping,
-          "[A] Theorem 1 and remark 4",
-          "k21 + smooth friction slope = " + brief(damping) + " N s/m" +
-              (from_everywhere ? ": the approach comes to rest from everywhere"
-                               : ", so the approach comes to rest from within " + brief(rest.rho_star_J) +
-                                     " J only; raise the approach damping k21")};
-}
-
-Check encoder_check(const AxisDesign& axis) {
-  return below("tolerance_above_encoder_resolution", "one encoder count is the least error that can be seen",
-               axis.encoder_resolution_m, axis.position_tolerance_m,
-               "encoder_resolution_m against position_tolerance_m", "widen the tolerance or use a finer encoder",
-               Equality::holds);
-}
-
-Check table_check(const DesignReport& report) {
-  // A kick moves the axis by about its square: an impulse off by e is a displacement off by 2 e, which adds to the
-  // error 1 - f_lower / f_upper that a kick may leave. The sum must stay below 1.
-  return below("table_keeps_contraction", "a kick must leave less error than it found", 2 * report.table_proved_error,
-               report.ratio, "twice the k3 table's relative error against friction_lower_N / friction_upper_N",
-               "lower the damping k22 or narrow the friction bounds");
-}
-
-// Total force of the least kick: of one period, and over the least distance that is read beyond the tolerance.
-double least_kick_N(const AxisDesign& axis) {
-  const double q = axis.encoder_resolution_m, tolerance_m = axis.position_tolerance_m;
-  const double distance_m = q > 0 ? q * (std::floor(tolerance_m / q) + 1) : tolerance_m;
-  const double A = axis.friction.lower_N, T = axis.period_s;
-  return (A + std::sqrt(A * A + 8 * axis.mass_kg * A * distance_m / (T * T))) / 2;
-}
-
-// With a force that grows with the current loop, that kick must break away in time.
-Check lag_check(const AxisDesign& axis, const std::string& brake) {
-  return below(
-      "least_kick_outlasts_the_lag",
-      "tested, not proved: behind the current loop the least kick must break away within half its period",
-      axis.friction.upper_N / -std::expm1(-axis.period_s / (2 * axis.current_loop_lag_s)), least_kick_N(axis),
-      "friction_upper_N over the share of its force that the current loop reaches in half a period, against the "
-      "force of the least kick",
-      "widen the tolerance, or take a faster current loop" + brake, Equality::holds);
-}
-
-// Periods over which the law's velocity is smoothed, because the encoder is coarse for its damping.
-double smoothing_periods(const AxisDesign& axis) {
-  const law::VelocityEstimator<double> velocity{axis.period_s, axis.encoder_resolution_m, axis.kick_damping_Ns_per_m,
-                                                axis.friction.lower_N};
-  return 1 / velocity.weight();
-}
-
-// What random axes need to settle in closed loop, and what sufficed for all of them: tests/campaign.
-std::vector<Check> loop_checks(const AxisDesign& axis) {
-  const double smoothing = smoothing_periods(axis);
-  const double delay_s = axis.current_loop_lag_s + (axis.latency_ticks + smoothing) * axis.period_s;
-  const std::string brake = "; or take coast = \"brake\"";
-  std::vector<Check> checks{
-      below("damping_tolerates_delay", "tested, not proved: damping that acts late must brake, not push",
-            axis.kick_damping_Ns_per_m * delay_s / axis.mass_kg, 0.2,
-            "k22 (latency, smoothing of the velocity and current loop) / mass_kg against 0.2",
-            "lower k22 (and k1 with it, to keep zeta), use a finer encoder, or shorten the period or the latency" +
-                brake),
-      below("velocity_is_seen", "tested, not proved: the velocity must not lag behind the motion of a kick", smoothing,
-            10, "periods over which the encoder has the velocity smoothed against 10",
-            "use a finer encoder, or lower k22" + brake, Equality::holds),
-      below("current_loop_is_fast", "tested, not proved: a pulse of one period must reach its force",
-            axis.current_loop_lag_s, 0.2 * axis.period_s, "current_loop_time_constant_s against a fifth of period_s",
-            "take a longer period" + brake, Equality::holds),
-      below("friction_bounds_are_apart", "tested, not proved: a kick that did not move is raised by 2 %",
-            axis.friction.ratio(), 0.98, "friction_lower_N / friction_upper_N against 0.98",
-            "state wider bounds" + brake, Equality::holds)};
-  if (axis.current_loop_lag_s > 0) checks.push_back(lag_check(axis, brake));
-  return checks;
-}
-
-// At its greatest speed V the spring pulls with k21 V and no more, which must move the axis wherever it stands; and so
-// that it is not taken for stuck, it must show a count within half of the law's patience from rest, and two on its way.
-// Where it stood, far from the target, it would be kicked from there with all that the table and the drive have.
-Check approach_check(const AxisDesign& axis) {
-  constexpr double surely =
-      1.2;  // against what one count makes of the damping force, a twentieth of the least friction
-  const double patience_s = law::RestDetector<float>::patience * axis.period_s, q = axis.encoder_resolution_m;
-  const double seen_N = patience_s > 0 ? axis.mass_kg * 8 * q / (patience_s * patience_s) : 0;
-  const double seen_m_s = patience_s > 0 ? 2 * q / patience_s : 0;
-  return below(
-      "approach_gets_on", "the spring that is limited for the sake of speed must still move the axis",
-      (surely * axis.friction.upper_N + seen_N) / axis.approach_damping_Ns_per_m + seen_m_s,
-      axis.max_approach_speed_m_s,
-      "the speed that an approach must be allowed, friction_upper_N / k21 and what its count asks for, against "
-      "max_approach_speed_m_s, and nine tenths of [limits] speed_m_s",
-      "raise these or k21, or take coast = \"brake\"", Equality::holds);
-}
-
-std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& report) {
-  return {
-      below("force_breaks_away",
-            "a pulse below the upper friction bound may not move the axis; tested, not proved: one that hardly does is "
-            "long, and friction that falls meanwhile leads it far beyond",
-            1.5 * axis.friction.upper_N, axis.max_force_N, "one and a half times friction_upper_N against max_force_N",
-            "use a stronger drive or reduce the friction, or take coast = \"brake\"", Equality::holds),
-      below("tolerance_above_floor",
-            "least sure step of a one-period pulse, f_upper (f_upper - f_lower) Ts^2 / (2 m f_lower)",
-            report.accuracy_floor_m, axis.position_tolerance_m, "accuracy floor against position_tolerance_m",
-            "widen the tolerance or shorten the period (the floor falls with its square)", Equality::holds),
-  };
-}
-
-std::vector<Check> checks_of_pd(const AxisDesign& axis, const DesignReport& report) {
-  std::vector<Check> checks = assumption_checks(axis, report);
-  checks.push_back(rest_check(axis));
-  checks.push_back(table_check(report));
-  if (axis.max_approach_speed_m_s < std::numeric_limits<double>::infinity()) checks.push_back(approach_check(axis));
-  if (axis.encoder_resolution_m > 0) checks.push_back(encoder_check(axis));
-  if (axis.period_s > 0) {
-    for (Check& check : sampling_checks(axis, report)) checks.push_back(std::move(check));
-    for (Check& check : loop_checks(axis)) checks.push_back(std::move(check));
-  }
-  return checks;
 }
 
 double sprung_beyond_m(const BrakedClass& c, const BrakedDesign<float>& design) {
@@ -277,14 +100,6 @@ std::vector<Check> class_checks(const AxisDesign& axis) {
   return checks;
 }
 
-// What the trial of an axis shows for which all else holds.
-Check kicks_of_pd(const PdPromise& pd) {
-  return below("kicks_are_few", "tested, not proved: under the greatest friction the law needs few of the kicks it has",
-               pd.most_kicks, detail::most_tried_kicks(),
-               "kicks under friction_upper_N against two thirds of what the law gives",
-               "use a stronger drive, widen the tolerance, or take coast = \"brake\"", Equality::holds);
-}
-
 std::vector<std::string> reasons_against(const std::vector<Check>& checks) {
   std::vector<std::string> reasons;
   for (const Check& check : checks)
@@ -302,9 +117,9 @@ std::vector<Check> checks_of_coast(const AxisDesign& axis, const std::optional<B
 std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report,
                               const std::optional<BrakedDesign<float>>& braked,
                               const std::optional<WorkDesign<float>>& work) {
-  if (!axis.braked && !axis.work) return checks_of_pd(axis, report);
+  if (!axis.braked && !axis.work) return detail::pd_checks(axis, report);
   std::vector<Check> checks = checks_of_coast(axis, braked, work);
-  for (Check& check : checks_of_pd(axis, report)) {
+  for (Check& check : detail::pd_checks(axis, report)) {
     // Of the k3 pulses, and of an approach by the spring.
     if (check.name == "tolerance_above_floor" || check.name == "force_breaks_away" || check.name == "approach_gets_on")
       continue;
@@ -464,7 +279,7 @@ DesignReport design_axis(const AxisDesign& axis) {
   const bool is_sampled = axis.period_s > 0 && axis.encoder_resolution_m > 0;
   if (report.reasons.empty() && !axis.braked && !axis.work && is_sampled) {
     report.pd = detail::try_pd(axis, built.table);
-    report.checks.push_back(kicks_of_pd(*report.pd));
+    report.checks.push_back(detail::few_kicks_check(*report.pd));
     report.reasons = reasons_against(report.checks);
   }
   report.conditions = conditions(axis, braked, report);

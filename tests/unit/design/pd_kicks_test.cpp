@@ -203,6 +203,32 @@ TEST(PdKicks, CountTheSpeedOfACreepingAxisInAndDoNotLeadItBeyond) {
   }
 }
 
+// The spring moves it off under the least friction, and its speed grows between the reading and the kick.
+TEST(PdKicks, DoNotLeadAnAxisBeyondThatHasJustSetOut) {
+  for (const int latency : {0, 1, 2}) {
+    const auto p = example<double>(1e-3, latency);
+    const auto k3 = build_k3_table<double>({1, 400, 60, 2.5}, p.stick_radius_upper_m());
+    const auto pulses = design_pd_kicks(p);
+    for (const double y : {7e-3, 8e-3, 9e-3, 1e-2, 1.1e-2}) {
+      law::AxisController<double> controller{p, k3.table, pulses.table};
+      testing::Slider axis{{1, 1, 0, 0, latency}, [](const testing::Moment&) { return 2.5; }, -y, 0};
+      std::deque<double> samples;
+      double furthest_m = -y;
+      for (int k = 0; k < 1000 && controller.mode() != law::Mode::hold; ++k) {
+        samples.push_back(axis.position_m());
+        if (samples.size() > p.latency_periods + 1U) samples.pop_front();
+        const double force_N = controller.update({samples.front(), 0, true}).force_N;
+        for (int part = 0; part < parts; ++part) {
+          axis.run(force_N, p.period_s / parts, 1);
+          furthest_m = std::max(furthest_m, axis.position_m());
+        }
+      }
+      EXPECT_EQ(controller.mode(), law::Mode::hold) << "from " << y;
+      EXPECT_LE(furthest_m, 0) << "from " << y << ", latency " << latency;
+    }
+  }
+}
+
 // Damped by a velocity that is smoothed over thousands of periods the spring alone leads such an axis beyond its
 // target.
 TEST(PdKicks, SayHowFarBeyondAnAxisGoesForWhichNoPulseIsRight) {

@@ -142,15 +142,21 @@ TEST(WaysToReach, NameNoPeriodOfWhichTheJitterIsMoreThanHalf) {
   EXPECT_EQ(ways(c, 1.2e-6).find("period_s"), std::string::npos) << ways(c, 1.2e-6);
 }
 
-TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheFloorTakes) {
-  AxisDesign axis = braked_example();
-  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.2e-6;
+// Its first reason offers a tolerance, with which it is certified; the others are for the caller.
+std::string said_of_too_narrow_a_tolerance(const AxisDesign& axis) {
   const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  const std::string said = report.reasons.front();
+  EXPECT_FALSE(report.certified);
+  const std::string said = report.reasons.empty() ? "" : report.reasons.front();
   AxisDesign wider = axis;
   wider.position_tolerance_m = number_after(said, "widen it to ");
   EXPECT_TRUE(design_axis(wider).certified) << said;
+  return said;
+}
+
+TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheFloorTakes) {
+  AxisDesign axis = braked_example();
+  axis.position_tolerance_m = axis.braked->fine_tolerance_m = 1.2e-6;
+  const std::string said = said_of_too_narrow_a_tolerance(axis);
   AxisDesign quicker = axis;
   quicker.period_s = quicker.braked->period_s = number_after(said, "shorten period_s to ");
   EXPECT_TRUE(design_axis(quicker).certified) << said;
@@ -165,12 +171,7 @@ TEST(DesignReport, SaysWithNumbersThatHoldWhatAToleranceBelowTheEncoderTakes) {
   AxisDesign axis = braked_example();
   axis.position_tolerance_m = axis.braked->fine_tolerance_m = 0.3e-6;
   axis.settle_tolerance_m = 1;
-  const DesignReport report = design_axis(axis);
-  ASSERT_FALSE(report.certified);
-  const std::string said = report.reasons.front();
-  AxisDesign wider = axis;
-  wider.position_tolerance_m = number_after(said, "widen it to ");
-  EXPECT_TRUE(design_axis(wider).certified) << said;
+  const std::string said = said_of_too_narrow_a_tolerance(axis);
   AxisDesign finer = axis;
   finer.encoder_resolution_m = number_after(said, "encoder_resolution_m of ");
   finer.braked->encoder_resolution_m = finer.encoder_resolution_m;

@@ -4,7 +4,7 @@
 // sampled, with whole periods of force, the lag of the current loop, a force that comes in steps, and the coast that
 // follows. Over s = sqrt|y| the force is smooth at every distance y, so an interval of s that spans a sixteenth of an
 // octave holds it as a cubic. The interval is read off the bits of s as a float: its exponent and the first four bits
-// of its mantissa.
+// of its mantissa. PdCycle gives the root of its distance for y, and so spans twice the octaves.
 //
 // A drive that knows a few forces only leaves no curve to follow: then the table is a list of the pulses that there
 // are, in the order of the distance that each goes at most.

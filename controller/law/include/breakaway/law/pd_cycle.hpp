@@ -127,8 +127,8 @@ class PdCycle {
     return kicks_ != nullptr ? kicks_->pulse(std::sqrt(distance_m)) : Pulse<Scalar>{};
   }
 
-  static constexpr Scalar creep_share =
-      Scalar(0.25);  // of the k3 curve's speed, and of the distance during a pulse: below them the axis creeps
+  // Of the k3 curve's speed, and of the distance during a pulse: an axis that stays below both creeps.
+  static constexpr Scalar creep_share = Scalar(0.25);
 
   // A futile kick shows that the force gain or the upper bound is off: the next one starts at f_hi and 2 % more for
   // each before.
