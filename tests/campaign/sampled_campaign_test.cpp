@@ -67,9 +67,12 @@ double drawn_start_m(const design::AxisDesign& a, double decades) {
 
 enum class Approach { as_drawn, slow, weak, to_a_wide_tolerance };
 
+double time_of_approach_s(const testing::RunEnd& end) { return end.kicks > 0 ? end.first_kick_s : end.time_s; }
+
 struct Tally {
   long runs = 0, most_kicks = 0;
-  double furthest = 0, fastest = 0, kicks = 0, kicked = 0;  // as shares of what is promised
+  // As shares of what is promised.
+  double furthest = 0, fastest = 0, kicks = 0, kicked = 0, approach_s = 0, kicks_s = 0;
 
   void note(const testing::RunEnd& end, const design::PdPromise& promise) {
     ++runs;
@@ -77,6 +80,8 @@ struct Tally {
     furthest = std::max(furthest, end.approach_beyond_m / promise.beyond_m);
     kicked = std::max(kicked, end.beyond_m / promise.beyond_m);
     fastest = std::max(fastest, end.approach_m_s / promise.approach_peak_m_s);
+    approach_s = std::max(approach_s, time_of_approach_s(end) / promise.approach_s);
+    kicks_s = std::max(kicks_s, (end.time_s - time_of_approach_s(end)) / promise.kicks_s);
     kicks = std::max(kicks, end.kicks / std::max(10.0, static_cast<double>(promise.most_kicks)));
   }
 };
@@ -109,6 +114,8 @@ void run(long number, const design::AxisDesign& a, const design::PdPromise& prom
     EXPECT_LE(std::max(end.approach_beyond_m, end.beyond_m), promise.beyond_m)
         << "axis " << number << ", friction " << kind;
     EXPECT_LE(end.approach_m_s, promise.approach_peak_m_s) << "axis " << number << ", friction " << kind;
+    EXPECT_LE(time_of_approach_s(end), promise.approach_s) << "axis " << number << ", friction " << kind;
+    EXPECT_LE(end.time_s - time_of_approach_s(end), promise.kicks_s) << "axis " << number << ", friction " << kind;
     tally.note(end, promise);
   }
 }
@@ -138,8 +145,9 @@ void run_all(Approach approach, long axes) {
   }
   std::printf(
       "%ld of %ld axes certified, %ld runs, at most %ld kicks, %.2f of those under the greatest friction, %.3f of what "
-      "an approach may be beyond (a kick %.3f), %.3f of its speed\n",
-      certified, axes, tally.runs, tally.most_kicks, tally.kicks, tally.furthest, tally.kicked, tally.fastest);
+      "an approach may be beyond (a kick %.3f), %.3f of its speed, %.3f of its time, %.3f of that of the kicks\n",
+      certified, axes, tally.runs, tally.most_kicks, tally.kicks, tally.furthest, tally.kicked, tally.fastest,
+      tally.approach_s, tally.kicks_s);
   EXPECT_GE(certified, axes / 4);
 }
 

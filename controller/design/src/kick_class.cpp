@@ -10,7 +10,7 @@ namespace {
 
 constexpr double brake_share = 0.9;     // of the least friction
 constexpr double spring_share = 0.75;   // of the same, of a force that bends friction
-constexpr double preload_share = 0.1;   // of the least friction, by which a pulse may start below the brake's force
+constexpr double preload_share = 0.1;   // of a brake that no step rounds down, by which a pulse may start below it
 constexpr double quick_lag = 0.11;      // in periods: a loop as quick as this may start a pulse from either brake
 constexpr double step_rounding = 1e-9;  // relative: a whole number of steps must not lose one
 constexpr double cut_rounding = 4e-6;   // relative, of the cut as the controller computes it
@@ -47,7 +47,8 @@ KickClass::KickClass(const BrakedClass& axes)
       most_friction_N_{axes.friction.upper_N + axes.load_N},
       brake_N_{bends(axes) ? 0.0 : std::max(rounded_down_N(brake_share * held_N()), 0.0)},
       spring_N_{bends(axes) ? rounded_down_N(spring_share * held_N()) : 0.0},
-      preload_N_{axes.lag_s.most > quick_lag * axes.period_s ? brake_N_ - preload_share * held_N() : -brake_N_},
+      preload_N_{axes.lag_s.most > quick_lag * axes.period_s ? brake_N_ - preload_share * brake_share * held_N()
+                                                             : -brake_N_},
       limit_N_{rounded_down_N(axes.max_force_N)} {}
 
 double KickClass::rounded_down_N(double force_N) const {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numbers>
+#include <vector>
 
 #include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
@@ -14,6 +16,7 @@ namespace {
 
 constexpr double surely = 1.05;      // of what the approach was seen to do: a float, and friction that changes
 constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
+constexpr double longer = 2;         // of the kicks: friction that changes may take more of them than what is constant
 constexpr long most_periods = 4'000'000;  // of a trial
 
 struct PdTables {
@@ -29,13 +32,15 @@ class Trial {
         controller_{parameters_of_pd(axis), tables.k3, tables.pulses},
         mass_{axis.mass_kg, friction_N, -distance_m} {}
 
-  // While `goes_on` says so of the controller.
+  // While `goes_on` says so of the controller. Returns how long that was.
   template <class GoesOn>
-  void run(const GoesOn& goes_on) {
+  double run(const GoesOn& goes_on) {
     // A lagging current loop owes as much as if each force began a time constant later.
     const double lag_s = std::min(axis_.current_loop_lag_s, axis_.period_s);
-    for (long k = 0; k < most_periods && goes_on(controller_); ++k) {
+    long k = 0;
+    for (; k < most_periods && goes_on(controller_); ++k) {
       samples_.push_back(measured());
+      note_progress(std::abs(samples_.back().position_error_m));
       const auto waiting = static_cast<std::size_t>(axis_.latency_ticks) + 1;
       if (samples_.size() > waiting) samples_.pop_front();
       const double before_N = force_N_;
@@ -43,9 +48,12 @@ class Trial {
       mass_.push(before_N, lag_s);
       mass_.push(force_N_, axis_.period_s - lag_s);
     }
+    return static_cast<double>(k) * axis_.period_s;
   }
 
   const RubbedMass& mass() const noexcept { return mass_; }
+  // In which it was read no nearer to its target than ever before, at most.
+  double without_progress_s() const noexcept { return static_cast<double>(most_idle_) * axis_.period_s; }
   const law::AxisController<float>& controller() const noexcept { return controller_; }
 
  private:
@@ -55,11 +63,19 @@ class Trial {
     return {static_cast<float>(read_m), static_cast<float>(mass_.velocity_m_s()), true};
   }
 
+  void note_progress(float error_m) noexcept {
+    idle_ = error_m < least_error_m_ ? 0 : idle_ + 1;
+    least_error_m_ = std::min(least_error_m_, error_m);
+    most_idle_ = std::max(most_idle_, idle_);
+  }
+
   const AxisDesign& axis_;
   law::AxisController<float> controller_;
   RubbedMass mass_;
   std::deque<law::Measurement<float>> samples_;
   double force_N_ = 0;
+  float least_error_m_ = std::numeric_limits<float>::max();
+  long idle_ = 0, most_idle_ = 0;  // periods
 };
 
 // From which on an approach from further away is no faster: the way on which the speed is reached that is allowed, and
@@ -72,12 +88,85 @@ double far_m(const AxisDesign& axis) {
   return k21 * speed_m_s / axis.stiffness_N_per_m + speeding_m;
 }
 
-// More than the law gives where the axis does not come to a hold.
-int kicks_from(const AxisDesign& axis, const PdTables& tables, double distance_m) {
+// For a way at the least speed that the limit of its own leaves the axis: friction takes f / k21 of it.
+double further_s(const AxisDesign& axis, double way_m) {
+  if (!(way_m > 0)) return 0;
+  return way_m / (axis.max_approach_speed_m_s - axis.friction.upper_N / axis.approach_damping_Ns_per_m);
+}
+
+// Of the approach, which friction that changes may let swing once more.
+double half_swing_s(const AxisDesign& axis) {
+  const double zeta = damping_ratio(axis.mass_kg, axis.stiffness_N_per_m, axis.approach_damping_Ns_per_m);
+  return std::numbers::pi / std::sqrt(axis.stiffness_N_per_m / axis.mass_kg * (1 - zeta * zeta));
+}
+
+bool is_approached(const law::AxisController<float>& law) { return law.mode() == law::Mode::approach; }
+bool is_under_way(const law::AxisController<float>& law) {
+  return law.mode() != law::Mode::hold && law.mode() != law::Mode::fault;
+}
+
+// How long a kick takes under the least friction, which lets it go furthest, up to the hold; of the next distance up
+// of a geometric grid, so that each is tried once.
+class KickTimes {
+ public:
+  KickTimes(const AxisDesign& axis, const PdTables& tables, double furthest_m)
+      : axis_{axis}, tables_{tables}, furthest_m_{furthest_m} {}
+
+  double of_kick_from(double distance_m) {
+    const double steps = std::log(distance_m / furthest_m_) / std::log(step);
+    const auto i = steps > 0 ? std::min(static_cast<std::size_t>(steps), most - 1) : 0;
+    if (times_s_[i] < 0)
+      times_s_[i] = Trial{axis_, tables_, axis_.friction.lower_N, furthest_m_ * std::pow(step, i)}.run(is_under_way);
+    return times_s_[i];
+  }
+
+ private:
+  static constexpr double step = 0.7;
+  static constexpr std::size_t most = 100;
+
+  const AxisDesign& axis_;
+  const PdTables& tables_;
+  double furthest_m_;
+  std::vector<double> times_s_ = std::vector<double>(most, -1);
+};
+
+struct Kicks {
+  int count;  // more than the law gives where the axis does not come to a hold
+  double time_s;
+};
+
+// As many as under the greatest friction, each of which takes as long as under the least.
+Kicks kicks_from(const AxisDesign& axis, const PdTables& tables, KickTimes& times, double distance_m) {
   Trial trial{axis, tables, axis.friction.upper_N, distance_m};
-  trial.run([](const auto& law) { return law.mode() != law::Mode::hold && law.mode() != law::Mode::fault; });
-  const law::AxisController<float>& law = trial.controller();
-  return law.mode() == law::Mode::hold ? static_cast<int>(law.kicks()) : law::KickJudge<float>::most_kicks + 1;
+  std::uint32_t kicks = 0;
+  double time_s = 0;
+  trial.run([&](const law::AxisController<float>& law) {
+    if (law.kicks() > kicks) {
+      kicks = law.kicks();
+      time_s += times.of_kick_from(std::abs(trial.mass().position_m()));
+    }
+    return is_under_way(law);
+  });
+  const bool holds = trial.controller().mode() == law::Mode::hold;
+  return {holds ? static_cast<int>(kicks) : law::KickJudge<float>::most_kicks + 1, time_s};
+}
+
+// Where nothing limits the speed nothing is said but how long the axis may come no nearer, from far enough to pass its
+// target.
+void try_approach(const AxisDesign& axis, const PdTables& tables, PdPromise& promise) {
+  const double far = far_m(axis), longest_m = axis.longest_way_m > 0 ? axis.longest_way_m : far;
+  const bool is_limited = std::isfinite(std::min(longest_m, far));
+  const double way_m = is_limited ? std::min(longest_m, far) : 100 * axis.friction.upper_N / axis.stiffness_N_per_m;
+  Trial least{axis, tables, axis.friction.lower_N, way_m}, most{axis, tables, axis.friction.upper_N, way_m};
+  const double time_s = std::max(least.run(is_approached), most.run(is_approached));
+  promise.without_progress_s =
+      surely * std::max(least.without_progress_s(), most.without_progress_s()) + half_swing_s(axis);
+  if (!is_limited) return;
+  const double passed_m = std::max(least.mass().furthest_m(), 0.0);
+  promise.beyond_m = surely * passed_m + axis.position_tolerance_m + 2 * axis.encoder_resolution_m;
+  promise.approach_peak_m_s = surely * least.mass().fastest_m_s();
+  promise.longest_way_m = longest_m;
+  promise.approach_s = surely * (time_s + further_s(axis, longest_m - way_m)) + half_swing_s(axis);
 }
 
 }  // namespace
@@ -101,23 +190,27 @@ law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) {
 int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks * 2 / 3; }
 
 PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
-  const PdKicks<float> kicks = design_pd_kicks(parameters_of_pd(axis), axis.current_loop_lag_s);
-  const PdTables tables{k3, kicks.table};
-  const double stuck_m = axis.friction.upper_N / axis.stiffness_N_per_m, far = far_m(axis);
-  const double way_m = axis.longest_way_m > 0 ? std::min(axis.longest_way_m, far) : far;
-  constexpr double none = std::numeric_limits<double>::infinity();
-  PdPromise promise{.beyond_m = none, .approach_peak_m_s = none, .most_kicks = 0, .aim_lost = kicks.aim_lost};
-  if (std::isfinite(way_m)) {
-    Trial approach{axis, tables, axis.friction.lower_N, way_m};
-    approach.run([](const auto& law) { return law.mode() == law::Mode::approach; });
-    const double passed_m = std::max(approach.mass().furthest_m(), 0.0);
-    promise.beyond_m =
-        std::max(surely * passed_m + axis.position_tolerance_m + 2 * axis.encoder_resolution_m, by_a_kick * stuck_m);
-    promise.approach_peak_m_s = surely * approach.mass().fastest_m_s();
+  const PdKicks<float> made = design_pd_kicks(parameters_of_pd(axis), axis.current_loop_lag_s);
+  const PdTables tables{k3, made.table};
+  const double stuck_m = axis.friction.upper_N / axis.stiffness_N_per_m;
+  PdPromise promise{.beyond_m = std::numeric_limits<double>::infinity(),
+                    .approach_peak_m_s = std::numeric_limits<double>::infinity(),
+                    .most_kicks = 0,
+                    .aim_lost = made.aim_lost,
+                    .error_m = axis.position_tolerance_m + axis.encoder_resolution_m / 2,
+                    .longest_way_m = 0,
+                    .approach_s = 0,
+                    .kicks_s = 0,
+                    .without_progress_s = 0};
+  try_approach(axis, tables, promise);
+  promise.beyond_m = std::max({promise.beyond_m, by_a_kick * stuck_m, made.beyond * stuck_m});
+  KickTimes times{axis, tables, stuck_m};
+  for (const double share : {1.0, 0.4, 0.15, 0.05}) {
+    const Kicks kicks = kicks_from(axis, tables, times, share * stuck_m);
+    promise.most_kicks = std::max(promise.most_kicks, kicks.count);
+    promise.kicks_s = std::max(promise.kicks_s, longer * kicks.time_s);
   }
-  promise.beyond_m = std::max(promise.beyond_m, kicks.beyond * stuck_m);
-  for (const double share : {1.0, 0.4, 0.15, 0.05})
-    promise.most_kicks = std::max(promise.most_kicks, kicks_from(axis, tables, share * stuck_m));
+  promise.without_progress_s += promise.kicks_s;
   return promise;
 }
 

@@ -148,16 +148,26 @@ Kicks kicks_of(const design::BrakedClass& axes) {
     return axes.spring_load ? design::design_work_kicks<Real>(axes).kicks : Kicks{};
 }
 
+// In which an axis may come no nearer to its target; 0 where nothing is known of it.
+double without_progress_s(const Node& node, const Axis& axis) {
+  if (!node.loop || !axis.controller.impulsive) return 0;
+  if (axis.controller.impulsive->coast == law::Coast::pd) {
+    const design::DesignReport report = design::design_axis(axis_design(node, axis));
+    return report.pd ? report.pd->without_progress_s : 0;
+  }
+  if (axis.controller.impulsive->coast != law::Coast::brake) return 0;
+  const design::BrakedClass axes = braked_class(node, axis);
+  const auto design = design::design_braked_kicks<float>(axes);
+  if (!design.possible()) return 0;
+  const double tolerance = std::max(tolerance_m(node, axis), design.least_tolerance_m);
+  const double speed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
+  return design::without_progress_s(axes, design, speed_m_s, tolerance);
+}
+
 // No less than what the supervisor has by itself, and as much as the certificate of a slow axis needs.
 hal::Duration progress_timeout(const Node& node, const Axis& axis) {
   const hal::Duration usual = firmware::AxisLimits<double>{}.progress_timeout;
-  if (!node.loop || !axis.controller.impulsive || axis.controller.impulsive->coast != law::Coast::brake) return usual;
-  const design::BrakedClass axes = braked_class(node, axis);
-  const auto design = design::design_braked_kicks<float>(axes);
-  if (!design.possible()) return usual;
-  const double tolerance = std::max(tolerance_m(node, axis), design.least_tolerance_m);
-  const double speed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
-  const double lawful_s = design::without_progress_s(axes, design, speed_m_s, tolerance);
+  const double lawful_s = without_progress_s(node, axis);
   constexpr double longest_s = 1e6;
   if (!(lawful_s <= longest_s)) return usual;
   return std::max(usual, std::chrono::duration_cast<hal::Duration>(

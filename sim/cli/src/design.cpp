@@ -79,12 +79,16 @@ void print_promise(const design::WorkPromise& p, bool certified) {
 
 void print_promise(const design::PdPromise& p) {
   fmt::print(
-      "coast \"pd\"            kicks aim short by {:g} of the distance at most; {} under the greatest friction at most",
-      at_most(p.aim_lost, 2), p.most_kicks);
-  if (std::isfinite(p.beyond_m))
-    fmt::print(", at most {:g} m beyond the target, {:g} m/s at most on the way", at_most(p.beyond_m),
-               at_most(p.approach_peak_m_s));
-  fmt::print(" (tested)\n");
+      "coast \"pd\"            kicks aim short by {:g} of the distance at most; {} under the greatest friction at most "
+      "(tested)\n                      at rest the true error is at most {:g} m (tested)\n",
+      at_most(p.aim_lost, 2), p.most_kicks, at_most(p.error_m));
+  if (!std::isfinite(p.beyond_m))
+    return fmt::print("time to rest          {:g} s of kicks at most (tested)\n", at_most(p.kicks_s));
+  fmt::print(
+      "overshoot             at most {:g} m by an approach or a kick, and an approach goes {:g} m/s at most (tested)\n",
+      at_most(p.beyond_m), at_most(p.approach_peak_m_s));
+  fmt::print("time to rest          from {:.4g} m at most {:g} s up to the first kick, and {:g} s of kicks (tested)\n",
+             p.longest_way_m, at_most(p.approach_s), at_most(p.kicks_s));
 }
 
 void print_report(const design::DesignReport& r) {

@@ -52,6 +52,10 @@ std::string axis_table(const AxisDesign& axis, const std::string& source) {
   return table.text();
 }
 
+void add_approach_time(format::HtmlTable& table, double way_m, double time_s) {
+  table.at_most(fmt::format("From {}, to the first kick at most (tested)", format::length_text(way_m)), time_s, "s");
+}
+
 std::string results_table(const DesignReport& report) {
   format::HtmlTable table;
   table.row("Damping ratio ζ",
@@ -66,11 +70,15 @@ std::string results_table(const DesignReport& report) {
                                           report.exact_ratio_threshold, report.ratio_threshold_18));
   table.quantity("Least k₂₂ for (18), Remark 1", report.least_damping_Ns_per_m, "N s/m");
   if (report.pd && report.certified) {
-    table.row("Kicks under the greatest friction, at most (tested)", fmt::format("{}", report.pd->most_kicks));
-    if (std::isfinite(report.pd->beyond_m)) {
-      table.at_most("Beyond the target, at most (tested)", 1e3 * report.pd->beyond_m, "mm");
-      table.at_most("Largest speed of an approach (tested)", report.pd->approach_peak_m_s, "m/s");
+    const design::PdPromise& promise = *report.pd;
+    table.at_most("True error at rest, at most (tested)", 1e6 * promise.error_m, "µm");
+    table.row("Kicks under the greatest friction, at most (tested)", fmt::format("{}", promise.most_kicks));
+    if (std::isfinite(promise.beyond_m)) {
+      table.at_most("Beyond the target, at most (tested)", 1e3 * promise.beyond_m, "mm");
+      table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
+      add_approach_time(table, promise.longest_way_m, promise.approach_s);
     }
+    table.at_most("The kicks take at most (tested)", promise.kicks_s, "s");
   }
   table.row("k₃ table", fmt::format("{} bytes, relative error at most {:g} (proved), {:.3g} found", report.table_bytes,
                                     rounded_up(report.table_proved_error, 3), report.table_measured_error));
@@ -98,9 +106,7 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
                                       promise.aim_lost));
   if (promise.least_move_s > 0) table.quantity("Longest move, under any law at least", promise.least_move_s, "s");
   if (promise.approach_s > 0) {
-    table.at_most(
-        fmt::format("From {}, to the first kick at most (tested)", format::length_text(promise.longest_way_m)),
-        promise.approach_s, "s");
+    add_approach_time(table, promise.longest_way_m, promise.approach_s);
     table.at_most("The kicks take at most", promise.kicks_s, "s");
   }
   return table.text();

@@ -54,9 +54,13 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
 void write_promise(format::JsonWriter& json, const design::PdPromise& promise) {
   json.member("most_kicks", promise.most_kicks);
   json.member("aim_lost", promise.aim_lost);
+  json.member("error_m", promise.error_m);
+  json.member("kicks_s", promise.kicks_s);
   if (!std::isfinite(promise.beyond_m)) return;
   json.member("beyond_m", promise.beyond_m);
   json.member("approach_peak_m_s", promise.approach_peak_m_s);
+  json.member("longest_way_m", promise.longest_way_m);
+  json.member("approach_s", promise.approach_s);
 }
 
 void write_promise(format::JsonWriter& json, const design::WorkPromise& promise) {

@@ -124,6 +124,23 @@ TEST_F(Command, SaysHowFarAndHowFastKicksAndApproachesMayGo) {
   EXPECT_NE(text.find("by an approach (tested)\n"), std::string::npos) << text;
 }
 
+TEST_F(Command, SaysHowExactHowFarAndHowLongUnderTheCoastPd) {
+  const std::string text = run("design " + scenarios + "can_axis.toml").out;
+  const std::string json = run("design " + scenarios + "can_axis.toml --json -").out;
+  const std::string promise = text.substr(std::min(text.find("\ncoast \"pd\""), text.size()));
+  for (const auto& [words, name] :
+       std::initializer_list<std::pair<std::string, std::string>>{{"true error is at most ", "error_m"},
+                                                                  {"overshoot             at most ", "beyond_m"},
+                                                                  {"an approach goes ", "approach_peak_m_s"},
+                                                                  {"m at most ", "approach_s"},
+                                                                  {"first kick, and ", "kicks_s"}}) {
+    const double said = number_after(promise, words), known = figure(json, name);
+    EXPECT_GE(said, (1 - 1e-9) * known) << words << promise.substr(0, 400);
+    EXPECT_LE(said, 1.001 * known) << words << promise.substr(0, 400);
+  }
+  EXPECT_EQ(number_after(promise, "time to rest          from "), figure(json, "longest_way_m"));
+}
+
 TEST_F(Command, SaysWhatLimitsTheAccuracyOfTheCoastBrake) {
   const Ended ended = run("design " + scenarios + "braked_axis.toml --json -");
   ASSERT_EQ(ended.exit_code, 0) << ended.err;

@@ -281,6 +281,38 @@ speed_m_s = 20
   EXPECT_GT(certified_node(slow).axes[0].limits.progress_timeout, 200s);
 }
 
+// A tonne on a soft spring: once it has passed its target it comes no nearer for minutes, until its kicks have led it
+// back.
+TEST(ReadNode, GivesASlowAxisUnderTheCoastPdTheTimeThatItsCertificateNeeds) {
+  const std::string slow = R"(
+[loop]
+period_s = 0.01
+[bus]
+bit_rate = 1_000_000
+[plant]
+mass_kg = 1e3
+[friction]
+lower_N = 0.1
+upper_N = 0.12
+[controller]
+coast = "pd"
+k1_N_per_m = 0.1
+k21_Ns_per_m = 7
+k22_Ns_per_m = 32
+max_force_N = 10
+position_tolerance_m = 2e-5
+[drive]
+rated_torque_Nm = 0.5
+max_torque_per_mille = 2000
+force_per_torque_N_per_Nm = 10
+encoder_resolution_m = 1e-6
+[limits]
+position_m = 100
+speed_m_s = 20
+)";
+  EXPECT_GT(certified_node(slow).axes[0].limits.progress_timeout, 600s);
+}
+
 TEST(ReadNode, EveryLimitOfAnAxisCanBeSet) {
   const auto limits_of = [](const std::string& lines) {
     return certified_node(with_line("limits", lines)).axes[0].limits;

@@ -83,12 +83,18 @@ struct WorkPromise {
   std::string promise;  // the above in a sentence
 };
 
-// What a certificate of the coast "pd" says in figures, for an axis with a period. All of it is tested.
+// What a certificate of the coast "pd" says in figures, for an axis with a period. All of it is tested. Where nothing
+// limits the speed, way and time of the approach are 0.
 struct PdPromise {
   double beyond_m;  // that an approach or a kick may go past the target; infinite where nothing limits its speed
-  double approach_peak_m_s;  // that an approach may reach
-  int most_kicks;            // from where friction may hold the axis, under the greatest
-  double aim_lost;           // largest share of the distance by which a kick aims short under the least
+  double approach_peak_m_s;   // that an approach may reach
+  int most_kicks;             // from where friction may hold the axis, under the greatest
+  double aim_lost;            // largest share of the distance by which a kick aims short under the least
+  double error_m;             // true error at rest, at most
+  double longest_way_m;       // from rest over which
+  double approach_s;          // the approach takes at most, up to the first kick or the hold
+  double kicks_s;             // the kicks from where friction may hold the axis take at most
+  double without_progress_s;  // in which the axis may come no nearer to its target, until it holds
 };
 
 struct Check {
