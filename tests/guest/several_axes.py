@@ -11,6 +11,7 @@ from bench import Bench, case, latencies, long_case, refuses, require
 THREE_AXES = "sim/scenarios/three_axes.toml"
 NAMES = ("gantry", "slide", "table")
 TOLERANCE_M = {"gantry": 2.5e-6, "slide": 2.5e-6, "table": 2.5e-5}  # of the reading: half a count more than the file's
+MACHINE = "sim/scenarios/coupled_gantry.toml"
 COMMANDS = (0x201, 0x202, 0x203)
 
 
@@ -65,6 +66,24 @@ def tour_of_three_axes(build, duration_s):
         require(worst_us <= 2 * reference_us, f"worst wake-up {worst_us} us, cyclictest {reference_us} us")
     return (f"{ticks} ticks, 0 missed, worst wake-up {worst_us:.1f} us, cyclictest {reference_us:.0f} us, "
             f"drives busy for at most {busy_ms:.2f} ms, all at their targets")
+
+
+@case
+def a_machine_is_sent_no_further_than_its_certificate_goes(build):
+    with Bench(build) as b:
+        b.drive("vcan0", scenario=MACHINE)
+        recorder = b.record("vcan0")
+        node = b.node("vcan0", "--target", "0.9", "--duration", "4", scenario=MACHINE)
+        code = node.end()
+        said = "axis left would go to its first target from -0.03 m to 0.9 m at once, and [coupling] start_m is 0.03"
+        require(code == 2 and said in node.output(), f"exit code {code}:\n{node.output()}")
+        moved = [f for f in bench.frames_of(recorder) if f.can_id in COMMANDS and f.controlword & 0xF == 0xF]
+        require(not moved, f"{len(moved)} commands enabled a drive")
+        # The drives are too slow for what follows, with the machine between them.
+        near = b.node("vcan0", "--target", "-0.01", "--duration", "1", scenario=MACHINE)
+        near.end()
+        require(line_of(near, "left", "enabled"), f"was not enabled:\n{near.output()}")
+    return "0.93 m are refused with no drive enabled, 0.02 m are not"
 
 
 @case

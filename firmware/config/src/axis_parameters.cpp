@@ -172,6 +172,15 @@ std::string target_problem(double position_m, const Axis& axis) {
   return {};
 }
 
+std::string way_problem(const Node& node, const Axis& axis, double from_m, double to_m) {
+  if (!node.coupling) return {};
+  const double start_m = node.coupling->start_m;
+  if (std::abs(to_m - from_m) <= start_m + axis.drive->encoder_resolution_m) return {};
+  return fmt::format(
+      "from {:g} m to {:g} m at once, and [coupling] start_m is {:g}; name places between, or raise start_m", from_m,
+      to_m, start_m);
+}
+
 template law::AxisParameters<float> axis_parameters(const Node&, const Axis&);
 template law::AxisParameters<double> axis_parameters(const Node&, const Axis&);
 template law::PidParameters<float> pid_parameters(const Node&, const Axis&);

@@ -36,16 +36,12 @@ double farthest_target_m(const Axis& axis) {
 }
 
 // The targets of the file that are not near the one before.
-std::string too_far_a_target(const Axis& axis, double start_m) {
+std::string too_far_a_target(const Node& node, const Axis& axis) {
   double from_m = axis.controller.target_m;
   for (const TargetChange& change : axis.controller.targets) {
-    const double to_m = change.position_m, allowed_m = start_m + axis.drive->encoder_resolution_m;
-    if (std::abs(to_m - from_m) > allowed_m)
-      return fmt::format(
-          "axis {}: [controller] targets go from {:g} m to {:g} m at once, and [coupling] start_m is {:g}; name places "
-          "between, or raise start_m",
-          axis.name, from_m, to_m, start_m);
-    from_m = to_m;
+    const std::string far = way_problem(node, axis, from_m, change.position_m);
+    if (!far.empty()) return fmt::format("axis {}: [controller] targets go {}", axis.name, far);
+    from_m = change.position_m;
   }
   return {};
 }
@@ -114,7 +110,7 @@ std::string outside_theorem(const Node& node) {
     return "[bus] delay_max_s is above delay_min_s, so that a kick may be longer than its periods; make them equal";
   for (const Axis& axis : node.axes) {
     if (std::string also = uncertified(axis); !also.empty()) return also;
-    if (std::string far = too_far_a_target(axis, node.coupling->start_m); !far.empty()) return far;
+    if (std::string far = too_far_a_target(node, axis); !far.empty()) return far;
     const Uncertainty& u = axis.uncertainty;
     if (lag_s(axis) != lag_s(node.axes.front()))
       return fmt::format(

@@ -75,17 +75,12 @@ std::vector<double> places(const std::string& text, std::size_t axes) {
   return numbers;
 }
 
-// The certificate of a machine is of targets that are near.
-void require_near(const AxisPlan& plan, std::size_t visit, const Node& node) {
-  if (!node.coupling) return;
-  const auto at_m = [&](std::size_t place) {
-    return static_cast<double>(plan.visits[place].counts) * plan.resolution_m;
-  };
-  if (std::abs(at_m(visit) - at_m(visit - 1)) <= node.coupling->start_m + plan.resolution_m) return;
-  throw InputError{fmt::format(
-      "--target: axis {} goes from {:g} m to {:g} m at once, and its machine is certified for {:g} m ([coupling] "
-      "start_m); name places between",
-      plan.name, at_m(visit - 1), at_m(visit), node.coupling->start_m)};
+// From the newest but one to the newest.
+void require_near(const AxisPlan& plan, const Node& node, const Axis& axis) {
+  if (plan.visits.size() < 2) return;
+  const auto at_m = [&](const Visit& visit) { return static_cast<double>(visit.counts) * plan.resolution_m; };
+  const std::string far = config::way_problem(node, axis, at_m(*(plan.visits.end() - 2)), at_m(plan.visits.back()));
+  if (!far.empty()) throw InputError{fmt::format("--target: axis {} goes {}", plan.name, far)};
 }
 
 void plan_tour(Configuration& c, const Node& node, const std::vector<std::string>& targets) {
@@ -93,7 +88,7 @@ void plan_tour(Configuration& c, const Node& node, const std::vector<std::string
     const std::vector<double> stop = places(target, node.axes.size());
     for (std::size_t i = 0; i < stop.size(); ++i) {
       c.axes[i].visits.push_back({0, counts(stop[i], node.axes[i])});
-      if (const std::size_t before = c.axes[i].visits.size() - 1; before > 0) require_near(c.axes[i], before, node);
+      require_near(c.axes[i], node, node.axes[i]);
     }
   }
 }
@@ -143,7 +138,7 @@ Configuration read_configuration(const Options& options) {
   if (options.node_id != 0) apply_node_id(node, options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
-  Configuration c{.node = certified(node), .axes = {}, .odrives = {}, .timed = options.targets.empty()};
+  Configuration c{.file = node, .node = certified(node), .axes = {}, .odrives = {}, .timed = options.targets.empty()};
   for (std::size_t i = 0; i < node.axes.size(); ++i) {
     const Axis& axis = node.axes[i];
     const double promised_m = std::max(tolerance_m(node, axis), fine_floor_m(c, i));
@@ -174,7 +169,7 @@ Configuration read_experiment(const Options& options) {
   flashed.limits = config::axis_limits<float>(axis);
   // It has no target to be near.
   flashed.limits.following_error_m = firmware::AxisLimits<float>::unlimited;
-  Configuration c{.node = run, .axes = {unplanned(axis)}, .odrives = {}};
+  Configuration c{.file = node, .node = run, .axes = {unplanned(axis)}, .odrives = {}};
   if (axis.drive->odrive) c.odrives.push_back(config::odrive_config<float>(axis));
   c.axes.front().visits.emplace_back();
   return c;

@@ -29,6 +29,7 @@ struct AxisPlan {
 };
 
 struct Configuration {
+  config::Node file;  // with what the options change of it
   // The second with the coast "work", the third with a [coupling], the fourth with --identify.
   std::variant<config::AnyNode<float>, config::WorkNode<float>, config::MachineNode<float>, ExperimentNode> node;
   std::vector<AxisPlan> axes;  // as the node has them

@@ -5,6 +5,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/input/input_error.hpp"
+
 namespace breakaway::linux_node {
 
 template <class Flashed, class Side>
@@ -17,6 +20,7 @@ NodeRun<Flashed, Side>::NodeRun(const Flashed& flashed, const Configuration& con
 template <class Flashed, class Side>
 ExitCode NodeRun<Flashed, Side>::run() {
   get_ready();
+  refuse_far_targets();
   enable();
   telemetry_.ready = !telemetry_.stop;
   move();
@@ -25,6 +29,21 @@ ExitCode NodeRun<Flashed, Side>::run() {
   bool good = true;
   for (std::size_t i = 0; i < axes_.size(); ++i) good = good && ended_well(i) && (trips_[i].reached || telemetry_.stop);
   return good ? done : failed;
+}
+
+// Where an axis stands is known by now, and nothing has moved yet. The drives are released, because they are set up to
+// miss this node.
+template <class Flashed, class Side>
+void NodeRun<Flashed, Side>::refuse_far_targets() {
+  if (telemetry_.stop) return;
+  for (std::size_t place = 0; place < axes_.size(); ++place) {
+    const double from_m = static_cast<double>(status(place).feedback.position_m);
+    const double to_m = plan(place).visits.front().counts * plan(place).resolution_m;
+    const std::string far = config::way_problem(c_.file, c_.file.axes[place], from_m, to_m);
+    if (far.empty()) continue;
+    stop();
+    throw InputError{fmt::format("axis {} would go to its first target {}", plan(place).name, far)};
+  }
 }
 
 template <class Flashed, class Side>

@@ -42,6 +42,7 @@ class NodeRun : private DriveRun<Flashed, Side> {
     bool reached = false;
   };
 
+  void refuse_far_targets();
   void move();
   void follow_times();
   void follow_tour();

@@ -86,9 +86,21 @@ std::string Commander::set_target(std::size_t place, double target_m) {
   if (!axis.said.enable && !axis.wanted) return "it is not enabled; enable it first";
   if (std::string problem = config::target_problem(target_m, node_.axes[place]); !problem.empty())
     return fmt::format("the target {} m {}", target_m, problem);
+  if (std::string far = far_problem(place, target_m); !far.empty()) return far;
   axis.said.target_counts =
       static_cast<std::int32_t>(std::round(target_m / node_.axes[place].drive->encoder_resolution_m));
   return {};
+}
+
+// A machine of several axes is certified for targets that are given at rest.
+std::string Commander::far_problem(std::size_t place, double target_m) const {
+  if (!node_.coupling) return {};
+  if (!listener_.holds(place))
+    return "it does not hold yet, where its machine is certified for targets that are given at rest; wait for it";
+  const config::Axis& axis = node_.axes[place];
+  const double from_m = *listener_.position_counts(place) * axis.drive->encoder_resolution_m;
+  const std::string far = config::way_problem(node_, axis, from_m, target_m);
+  return far.empty() ? far : "it would go " + far;
 }
 
 void Commander::release(Axis& axis) {

@@ -8,9 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "breakaway/canopen/bytes.hpp"
+#include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/cia402/overheard.hpp"
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/flash.hpp"
+#include "breakaway/config/read_node.hpp"
 #include "breakaway/firmware/control_node.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
@@ -212,6 +215,46 @@ TEST(WatchBus, FramesOfAnybodyBringItNotDown) {
     if (listener.on_frame(received)) ++samples;
   }
   EXPECT_GT(samples, 0);
+}
+
+// Two axes that push each other rest at 0 and 0.01 m, as their node and their drives tell.
+class WatchedMachine : public ::testing::Test {
+ protected:
+  WatchedMachine() {
+    for (std::size_t place = 0; place < 2; ++place) tell(place, law::Mode::hold);
+  }
+  void tell(std::size_t place, law::Mode mode) {
+    const config::Axis& axis = node_.axes[place];
+    const auto counts = static_cast<std::int32_t>(place) * 10'000;
+    hal::CanFrame status{.id = canopen::tpdo_cob_id(1, node_.loop->node_id), .size = 8};
+    status.data = {static_cast<std::uint8_t>(place), 0, static_cast<std::uint8_t>(mode),
+                   static_cast<std::uint8_t>(hal::DriveState::enabled)};
+    canopen::store_little_endian(status.data, counts, 4);
+    listener_.on_frame({status, now_});
+    hal::CanFrame drive{.id = canopen::tpdo_cob_id(1, axis.drive->node_id), .size = 8};
+    drive.data = {0x37, 0x02};
+    canopen::store_little_endian(drive.data, axis.drive->invert_direction ? -counts : counts, 2);
+    listener_.on_frame({drive, now_});
+  }
+  std::string asked(Action action, std::size_t axis, double target_m = 0) {
+    return commander_.obey({.axis = axis, .action = action, .target_m = target_m}, now_);
+  }
+
+  config::Node node_ = config::read_node(BREAKAWAY_SOURCE_DIR "/sim/scenarios/coupled_gantry.toml");
+  BusListener listener_{node_};
+  Commander commander_{node_, listener_};
+  hal::Time now_{10s};
+};
+
+TEST_F(WatchedMachine, IsGivenTargetsThatItsCertificateIsAboutOnly) {
+  for (std::size_t place = 0; place < 2; ++place) EXPECT_EQ(asked(Action::enable, place), "");
+  EXPECT_NE(asked(Action::target, 0, 0.9).find("from 0 m to 0.9 m at once, and [coupling] start_m is 0.03"),
+            std::string::npos);
+  EXPECT_EQ(asked(Action::target, 0, 0.03), "");
+  EXPECT_NE(asked(Action::target, 1, -0.021).find("from 0.01 m to -0.021 m at once"), std::string::npos);
+  EXPECT_EQ(asked(Action::target, 1, 0.04), "");
+  tell(1, law::Mode::approach);
+  EXPECT_NE(asked(Action::target, 1, 0.02).find("does not hold yet"), std::string::npos);
 }
 
 }  // namespace

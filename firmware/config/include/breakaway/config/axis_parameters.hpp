@@ -53,4 +53,8 @@ bool is_counted(double distance_m, const Axis& axis);
 // Says why the axis cannot have its target there; nothing when it can.
 std::string target_problem(double position_m, const Axis& axis);
 
+// Says why the axis, which rests there, cannot have its target there, because the certificate of axes that push each
+// other is of targets that are near; nothing when it can.
+std::string way_problem(const Node& node, const Axis& axis, double from_m, double to_m);
+
 }  // namespace breakaway::config

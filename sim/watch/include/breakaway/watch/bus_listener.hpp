@@ -44,6 +44,7 @@ class BusListener {
   void note_target(std::size_t place, std::int32_t counts);
 
   // As its status frame had it last.
+  bool holds(std::size_t place) const { return axes_[place].told.mode == law::Mode::hold; }
   std::optional<firmware::AxisFault> fault(std::size_t place) const { return axes_[place].told.fault; }
 
  private:
