@@ -336,6 +336,13 @@ constexpr CounterExample counter_examples[] = {
     {50313662, Start::as_drawn, "faster than said: thrown past its target, what is known of it two periods old"},
     {50314211, Start::as_drawn, "faster than said by two thirds, with a latency of three periods"},
     {50314530, Start::noisy, "faster than said by a fifth"},
+    {80209064, Start::as_drawn,
+     "so light that it is fast within three periods, of which its readings show the second late"},
+    {80137006, Start::as_far_as_told,
+     "its drive is not sure to brake it as hard as brake and friction do, and is late with jitter: 3 mm too far"},
+    {80206512, Start::as_far_as_told, "the same: 30 mm too far"},
+    {80215505, Start::as_far_as_told, "the same"},
+    {80233518, Start::as_far_as_told, "the same, and later than said on its way back"},
     {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 

@@ -30,7 +30,7 @@ struct SlowestWay {
 
   double from_rest_m_s(double gone_m) const { return std::sqrt(2 * speeding_m_s2 * gone_m); }
   double down_m_s(double left_m) const {
-    return std::sqrt(switch_speed_m_s * switch_speed_m_s + 2 * std::max(hard_m_s2, gentle_m_s2) * left_m);
+    return std::sqrt(switch_speed_m_s * switch_speed_m_s + 2 * hard_m_s2 * left_m);
   }
   double speed_m_s(double gone_m, double left_m) const {
     const double led_m_s = std::min(down_m_s(left_m), cruising_m_s);

@@ -155,7 +155,8 @@ template <class Real>
 double least_surplus_N(const BrakedClass& axes, const KickClass& kicks, const law::BrakedKicks<Real>& k) {
   const PlannedForce force{axes, kicks};
   const double response_s = static_cast<double>(k.approach.response_s);
-  const double gentle = static_cast<double>(k.approach.gentle_m_s2), step = gentle * response_s;
+  const double gentle = static_cast<double>(std::min(k.approach.gentle_m_s2, k.approach.hard_m_s2));
+  const double step = gentle * response_s;
   const double distance_m = static_cast<double>(k.begin_m() - k.approach.short_of_target_m);
   const double onto_curve = (std::sqrt(step * step + 8 * gentle * distance_m) - step) / (2 * response_s);
   const double planned = std::min(onto_curve, static_cast<double>(k.approach.switch_speed_m_s) / response_s);

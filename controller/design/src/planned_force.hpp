@@ -1,6 +1,8 @@
 // What an approach plans against what the axes of a class do of it.
 #pragma once
 
+#include <algorithm>
+
 #include "kick_class.hpp"
 
 namespace breakaway::design::detail {
@@ -83,7 +85,11 @@ double faster_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproac
                unseen_s = axes.period_s * (1 / correction - 0.5) + late_s;
   const double planned = std::min((kicks.limit_N() - force.least_N) / force.told_kg, allowed_m_s / response_s);
   const double misread_m_s = correction * unseen_m(axes) / axes.period_s;
-  return more * ((force.exceeded_by(planned) - planned) * unseen_s + force.exceeded_by(0) * response_s + misread_m_s) +
+  // The last force before the limit adds more than it was to, and was to add what the one before is not yet seen to
+  // have.
+  const double known_gain = force.gain_most * force.told_kg / force.lightest_kg;
+  const double adds_s = std::max(more * unseen_s, response_s + known_gain * unseen_s);
+  return (force.exceeded_by(planned) - planned) * adds_s + more * (force.exceeded_by(0) * response_s + misread_m_s) +
          goes_on * planned * axes.lag_s.most +
          (force.most_N - force.least_N) / force.lightest_kg * (response_s + late_s) +
          (axes.jitter_s / axes.period_s + rounding) * allowed_m_s;

@@ -3,7 +3,8 @@
 // Let E be the distance to a point a little before the target, or to the target where jerk is limited, and w the speed
 // towards it. The axis is to come down the greater of two curves,
 //   far    w^2 = 2 a_h (E - E1) + w1^2     with a_h the deceleration of which the drive is capable for certain
-//   near   w^2 = 2 a_g E                   with a_g that of brake and least friction, and w1^2 = 2 a_g E1
+//   near   w^2 = 2 a_g E                   with a_g that of brake and least friction, and w1^2 = 2 a_g E1; a weak
+//                                          drive, with a_h < a_g, comes down the far one
 // and each period takes the acceleration that leads onto the curve within the response time R:
 //   a = (-(2 w + a_d R) + sqrt(a_d^2 R^2 + 8 a_d E - 4 a_d w R)) / (2 R).
 // E and w are those of the instant at which the new force begins: the speed is estimated from readings and from what
@@ -45,6 +46,7 @@ class ApproachPlan {
         speed_limit_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
+        near_m_s2_{std::min(a.gentle_m_s2, a.hard_m_s2)},
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
         turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.1) * a.switch_speed_m_s)
                                             : a.standing_m_s},
@@ -55,6 +57,7 @@ class ApproachPlan {
   // The drive gives this share of the force that the plan was made for: far away it brakes as much less.
   [[gnu::cold]] void limit_force(Scalar share) noexcept {
     hard_m_s2_ *= std::max(share, Scalar(1e-3));
+    near_m_s2_ = std::min(a_->gentle_m_s2, hard_m_s2_);
     move_ = move_plan();
     go_at_most(max_speed_m_s_);
   }
@@ -164,8 +167,7 @@ class ApproachPlan {
   static constexpr Scalar longest_wait = 1e9;  // in periods
 
   MovePlan<Scalar> move_plan() const noexcept {
-    const Scalar last_m_s2 = std::min(a_->gentle_m_s2, hard_m_s2_);
-    return {a_->move, {a_->switch_distance_m, a_->switch_speed_m_s, last_m_s2}, hard_m_s2_, period_s_};
+    return {a_->move, {a_->switch_distance_m, a_->switch_speed_m_s, near_m_s2_}, hard_m_s2_, period_s_};
   }
 
   void go_at_most(Scalar speed_m_s) noexcept {
@@ -176,7 +178,7 @@ class ApproachPlan {
   Scalar down_the_curves(Scalar least_m_s2) const noexcept {
     const Scalar hard = hard_m_s2_, w1 = a_->switch_speed_m_s;
     const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
-    const Scalar near = onto_curve(a_->gentle_m_s2, distance_);
+    const Scalar near = onto_curve(near_m_s2_, distance_);
     const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
     return std::min(std::max({far, near, least_m_s2}), allowed);
   }
@@ -315,6 +317,7 @@ class ApproachPlan {
   Scalar speed_limit_m_s_{};
   Scalar max_speed_m_s_{};  // of this approach
   Scalar hard_m_s2_{};      // deceleration far away
+  Scalar near_m_s2_{};      // and near; a weak drive is not sure to have that of brake and friction everywhere
   Scalar half_per_gentle_{};
   Scalar turning_m_s_{};  // an axis that is seen with more speed, either way, is sure to go that way
   Scalar passed_m_{};     // and one that is nearer to its target has passed it
