@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -38,6 +39,15 @@ class Input {
   Input& operator=(const Input&) = delete;
   ~Input() {
     if (descriptor_ > STDIN_FILENO) ::close(descriptor_);
+  }
+
+  // The file is shorter than what was read of it, as it is when another run is written into it: it is read from its
+  // beginning. Of what is no file nothing is known.
+  bool begins_anew() {
+    struct stat about {};
+    if (::fstat(descriptor_, &about) != 0 || !S_ISREG(about.st_mode)) return false;
+    if (about.st_size >= ::lseek(descriptor_, 0, SEEK_CUR)) return false;
+    return ::lseek(descriptor_, 0, SEEK_SET) == 0;
   }
 
   // What is there now, some of it at a time; nothing where no more is there yet. It does not block.
@@ -90,8 +100,14 @@ class FollowedFile final : public Source {
     }
   }
 
-  // False where nothing more is there yet. A line that is still being written waits in part_.
+  // False where nothing more is there yet. A line that is still being written waits in part_. Where another run begins
+  // its first line may have other columns; that its time is less tells the page.
   bool take_next() {
+    if (input_.begins_anew()) {
+      reader_.reset();
+      part_.clear();
+      number_ = 0;
+    }
     const std::string_view bytes = input_.next();
     for (const char c : bytes) {
       if (c != '\n') {

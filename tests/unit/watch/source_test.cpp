@@ -47,6 +47,16 @@ TEST_F(WatchFile, ReadsARunAndThenWhatIsWrittenToIt) {
   EXPECT_EQ(history_.losses().malformed, 0U) << "a line that is not whole yet is not malformed";
 }
 
+TEST_F(WatchFile, ReadsAnotherRunThatIsWrittenIntoTheFile) {
+  std::ofstream{path("run.csv")} << "time_s,position_m\n1,0.5\n2,0.6\n3,0.7\n4,";
+  const auto source = follow_file(path("run.csv"), history_);
+  EXPECT_TRUE(comes_true([&] { return history_.read(0, 9).next == 3; }));
+  std::ofstream{path("run.csv")} << "time_s,target_m,position_m\n0,0,0.1\n";
+  EXPECT_TRUE(comes_true([&] { return history_.read(0, 9).next == 4; }));
+  EXPECT_EQ(history_.read(3, 9).samples[0].position_m, 0.1);
+  EXPECT_EQ(history_.losses().malformed, 0U) << history_.losses().complaint;
+}
+
 TEST_F(WatchFile, ALineThatCannotBeReadIsLeftOutAndNamed) {
   std::ofstream{path("run.csv")} << "time_s,position_m\n1,0.5\n2,0.6,7\n" << std::string(100'000, '9') << "\n4,0.8\n";
   const auto source = follow_file(path("run.csv"), history_);
