@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <netinet/in.h>
 #include <sys/random.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <future>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -68,6 +72,21 @@ Json names() {
   return all;
 }
 
+// 0: it is no socket of TCP.
+int local_port(int descriptor) {
+  int type = 0;
+  socklen_t type_size = sizeof type;
+  if (getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &type_size) != 0 || type != SOCK_STREAM) return 0;
+  sockaddr_storage bytes{};
+  socklen_t size = sizeof bytes;
+  getsockname(descriptor, reinterpret_cast<sockaddr*>(&bytes), &size);
+  if (bytes.ss_family != AF_INET && bytes.ss_family != AF_INET6) return 0;
+  // The port stands at the same place for both families.
+  sockaddr_in four{};
+  std::memcpy(&four, &bytes, sizeof four);
+  return ntohs(four.sin_port);
+}
+
 void append_real(std::string& row, double number) {
   if (std::isfinite(number))
     fmt::format_to(std::back_inserter(row), ",{}", number);
@@ -125,7 +144,7 @@ class Server::Implementation {
   Implementation& operator=(const Implementation&) = delete;
   ~Implementation() {
     server_.stop();
-    if (thread_.joinable()) thread_.join();
+    while (ended_.wait_for(std::chrono::milliseconds{10}) != std::future_status::ready) hang_up();
   }
 
   int port() const { return options_.port; }
@@ -140,8 +159,7 @@ class Server::Implementation {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    // Each open connection keeps a thread until it has been silent for a second: a stop does not wait behind pages that
-    // were left open.
+    // Each open connection keeps a thread until it has been silent for a second: pages that were left open keep none.
     constexpr std::size_t longest_request = 4096, threads = 64;
     constexpr time_t longest_silence_s = 1;
     server_.set_payload_max_length(longest_request);
@@ -181,8 +199,17 @@ class Server::Implementation {
           "of this machine",
           in_url(options_.bind), options_.port, errno == 0 ? "" : fmt::format(": {}", std::strerror(errno)))};
     options_.port = chosen;
-    thread_ = std::thread{[this] { server_.listen_after_bind(); }};
+    ended_ = std::async(std::launch::async, [this] { server_.listen_after_bind(); });
     while (!server_.is_running()) std::this_thread::yield();
+  }
+
+  // However slowly a client speaks or listens, the end does not wait for it. httplib does not name the connections that
+  // it has accepted: they are the sockets of this process on our port.
+  void hang_up() const {
+    for (const auto& entry : std::filesystem::directory_iterator{"/proc/self/fd"}) {
+      const int descriptor = std::stoi(entry.path().filename().string());
+      if (local_port(descriptor) == options_.port) shutdown(descriptor, SHUT_RDWR);
+    }
   }
 
   static void refuse(Response& response, int status, const std::string& why) {
@@ -250,7 +277,7 @@ class Server::Implementation {
   std::optional<Operator> operator_;
   std::string token_;
   httplib::Server server_;
-  std::thread thread_;
+  std::future<void> ended_;  // of the thread that listens
 };
 
 Server::Server(const ServerOptions& options, const History& history, std::optional<Operator> the_operator)

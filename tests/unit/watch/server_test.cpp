@@ -3,10 +3,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <thread>
 #include <vector>
 
 #include "../refusal.hpp"
@@ -152,6 +159,46 @@ TEST_F(WatchServer, APortThatIsTakenIsRefusedByName) {
               Server{{.bind = "203.0.113.7", .port = 0}, history_, {}};
             }).find("--bind"),
             std::string::npos);
+}
+
+// It sends a byte each tenth of a second, of a header without end.
+class SlowClient {
+ public:
+  explicit SlowClient(int port) : socket_{socket(AF_INET, SOCK_STREAM, 0)} {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_TRUE(says("GET / HTTP/1.1\r\nX: "));
+    speaks_ = std::jthread{[this](const std::stop_token& stop) {
+      while (!stop.stop_requested() && says("a")) std::this_thread::sleep_for(std::chrono::milliseconds{100});
+    }};
+  }
+  SlowClient(const SlowClient&) = delete;
+  SlowClient& operator=(const SlowClient&) = delete;
+  ~SlowClient() {
+    speaks_ = {};
+    close(socket_);
+  }
+
+ private:
+  bool says(std::string_view text) const {
+    return send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
+  }
+
+  int socket_;
+  std::jthread speaks_;
+};
+
+TEST_F(WatchServer, EndsWhileClientsStillSpeak) {
+  serve();
+  std::vector<std::unique_ptr<SlowClient>> clients;
+  for (int n = 0; n < 3; ++n) clients.push_back(std::make_unique<SlowClient>(server_->port()));
+  EXPECT_EQ(status("/about"), 200);
+  auto ended = std::async(std::launch::async, [this] { server_.reset(); });
+  EXPECT_EQ(ended.wait_for(std::chrono::seconds{60}), std::future_status::ready);
+  clients.clear();  // or the test would not end either
 }
 
 TEST_F(WatchServer, NothingIsCommandedUnlessItWasStartedForThat) {
