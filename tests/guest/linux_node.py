@@ -14,6 +14,7 @@ import bench
 import service_manager  # noqa: F401: brings its cases
 import belt  # noqa: F401: brings its cases
 import identified  # noqa: F401: brings its cases
+import logs  # noqa: F401: brings its cases
 import odrive  # noqa: F401: brings its cases
 import pages  # noqa: F401: brings its cases
 import several_axes  # noqa: F401: brings its cases

@@ -382,7 +382,8 @@ std::string DriveRun<Flashed, Side>::figures() const {
       "bus         {} bus-off, {} link losses, {} frames stale, {} refused, {} lost, {} jams; {} records "
       "lost\n",
       l.wakes, l.missed, microseconds(l.shortest), microseconds(l.mean()), microseconds(l.longest), n.bus_offs,
-      n.link_losses, n.stale, n.refused, n.overflows, n.jams, telemetry_.lost.load());
+      n.link_losses, n.stale, n.refused, n.overflows, n.jams,
+      telemetry_.lost + telemetry_.csv_unwritten + telemetry_.candump_unwritten);
 }
 
 template class DriveRun<config::AnyNode<float>, CanopenSide>;

@@ -73,7 +73,7 @@ std::string IdentifyRun<Side>::report() const {
   std::string text =
       fmt::format("{:<11} {}\nexperiment  {}\n", plan(0).name, stop_text(0), to_string(laws_.experiment().ending()));
   text += findings(record_, load_on_spring_) + last_words(0);
-  if (!options_.csv.empty())
+  if (!options_.csv.empty() && telemetry_.csv_unwritten == 0)
     text += fmt::format("next: breakaway identify {} --log {} -o identified.toml\n", shell_word(options_.configuration),
                         shell_word(options_.csv));
   return text + figures();

@@ -5,7 +5,6 @@
 #include <bitset>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "breakaway/odrive/messages.hpp"
 #include "breakaway/odrive/turns_scale.hpp"
 #include "odrive_side.hpp"
+#include "outlet.hpp"
 #include "realtime.hpp"
 
 namespace breakaway::linux_node {
@@ -138,7 +138,7 @@ ExitCode listen(const Configuration& configuration, const Options& options, sock
     }
   }
   telemetry.stopping = true;
-  if (!any) fmt::print(stderr, "breakaway-node: {}: {}\n", options.interface, others.sentence());
+  if (!any) say(fmt::format("{}: {}", options.interface, others.sentence()));
   return any ? done : failed;
 }
 

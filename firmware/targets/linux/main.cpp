@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <span>
@@ -22,6 +21,7 @@
 #include "listen.hpp"
 #include "node_run.hpp"
 #include "options.hpp"
+#include "outlet.hpp"
 #include "realtime.hpp"
 #include "reporter.hpp"
 #include "service_manager.hpp"
@@ -35,9 +35,9 @@ constexpr const char* examples =
     "         breakaway-node --can can0 axis.toml --identify --csv run.csv\n"
     "SIGINT or SIGTERM stops the axes and ends the node; SIGUSR1 acknowledges faults.\n"
     "\n"
-    "Exit codes: 0 ended as asked, every axis stopped; 1 a fault, no confirmed stop, or --duration ended off the "
-    "target;\n"
-    "2 bad input, nothing moved (one line on standard error says what).";
+    "Exit codes: 0 ended as asked, every axis stopped; 1 a fault, no confirmed stop, --duration ended off the target,\n"
+    "or a log or standard output that was not written whole; 2 bad input, nothing moved (one line on standard error\n"
+    "says what).";
 
 void add_options(CLI::App& app, Options& o) {
   const CLI::Validator positive{[](std::string& text) -> std::string {
@@ -70,8 +70,11 @@ void add_options(CLI::App& app, Options& o) {
                "Find mass, friction and latency of an axis by an experiment; the file need not be certified");
   app.add_option("--axis", o.axis, "The name of the axis to identify, where the file has several");
   app.add_flag("--reset", o.reset, "Acknowledge faults that drives have at the start");
-  app.add_option("--csv", o.csv, "Write one line a period to this file");
-  app.add_option("--candump", o.candump, "Write all frames of the drives to this file, as candump -L does");
+  app.add_option("--csv", o.csv,
+                 "Write one line a period to this file; an older one stays until the drives are set up");
+  app.add_option("--candump", o.candump,
+                 "Write all frames of the drives to this file, as candump -L does; an older one stays until the drives "
+                 "are set up");
   app.add_option("--stream", o.stream,
                  "Send every sample as a JSON object to udp:HOST:PORT, for `breakaway watch --stream` or PlotJuggler");
 }
@@ -131,8 +134,8 @@ int run(const Options& o) {
   if (o.readonly) {
     const ExitCode heard = listen(configuration, o, socket, *telemetry);
     reporter.finish();
-    fmt::print("{}", reporter.stream_report());
-    return heard;
+    reporter.print(reporter.stream_report());
+    return reporter.wrote_everything() ? heard : failed;
   }
   const auto control_by = [&]<class Side, class Flashed>(const Flashed& flashed, Side) {
     typename RunOf<Flashed, Side>::Type node{flashed, configuration, o, socket, *telemetry};
@@ -144,8 +147,8 @@ int run(const Options& o) {
     };
     const ExitCode code = run_in_time();
     reporter.finish();
-    fmt::print("{}{}", node.report(), reporter.stream_report());
-    return code;
+    reporter.print(node.report() + reporter.stream_report());
+    return reporter.wrote_everything() ? code : failed;
   };
   const auto control = [&]<class Flashed>(const Flashed& flashed) {
     if constexpr (may_have_odrives<Flashed>)
@@ -156,7 +159,7 @@ int run(const Options& o) {
 }
 
 int refuse(const std::string& what) {
-  fmt::print(stderr, "breakaway-node: {}\n", what);
+  say(what);
   return bad_input;
 }
 

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <ctime>
 #include <iterator>
 #include <string_view>
 
-#include "breakaway/input/input_error.hpp"
 #include "error_text.hpp"
 #include "realtime.hpp"
 
@@ -41,8 +38,7 @@ Reporter::Reporter(const Options& options, Telemetry& telemetry, const Configura
       interface_{options.interface},
       axes_{configuration.axes},
       manager_{manager},
-      csv_{open(options.csv)},
-      candump_{open(options.candump)},
+      standard_output_{"standard output", STDOUT_FILENO},
       bus_load_{configuration.loop().network.bit_rate},
       to_realtime_{realtime_minus_monotonic()},
       start_{monotonic_now()},
@@ -50,26 +46,44 @@ Reporter::Reporter(const Options& options, Telemetry& telemetry, const Configura
       newest_(axes_.size()),
       terminal_{isatty(STDOUT_FILENO) == 1} {
   for (std::size_t place = 0; place < axes_.size(); ++place) newest_[place].axis = static_cast<std::uint8_t>(place);
-  if (csv_)
-    fmt::print(csv_.get(), "time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
-               axes_.size() > 1 ? ",axis" : "");
+  if (!options.csv.empty())
+    csv_.emplace(
+        options.csv,
+        fmt::format("time_s,latency_us,target_m,position_m,command_N,reported_N,mode,drive,fault,fault_code{}\n",
+                    axes_.size() > 1 ? ",axis" : ""));
+  if (!options.candump.empty()) candump_.emplace(options.candump, "");
   if (!options.stream.empty()) stream_.emplace(options.stream, axes_);
   const sigset_t signals = operator_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   thread_ = std::thread{[this] { run(); }};
 }
 
-Reporter::File Reporter::open(const std::string& path) {
-  if (path.empty()) return {};
-  File file{std::fopen(path.c_str(), "w")};
-  if (!file) throw InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
-  return file;
-}
+Reporter::~Reporter() { end(); }
 
 void Reporter::finish() {
+  replace_older_logs();
+  end();
+  if (csv_) telemetry_.csv_unwritten = csv_->lost();
+  if (candump_) telemetry_.candump_unwritten = candump_->lost();
+}
+
+void Reporter::end() {
   if (!thread_.joinable()) return;
   telemetry_.finished = true;
   thread_.join();
+  const auto latest = Outlet::Clock::now() + Outlet::patience;
+  if (csv_) csv_->close(latest);
+  if (candump_) candump_->close(latest);
+}
+
+void Reporter::print(const std::string& report) {
+  standard_output_.put(report);
+  standard_output_.close(Outlet::Clock::now() + Outlet::patience);
+}
+
+bool Reporter::wrote_everything() const {
+  return (!csv_ || csv_->wrote_everything()) && (!candump_ || candump_->wrote_everything()) &&
+         standard_output_.wrote_everything();
 }
 
 std::string Reporter::stream_report() const { return stream_ ? stream_->report(telemetry_.lost) : std::string{}; }
@@ -81,8 +95,7 @@ void Reporter::run() {
     drain();
     tell_manager();
   }
-  if (any_shown_ && terminal_) fmt::print("\n");
-  std::fflush(stdout);
+  if (any_shown_ && terminal_) standard_output_.put("\n");
 }
 
 void Reporter::take_signals() {
@@ -94,12 +107,19 @@ void Reporter::take_signals() {
 }
 
 void Reporter::drain() {
+  if (telemetry_.ready) replace_older_logs();
   for (Record record; telemetry_.records.pop(record);) std::visit([this](const auto& r) { write(r); }, record);
+  if (csv_) csv_->flush();
+  if (candump_) candump_->flush();
+  standard_output_.flush();
+}
+
+void Reporter::replace_older_logs() {
+  if (csv_) csv_->begin();
+  if (candump_) candump_->begin();
 }
 
 double Reporter::seconds(hal::Time time) const { return hal::seconds(time - start_); }
-
-void Reporter::put(const File& file) const { std::fwrite(line_.data(), 1, line_.size(), file.get()); }
 
 void Reporter::write(const StepRecord& step) {
   if (csv_) {
@@ -111,7 +131,7 @@ void Reporter::write(const StepRecord& step) {
                    metres(step, step.position_counts), step.command_N, step.reported_N, mode_of(step),
                    to_string(step.drive), firmware::to_string(step.fault), step.fault_code,
                    axes_.size() > 1 ? "," + axes_[step.axis].name : std::string{});
-    put(csv_);
+    csv_->put(line_);
   }
   if (stream_) stream_->send(step, on_realtime_clock(step.time), bus_load_.share(step.time), telemetry_.lost);
   newest_[step.axis] = step;
@@ -176,8 +196,7 @@ void Reporter::show_live(hal::Time time) {
 void Reporter::print_line(bool live) {
   if (terminal_) line_.insert(0, "\r\x1b[K");
   if (!live) line_ += '\n';
-  std::fwrite(line_.data(), 1, line_.size(), stdout);
-  std::fflush(stdout);
+  standard_output_.put(line_);
   any_shown_ = true;
 }
 
@@ -193,7 +212,7 @@ void Reporter::write(const FrameRecord& record) {
   if (!record.frame.remote)
     for (const auto byte : record.frame.payload()) fmt::format_to(out, "{:02X}", byte);
   line_ += '\n';
-  put(candump_);
+  candump_->put(line_);
 }
 
 }  // namespace breakaway::linux_node

@@ -1,9 +1,8 @@
-// The thread beside the loop: writes the logs and the status line, takes the operator's signals, and tells the service
-// manager that the node lives. That the thread which obeys SIGTERM tells it proves that this thread lives, too.
+// The thread beside the loop: gives the logs and the status line to who writes them, takes the operator's signals, and
+// tells the service manager that the node lives. That the thread which obeys SIGTERM tells it proves that this thread
+// lives, too. It waits for nobody, least of all for who takes a log.
 #pragma once
 
-#include <cstdio>
-#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "breakaway/hal/bus_load.hpp"
 #include "configuration.hpp"
 #include "options.hpp"
+#include "outlet.hpp"
 #include "sample_stream.hpp"
 #include "service_manager.hpp"
 #include "telemetry.hpp"
@@ -25,24 +25,26 @@ class Reporter {
   Reporter(const Options& options, Telemetry& telemetry, const Configuration& configuration, ServiceManager& manager);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
-  ~Reporter() { finish(); }
+  // Of a run that is refused: an older log stays as it was.
+  ~Reporter();
 
-  // Returns when everything is written.
+  // Returns when the logs are written, or cannot be within a while. What they lack is in `telemetry` then.
   void finish();
 
   // What was streamed and what was not, in a line; after finish(). Empty where nothing was to be streamed.
   std::string stream_report() const;
 
- private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  using File = std::unique_ptr<std::FILE, Close>;
+  // The last word on standard output; after finish().
+  void print(const std::string& report);
+  // All logs and all of standard output; after print().
+  bool wrote_everything() const;
 
-  static File open(const std::string& path);
+ private:
   void run();
+  void end();
   void take_signals();
   void drain();
+  void replace_older_logs();
   void write(const StepRecord& step);
   void write(const FrameRecord& record);
   void show_change(const StepRecord& step);
@@ -54,13 +56,13 @@ class Reporter {
   double seconds(hal::Time time) const;
   // Since the epoch of CLOCK_REALTIME.
   hal::Duration on_realtime_clock(hal::Time time) const { return time.time_since_epoch() + to_realtime_; }
-  void put(const File& file) const;
 
   Telemetry& telemetry_;
   std::string interface_;
   const std::vector<AxisPlan>& axes_;
   ServiceManager& manager_;
-  File csv_, candump_;
+  std::optional<Outlet> csv_, candump_;
+  Outlet standard_output_;
   std::optional<SampleStream> stream_;
   hal::BusLoad bus_load_;
   std::string line_;

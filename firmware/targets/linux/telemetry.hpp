@@ -47,14 +47,15 @@ using Record = std::variant<StepRecord, FrameRecord>;
 static_assert(std::is_trivially_copyable_v<Record>);
 
 struct Telemetry {
-  hal::SharedRing<Record, 16384> records;  // two seconds and more at 1 kHz
-  std::atomic<std::uint64_t> lost{0};      // records that the ring had no room for
-  std::atomic<bool> stop{false};           // the operator's: SIGINT, SIGTERM
-  std::atomic<bool> reset{false};          // SIGUSR1
-  std::atomic<bool> finished{false};       // the control thread's: nothing more comes
-  std::atomic<bool> ready{false};          // the control thread's: what it is for has begun
-  std::atomic<bool> stopping{false};       // the control thread's: its axes are being stopped
-  std::atomic<std::uint64_t> periods{0};   // that the control thread began in time
+  hal::SharedRing<Record, 16384> records;                             // two seconds and more at 1 kHz
+  std::atomic<std::uint64_t> lost{0};                                 // records that the ring had no room for
+  std::atomic<std::uint64_t> csv_unwritten{0}, candump_unwritten{0};  // records that these logs lack at the end
+  std::atomic<bool> stop{false};                                      // the operator's: SIGINT, SIGTERM
+  std::atomic<bool> reset{false};                                     // SIGUSR1
+  std::atomic<bool> finished{false};                                  // the control thread's: nothing more comes
+  std::atomic<bool> ready{false};                                     // the control thread's: what it is for has begun
+  std::atomic<bool> stopping{false};      // the control thread's: its axes are being stopped
+  std::atomic<std::uint64_t> periods{0};  // that the control thread began in time
 
   void add(const Record& record) noexcept {
     if (!records.push(record)) lost.fetch_add(1, std::memory_order_relaxed);
