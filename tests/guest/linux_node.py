@@ -236,6 +236,9 @@ def bad_input_is_refused_by_name(build):
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "60"], "--max-force", "has 50 N")
         refuses(b, [node, "--can", "vcan0", axis, "--max-force", "1"], "--max-force", "4.5")
         refuses(b, [node, "--can", "vcan0", axis, "--target", "11"], "target 11", "position_m = -10 to 10")
+        for option in ("--duration", "--wait", "--dwell"):
+            for time_s in ("1e-10", "1e10", "inf"):
+                refuses(b, [node, "--can", "can9", axis, option, time_s], option, time_s, "from 1e-9 to 1e9")
         refuses(b, [node, "--can", "vcan0", "sim/scenarios/can_axis_pid.toml"], "pid")
         with open(axis, encoding="utf-8") as text:
             weak = text.read().replace("max_force_N = 50", "max_force_N = 4")

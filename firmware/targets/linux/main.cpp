@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -40,12 +41,17 @@ constexpr const char* examples =
     "says what).";
 
 void add_options(CLI::App& app, Options& o) {
-  const CLI::Validator positive{[](std::string& text) -> std::string {
-                                  double value = 0;
-                                  const bool good = CLI::detail::lexical_cast(text, value) && value > 0 && value < 1e9;
-                                  return good ? "" : text + " is not a number above 0";
-                                },
-                                ""};
+  const auto within = [](double least, const char* range) {
+    return CLI::Validator{[=](std::string& text) -> std::string {
+                            double value = 0;
+                            const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= 1e9;
+                            return good ? "" : text + " is not " + range;
+                          },
+                          ""};
+  };
+  // Less is no time of the clock, and a duration of none would be that of a run without end.
+  const CLI::Validator seconds = within(1e-9, "a number of seconds from 1e-9 to 1e9");
+  const CLI::Validator force = within(std::numeric_limits<double>::min(), "a number above 0 and up to 1e9");
   app.add_option(
          "configuration", o.configuration,
          "The node: a file with [plant], [friction], [controller], [drive] of its axes, and [loop]; must be certified")
@@ -55,14 +61,14 @@ void add_options(CLI::App& app, Options& o) {
       "--target", o.targets,
       "Positions [m] to visit in this order, of several axes as 0.1,0.2,-0.1; without, those of [controller] "
       "at their times");
-  app.add_option("--dwell", o.dwell_s, "Seconds at rest on a target before the next (1)")->check(positive);
+  app.add_option("--dwell", o.dwell_s, "Seconds at rest on a target before the next (1)")->check(seconds);
   app.add_option("--duration", o.duration_s, "Seconds until the axes are stopped; without, a signal ends the node")
-      ->check(positive);
+      ->check(seconds);
   app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")
-      ->check(positive);
+      ->check(force);
   app.add_option("--node-id", o.node_id, "Node id of a single axis' drive instead of the configuration's")
       ->check(CLI::Range(1, 126));
-  app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(positive);
+  app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(seconds);
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
   app.add_flag("--readonly", o.readonly, "Listen and show; send nothing");
   app.add_flag("!--no-realtime", o.realtime, "Run without real-time priority: for trials, not for machines");
