@@ -1,7 +1,9 @@
 // breakaway: simulates and designs positioning axes that beat stiction.
 #include <fmt/format.h>
 
+#include <csignal>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -20,6 +22,8 @@ int refuse(std::string what) {
   return breakaway::cli::bad_input;
 }
 
+int refuse_standard_output() { return refuse("standard output: cannot be written"); }
+
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const auto unknown = app.remaining();
@@ -36,6 +40,9 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argc, char** argv) {
   using namespace breakaway;
+  // A reader that is gone, as `head` is after its lines, is an error of what is written to it, and not the end of what
+  // else is done.
+  std::signal(SIGPIPE, SIG_IGN);
   int exit_code = cli::done;
   CLI::App app{"Positioning control that beats dry friction: simulation and design on a PC.", "breakaway"};
   app.set_version_flag("--version", "breakaway " BREAKAWAY_VERSION);
@@ -62,16 +69,17 @@ int main(int argc, char** argv) {
   cli::add_help(app, exit_code);
   try {
     app.parse(argc, argv);
-    if (std::fflush(stdout) != 0) return refuse("standard output: cannot be written");
+    if (std::fflush(stdout) != 0) return refuse_standard_output();
     return exit_code;
   } catch (const CLI::Success& help) {
     const int code = app.exit(help);
-    return std::cout.flush() ? code : refuse("standard output: cannot be written");
+    return std::cout.flush() ? code : refuse_standard_output();
   } catch (const CLI::ParseError& error) {
     return refuse(explain(app, error));
   } catch (const InputError& error) {
     return refuse(error.what());
   } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0) return refuse_standard_output();
     return refuse(fmt::format("unexpected failure: {}", error.what()));
   }
 }

@@ -43,7 +43,9 @@ void wait_for_end(const sigset_t& signals, const watch::History& history) {
     const watch::Losses losses = history.losses();
     if (complained || losses.complaint.empty()) continue;
     complained = true;
-    fmt::print(stderr, "breakaway: warning: {} (the page counts what follows)\n", losses.complaint);
+    // Without an exception where nobody reads it any more.
+    std::fputs(fmt::format("breakaway: warning: {} (the page counts what follows)\n", losses.complaint).c_str(),
+               stderr);
   }
 }
 
@@ -109,8 +111,13 @@ void add_watch(CLI::App& app, int& exit_code) {
                     "page that is closed stops them");
   command->add_option("--http", options->server.port, "The port of the page (8080); 0 is any free one")
       ->check(CLI::Range(0, 65535));
-  command->add_option("--bind", options->server.bind,
-                      "The address of this machine at which the page is served (127.0.0.1: for this machine only)");
+  command
+      ->add_option("--bind", options->server.bind,
+                   "The address of this machine at which the page is served (127.0.0.1: for this machine only)")
+      ->check(CLI::Validator{[](std::string& text) -> std::string {
+                               return text.empty() ? "the address is empty; give one of this machine" : "";
+                             },
+                             ""});
   command->footer(std::string{"Example: breakaway watch --stream 9870\n"
                               "and, in another terminal: breakaway-node --can can0 axis.toml --stream "
                               "udp:localhost:9870\n"

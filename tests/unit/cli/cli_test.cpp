@@ -1,6 +1,10 @@
 // What holds for every subcommand, and those that need no scenario.
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +25,9 @@ TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("xyzzy", {"xyzzy is neither", "option (breakaway"});
   expect_refused("k3 --mass 1", {"--k1", "k3 --help"});
   expect_refused("simulate", {"scenario"});
+#ifdef __linux__
+  expect_refused("watch --file /nowhere.csv --bind ''", {"--bind", "the address is empty"});
+#endif
   expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
   expect_refused("simulate ''", {"empty", "standard input"});
   expect_refused("simulate " + folder_.string(), {folder_.string(), "folder"});
@@ -154,6 +161,26 @@ TEST_F(Command, ReportsAFullDiskBehindStandardOutput) {
       std::system(("'" BREAKAWAY_COMMAND "' " + plant + "--json - > /dev/full 2> " + path("err")).c_str());
   EXPECT_EQ(WEXITSTATUS(status), 2);
   EXPECT_NE(content(path("err")).find("standard output"), std::string::npos);
+}
+
+// As `| head` is after its lines.
+TEST_F(Command, AReaderThatIsGoneIsNamedAndLeavesWholeFiles) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  close(ends[0]);
+  const int ours = dup(STDOUT_FILENO);
+  dup2(ends[1], STDOUT_FILENO);
+  const auto usual = std::signal(SIGPIPE, SIG_DFL);
+  const int status = std::system(("'" BREAKAWAY_COMMAND "' simulate " + scenarios + "impulsive_example.toml --csv " +
+                                  path("run.csv") + " 2> " + path("err"))
+                                     .c_str());
+  std::signal(SIGPIPE, usual);
+  dup2(ours, STDOUT_FILENO);
+  for (const int descriptor : {ours, ends[1]}) close(descriptor);
+  ASSERT_TRUE(WIFEXITED(status)) << status;
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_EQ(content(path("err")), "breakaway: standard output: cannot be written\n");
+  EXPECT_TRUE(content(path("run.csv")).ends_with('\n'));
 }
 
 TEST_F(Command, HelpsWithAnExampleAndTheExitCodes) {
