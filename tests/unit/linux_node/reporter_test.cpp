@@ -71,7 +71,10 @@ TEST_F(ReporterTest, ObeysASignalWhileNobodyReadsALog) {
     return ioctl(reader, FIONREAD, &waiting) == 0 && waiting > 0;
   }));
   kill(getpid(), SIGTERM);
-  EXPECT_TRUE(comes_true([this] { return telemetry_.stop.load(); }));
+  if (!comes_true([this] { return telemetry_.stop.load(); })) {
+    close(reader);  // lets go whoever waits for it
+    FAIL() << "the signal was not obeyed";
+  }
   reporter_->finish();
   EXPECT_GT(telemetry_.csv_unwritten, 0U);
   reporter_->print("");
