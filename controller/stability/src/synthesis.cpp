@@ -9,6 +9,7 @@
 #include "gain_search.hpp"
 #include "infinite.hpp"
 #include "scaled_system.hpp"
+#include "zonotope.hpp"
 
 namespace breakaway::stability {
 namespace {
@@ -37,12 +38,46 @@ Assessment assessed(const LinearMachine<>& closed, const PdWants& wants) {
   return {region && reach_m(closed, unit_of(wants, closed.coordinates()), a.rho_star_J) >= wants.reach_m, a.rho_star_J};
 }
 
-// Says whether E is attractive from everywhere even with less damping, of the same rate for every mass. The
-// eigencolumns are those of the closed loop itself.
-bool attracts_with_reserve(LinearMachine<> closed, double reserve_per_s) {
-  closed.damping.diagonal() -= reserve_per_s * closed.mass.diagonal();
-  return std::isinf(certify_attractivity(closed).rho_star_J);
-}
+// What the damping of a design has to spare: where it alone brings a motion to rest, the certificate would hold for a
+// damping that is nothing but rounding, and the motion would take for ever. It is asked of no more than a direction has
+// that no actuator acts on.
+class DampingReserve {
+ public:
+  explicit DampingReserve(const ActuatedSystem& system) {
+    const ActuatedSystem scaled = in_mass_units(system).system;
+    const MatrixXd pushes = scaled.machine.directions * scaled.machine.friction_N.asDiagonal();
+    MatrixXd acting(pushes.rows(), pushes.cols() + scaled.actuators.cols());
+    acting << pushes, scaled.actuators;
+    unfelt_ = spanned_space(pushes).complement;
+    const double asked_per_s = damping_reserve * damping_unit_per_s(scaled.machine);
+    const auto share = [&](const MatrixXd& columns) {
+      const double own_per_s = least_damping_per_s(scaled.machine, spanned_space(columns).complement);
+      return 0.99 * (own_per_s > 0 ? std::min(asked_per_s, own_per_s) : asked_per_s);
+    };
+    unfelt_per_s_ = share(acting);
+    everywhere_per_s_ = share(scaled.actuators);
+  }
+
+  // Of the motions that no friction feels.
+  bool unfelt_is_damped(const ActuatedSystem& system) const {
+    return least_damping_per_s(in_mass_units(system).system.machine, unfelt_) >= unfelt_per_s_;
+  }
+
+  // The machine with less damping, of the same rate for every mass. The eigencolumns are those of the machine itself.
+  LinearMachine<> taken_from(LinearMachine<> closed) const {
+    closed.damping.diagonal() -= everywhere_per_s_ * closed.mass.diagonal();
+    return closed;
+  }
+
+ private:
+  static double least_damping_per_s(const LinearMachine<>& in_mass_units, const MatrixXd& basis) {
+    if (basis.cols() == 0) return infinite;
+    return dense::symmetric_eigenvalues(dense::symmetric_part(dense::congruence(basis, in_mass_units.damping)))[0];
+  }
+
+  MatrixXd unfelt_;  // in mass units, orthonormal
+  double unfelt_per_s_, everywhere_per_s_;
+};
 
 void require_solvable(const ActuatedSystem& system, const PdWants& wants) {
   require_valid(system.machine);
@@ -84,15 +119,17 @@ MatrixXd position_gain(const ActuatedSystem& system, const PdWants& wants, GainS
 MatrixXd velocity_gain(const ActuatedSystem& system, const PdWants& wants, GainStructure structure,
                        const SearchProgress& progress) {
   const MatrixXd& damping = system.machine.damping;
-  if ((symmetric(damping) || structure == GainStructure::identical) && assessed(system.machine, wants).accepted) {
+  const DampingReserve reserve{system};
+  if ((symmetric(damping) || structure == GainStructure::identical) && assessed(system.machine, wants).accepted &&
+      reserve.unfelt_is_damped(system)) {
     return MatrixXd{MatrixXd::Zero(system.actuators.cols(), damping.rows())};
   }
   const bool everywhere = std::isinf(wants.region_J) || std::isinf(wants.reach_m);
-  const double reserve_per_s = 0.99 * damping_reserve * damping_unit_per_s(in_mass_units(system).system.machine);
   const Assess assess = [&](const MatrixXd& gain) {
     const LinearMachine<> closed = closed_loop(system, {MatrixXd::Zero(gain.rows(), gain.cols()), gain});
     Assessment found = assessed(closed, wants);
-    found.accepted = found.accepted && (!everywhere || attracts_with_reserve(closed, reserve_per_s));
+    found.accepted = found.accepted && reserve.unfelt_is_damped({closed, system.actuators}) &&
+                     (std::isfinite(found.rho_star_J) || assessed(reserve.taken_from(closed), wants).accepted);
     return found;
   };
   return structure == GainStructure::full ? full_velocity_gain(system, everywhere, assess, progress)

@@ -111,7 +111,8 @@ void print_figures(const MachineScenario&, const MachineResult& r) {
   fmt::print("  events         {}\n", r.events.size());
   if (r.proved != hybrid::Verdict::undecided) {
     const bool captured = r.proved == hybrid::Verdict::captured;
-    fmt::print("  certified      {}\n", captured ? "to come to rest" : "never to come to rest");
+    fmt::print("  certified      {}{}\n", captured ? "to come to rest" : "never to come to rest",
+               captured && !r.settled() ? ", which says nothing of when: a longer [run] duration_s shows it" : "");
   }
   print_accuracy(r.accuracy);
 }

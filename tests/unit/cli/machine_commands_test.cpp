@@ -23,6 +23,19 @@ TEST_F(Command, KeepsTheContractOfASimulatedMachine) {
   expect_refused("simulate " + two_masses + " --candump " + path("a.log"), {"--candump", "bus"});
 }
 
+// Only damping ends the motion of the masses against each other, and a certificate knows no time.
+TEST_F(Command, SaysOfACertifiedMotionThatIsNotAtRestWhatIsCertified) {
+  std::ofstream{path("slow.toml")} << "[machine]\nmass = [[1, 0], [0, 1]]\ndamping = [[1e-9, 0], [0, 1e-9]]\n"
+                                      "stiffness = [[2, -1], [-1, 2]]\ndirections = [[1], [1]]\nfriction_N = [1]\n"
+                                      "[start]\nq = [3, -3]\n[run]\nduration_s = 10\n";
+  const Ended ended = run("simulate " + path("slow.toml"));
+  EXPECT_NE(ended.out.find("NOT at rest"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("certified      to come to rest, which says nothing of when"), std::string::npos)
+      << ended.out;
+  const std::string settled = run("simulate " + two_masses).out;
+  EXPECT_NE(settled.find("certified      to come to rest\n"), std::string::npos) << settled;
+}
+
 TEST_F(Command, TakesTheMethodThatHoldsTheAccuracyAskedFor) {
   const Ended ended = run("simulate " + two_masses + " --accuracy 1e-6 --json -");
   ASSERT_EQ(ended.exit_code, 0) << ended.err;

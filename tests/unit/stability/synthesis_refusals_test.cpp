@@ -1,6 +1,8 @@
 // What synthesize() refuses before any search, what it says where none helps, and the ends of its searches.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -87,6 +89,14 @@ TEST(SynthesisRefusals, OfIdenticalGainsNameTheBestRegion) {
   EXPECT_EQ(message.find("about inf"), std::string::npos) << message;
 }
 
+// Springs that two rows of friction pull at with 1 N cannot be made stiff enough for it by any number.
+TEST(SynthesisRefusals, OfIdenticalGainsNameNoRestingErrorWithoutEnd) {
+  const std::string message =
+      refusal([] { synthesize(floating_masses(), {.resting_error_m = 1e-300}, GainStructure::identical); });
+  EXPECT_EQ(message.find("about inf"), std::string::npos) << message;
+  EXPECT_NE(message.find("ask for less"), std::string::npos) << message;
+}
+
 TEST(SynthesisRefusals, OfFullGainsNameTheDirectionThatFrictionAloneCannotHold) {
   LinearMachine<> machine = two_mass_example(0);
   machine.directions = Eigen::Vector2d{1, 0};
@@ -148,6 +158,50 @@ TEST(SynthesisLimits, AReachWithoutEndIsAttractionFromEverywhere) {
   EXPECT_TRUE(std::isinf(design.reach_m));
   EXPECT_TRUE(design.attractivity.global());
   EXPECT_NEAR(design.gains.velocity_Ns_per_m(0, 0), 0.75 * (1 + 1e-3), 1e-4);
+}
+
+double least_damping_Ns_per_m(const ActuatedSystem& system, const PdWants& wants) {
+  const PdDesign design = synthesize(system, wants, GainStructure::identical);
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>{design.closed_loop.damping}.eigenvalues()[0];
+}
+
+// Friction holds the masses together only where they move together. Damping of 1e-18 N s/m made the region infinite,
+// and the way to rest took 1e18 s. A thousandth of sqrt(|M| |K|) is the size of a C that is none.
+TEST(SynthesisLimits, WhatOnlyDampingHoldsIsDampedWithAMarginWhateverIsWanted) {
+  LinearMachine<> machine = two_mass_example();
+  machine.damping.setZero();
+  machine.directions = Eigen::Vector2d{1, 1};
+  machine.friction_N = VectorXd::Ones(1);
+  const double asked = 0.99e-6 * std::sqrt(std::sqrt(2 * 10.0));
+  for (const PdWants& wants : {PdWants{.resting_error_m = 5, .region_J = 10}, PdWants{.resting_error_m = 5},
+                               PdWants{.reach_m = 3}, PdWants{.region_J = any}}) {
+    for (const double own : {0.0, 1e-18}) {
+      machine.damping = own * MatrixXd::Identity(2, 2);
+      EXPECT_GE(least_damping_Ns_per_m({machine, MatrixXd::Identity(2, 2)}, wants), (1 - 1e-6) * asked) << own;
+    }
+  }
+}
+
+TEST(SynthesisLimits, AMarginOfDampingIsAskedForBesideAFiniteRegion) {
+  LinearMachine<> machine = two_mass_example();
+  machine.damping = Eigen::Vector2d{-0.375, 0}.asDiagonal();
+  machine.directions = Eigen::Vector2d{1, 0};
+  machine.friction_N = VectorXd::Ones(1);
+  machine.stiffness = 2 * MatrixXd::Identity(2, 2);
+  const PdDesign design = synthesize({machine, MatrixXd::Identity(2, 2)}, {.region_J = 0.5}, GainStructure::identical);
+  EXPECT_TRUE(std::isfinite(design.attractivity.rho_star_J));
+  EXPECT_GT(design.closed_loop.damping(1, 1), 0.9e-3 * 0.375);
+}
+
+// No gain reaches the second mass. Its damper is weak beside the first one's and its own.
+TEST(SynthesisLimits, NoMoreDampingIsAskedForThanWhereNoActuatorActs) {
+  LinearMachine<> machine = two_mass_example();
+  machine.damping = Eigen::Vector2d{-0.375, 1e-4}.asDiagonal();
+  machine.directions = Eigen::Vector2d{1, 0};
+  machine.friction_N = VectorXd::Ones(1);
+  machine.stiffness = 2 * MatrixXd::Identity(2, 2);
+  for (const PdWants& wants : {PdWants{.region_J = 9}, PdWants{.region_J = any}})
+    EXPECT_GT(least_damping_Ns_per_m({machine, Eigen::Vector2d{1, 0}}, wants), -0.375);
 }
 
 TEST(SynthesisLimits, ProgressGoesFromNothingToAllAndNeverBack) {

@@ -55,8 +55,10 @@ using DesignProgress = std::function<void(double share)>;
 //     g that will do, searched for with Theorem 1 itself. Norm, eigenvalues and limit are those in mass units
 //     (mass_units.hpp), with actuators of unit length there;
 //   identical: the least d.
-// "Attractive from everywhere" is designed with a margin: the eigenvalues of C_cl are at least 1e-3 of the size of C,
-// both in mass units.
+// What rests on definite damping is designed with a margin, whatever is wanted. "Attractive from everywhere": the
+// eigenvalues of C_cl are at least 1e-3 of the size of C, both in mass units. Else that holds on the motions that no
+// friction feels. A machine without damping has the size of a thousandth of its fastest oscillation, and no more is
+// asked for than a direction has by itself that no actuator acts on.
 //
 // The same machine in other units of its coordinates, actuators, time and force has the same gains in these units: to
 // the last bit where the units differ by powers of two, of time and coordinates in any case.
