@@ -52,6 +52,11 @@ MatrixXd identical_position_gain(const ActuatedSystem& system, const VectorXd& l
   const double most = std::max({force_J, scaled.stiffness.norm(), std::numeric_limits<double>::min()});
   const double p = least_accepted(1e-6 * most / squared(actuators, limit_m).norm(), accepts, progress);
   if (std::isnan(p)) {
+    if (std::isinf(best))
+      throw InputError{
+          "no identical gains within reach make the stiffness symmetric and positive definite by so much "
+          "that a resting error of " +
+          to_text(wanted_m) + " m can be told from rounding; ask for less, add actuators, or use full gains"};
     throw InputError{"a resting error of " + to_text(wanted_m) +
                      " m is out of reach of identical gains: the best is about " + to_text(best * wanted_m) +
                      " m; ask for less, add actuators, or use full gains"};

@@ -66,7 +66,8 @@ VectorXd variables(const std::string& result, Index count) {
   VectorXd x(count);
   char separator = 0;
   for (double& value : x) text >> value >> separator;
-  if (!text || !x.allFinite()) throw InputError{"the solver sdpa wrote no solution that can be read"};
+  if (!text || !x.allFinite())
+    throw InputError{"the solver sdpa wrote no solution that can be read; ask for less, or use identical gains"};
   return x;
 }
 
@@ -77,7 +78,8 @@ VectorXd minimised(const LmiProblem& problem) {
   // The other answers mean that the problem is infeasible or unbounded, or that SDPA gave up before x was feasible.
   const std::string found = phase(result);
   if (found != "pdOPT" && found != "pdFEAS" && found != "pFEAS") {
-    throw InputError{"the solver sdpa found no solution of the linear matrix inequalities (" + found + ")"};
+    throw InputError{"the solver sdpa found no solution of the linear matrix inequalities (" + found +
+                     "); ask for less, or use identical gains"};
   }
   return variables(result, problem.cost.size());
 }

@@ -123,7 +123,10 @@ class ComplianceProgram {
 
   MatrixXd stiffness(const VectorXd& x) const {
     const dense::Cholesky y(free_compliance(x));
-    if (!y.succeeded()) throw InputError{"the solver sdpa returned gains that do not make K_cl positive definite"};
+    if (!y.succeeded())
+      throw InputError{
+          "the solver sdpa returned gains that do not make K_cl positive definite; ask for a larger resting error, or "
+          "use identical gains"};
     const MatrixXd coupling = base_ * reached_;                                // Z B^T
     const MatrixXd held = dense::congruence(coupling, fixed_) * unit_;         // B D^-1 B^T
     const MatrixXd block = dense::symmetric_part(held + y.inverse() / unit_);  // X

@@ -118,7 +118,7 @@ class Search {
   std::vector<MatrixXd> found_;
   double best_J_ = 0;
   std::optional<InputError> unheld_;  // why the damping cannot be positive definite
-  InputError failure_{"no gain of velocity was found"};
+  InputError failure_{"no gain of velocity was found; ask for less, or add actuators, dampers or frictions"};
 };
 
 }  // namespace

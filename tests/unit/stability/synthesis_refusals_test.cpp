@@ -89,12 +89,20 @@ TEST(SynthesisRefusals, OfIdenticalGainsNameTheBestRegion) {
   EXPECT_EQ(message.find("about inf"), std::string::npos) << message;
 }
 
-// Springs that two rows of friction pull at with 1 N cannot be made stiff enough for it by any number.
 TEST(SynthesisRefusals, OfIdenticalGainsNameNoRestingErrorWithoutEnd) {
   const std::string message =
       refusal([] { synthesize(floating_masses(), {.resting_error_m = 1e-300}, GainStructure::identical); });
   EXPECT_EQ(message.find("about inf"), std::string::npos) << message;
   EXPECT_NE(message.find("ask for less"), std::string::npos) << message;
+}
+
+TEST(SynthesisRefusals, OfFullGainsSayWhatToChangeWhereNothingCanBeSolved) {
+  for (const PdWants& wants :
+       {PdWants{.resting_error_m = 1e-300}, PdWants{.resting_error_m = 1e-300, .region_J = 10}}) {
+    const std::string message = refusal([&] { synthesize(floating_masses(), wants, GainStructure::full); });
+    EXPECT_TRUE(message.find("ask for") != std::string::npos || message.find("install") != std::string::npos)
+        << message;
+  }
 }
 
 TEST(SynthesisRefusals, OfFullGainsNameTheDirectionThatFrictionAloneCannotHold) {
