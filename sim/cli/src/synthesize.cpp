@@ -38,20 +38,22 @@ struct SynthesizeCommand {
   bool progress = false;
 };
 
+// Every want is met, so of several of one kind the strictest counts; "global" is a region without end.
 void read_want(const std::string& text, PdWants& wants) {
   if (text == "global") return static_cast<void>(wants.region_J = infinite);
   const auto equals = text.find('=');
   const std::string name = text.substr(0, equals), number = equals == text.npos ? "" : text.substr(equals + 1);
-  double* to = name == "resting-error" ? &wants.resting_error_m
-               : name == "region"      ? &wants.region_J
-               : name == "reach"       ? &wants.reach_m
-                                       : nullptr;
+  const bool least_is_strictest = name == "resting-error";
+  double* to = least_is_strictest ? &wants.resting_error_m
+               : name == "region" ? &wants.region_J
+               : name == "reach"  ? &wants.reach_m
+                                  : nullptr;
   double value = 0;
   if (to == nullptr || !CLI::detail::lexical_cast(number, value) || !std::isfinite(value) || !(value > 0)) {
     throw InputError{fmt::format(
         "--want {}: give global, resting-error=METRES, region=JOULES or reach=METRES, the number above 0", text)};
   }
-  *to = value;
+  *to = least_is_strictest ? std::min(*to, value) : std::max(*to, value);
 }
 
 PdWants read_wants(const SynthesizeCommand& options) {
@@ -156,9 +158,11 @@ void add_synthesize(CLI::App& app, int& exit_code) {
              "actuators, gains in it are replaced")
       ->required();
   command
-      ->add_option("--want", options->wants,
-                   "resting-error=M: nothing rests farther from 0; region=J: V < J is certified; reach=M: every "
-                   "rest within M is; global: everything is. Several may be wanted")
+      ->add_option(
+          "--want", options->wants,
+          "resting-error=M: nothing rests farther from 0; region=J: V < J is certified; reach=M: every "
+          "rest within M is; global: everything is, which includes every region and reach. Several may be wanted: all "
+          "of them are met, the strictest where one is given twice")
       ->required()
       ->allow_extra_args(false);
   command

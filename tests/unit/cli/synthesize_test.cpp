@@ -76,6 +76,24 @@ TEST_F(Synthesize, MeetsItsWantsAndSweepsTheGain) {
   EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"global\": true"), std::string::npos) << ended.out;
 }
 
+// The last one counted, and the others were forgotten.
+TEST_F(Synthesize, MeetsEveryOneOfItsWants) {
+  const auto found = [&](const std::string& wants) {
+    const Ended ended = run(wants + " --gains identical --trajectories 0 --json -", "PATH=");
+    EXPECT_EQ(ended.exit_code, 0) << wants << ": " << ended.err;
+    return ended.out;
+  };
+  const std::string least = "--want resting-error=0.5 --want region=16";
+  for (const char* wants : {"--want resting-error=0.5 --want resting-error=5 --want region=16 --want region=4",
+                            "--want resting-error=5 --want resting-error=0.5 --want region=4 --want region=16"})
+    EXPECT_EQ(found(wants), found(least)) << wants;
+  for (const char* wants : {"--want resting-error=1 --want global --want region=16",
+                            "--want resting-error=1 --want region=16 --want global --want global"})
+    EXPECT_EQ(found(wants), found("--want resting-error=1 --want global")) << wants;
+  EXPECT_EQ(found("--want resting-error=1 --want reach=2 --want reach=1"),
+            found("--want resting-error=1 --want reach=2"));
+}
+
 // What it writes is a scenario that the other commands take, and they find the same.
 TEST_F(Synthesize, WritesTheClosedLoop) {
   const std::string wants = "--want resting-error=0.5 --want region=9 --gains identical --trajectories 0 ";
