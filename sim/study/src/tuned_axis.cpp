@@ -103,7 +103,9 @@ scenario::Scenario TunedAxis::read_to_be_tuned() {
 scenario::Scenario TunedAxis::read(const std::string& text) const {
   scenario::Scenario all = scenario::parse_scenario(text, name_);
   if (all.machine || all.node.coupling)
-    throw InputError{"has axes that share a machine, whose gains `breakaway synthesize` finds; tune an axis alone"}
+    throw InputError{
+        "has axes that share a machine, and `tune` chooses gains of an axis alone; put a [machine] into a file of its "
+        "own, without axes, loop and bus, and `breakaway synthesize` finds gains for it"}
         .in_file(name_);
   config::require_fitting_bus(all.node);
   if (all.axes() == 1 && wanted_.empty()) return all;

@@ -285,7 +285,10 @@ TEST(Tune, SaysWhatItCannotTune) {
   };
   EXPECT_NE(of("can_axis_pid.toml").find("kind is \"pid\""), std::string::npos);
   EXPECT_NE(of("three_axes.toml").find("--axis NAME"), std::string::npos);
-  EXPECT_NE(of("coupled_gantry.toml").find("share a machine"), std::string::npos);
+  const std::string of_a_machine = of("coupled_gantry.toml");
+  EXPECT_NE(of_a_machine.find("share a machine"), std::string::npos);
+  EXPECT_NE(of_a_machine.find("a [machine] into a file of its own, without axes"), std::string::npos)
+      << "`synthesize` refuses this file: " << of_a_machine;
 }
 
 TEST(Tune, SaysOfANumberTwiceAsGoodWhatTuningTheFileWithItSays) {
