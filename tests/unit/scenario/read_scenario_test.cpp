@@ -227,6 +227,27 @@ TEST(ReadScenario, TakesCharactersBeyondAsciiInStringsAndComments) {
             "Schlitten \" \u00b5 # gr\u00f6\u00dfer");
 }
 
+// They make a table in a table, for each of which the parser called itself: the stack had no room for so many.
+TEST(ReadScenario, RefusesKeysOfMorePartsThanAnyTableHas) {
+  std::string deep = "a";
+  for (int i = 0; i < 100'000; ++i) deep += ".a";
+  const std::string quoted = "\"" + deep + "\"";
+  std::string parts = quoted;
+  for (int i = 0; i < 100; ++i) parts += " . " + quoted;
+  for (const std::string& line : {deep + " = 1", "[" + deep + "]", "[[" + deep + "]]", "x = { " + deep + " = 1 }",
+                                  parts + " = 1", "x = \"\"\"\n\\\"\"\"\"\"\n" + deep + " = 1"}) {
+    const std::string said = refusal("# 1.\n\n" + line + "\n" + sound);
+    const auto expected =
+        "axis.toml:" + std::to_string(line.starts_with("x = \"") ? 5 : 3) + ": a key has more than 32";
+    EXPECT_TRUE(said.starts_with(expected)) << said.substr(0, 200);
+  }
+  const std::string dots(100, '.');
+  for (const std::string& title :
+       {"\"" + dots + "\\\"" + dots + "\" # \"" + dots, "'" + dots + "\\' # '" + dots,
+        "\"\"\"\n" + dots + "\"\"" + dots + "\"\"\"\"\"", "'''" + dots + "''" + dots + "'''"})
+    EXPECT_EQ(refusal("title = " + title + "\n" + sound), "accepted");
+}
+
 const breakaway::config::Friction& friction(const Scenario& s) { return s.node.axes.front().friction; }
 
 TEST(ReadScenario, TakesCoefficientsOrNewtons) {

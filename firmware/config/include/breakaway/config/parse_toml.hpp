@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -26,7 +27,14 @@ inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::str
   }
 }
 
+// Throws InputError when a key or a header has more than `most_key_parts` parts, a.b.c of three.
+inline constexpr std::size_t most_key_parts = 32;
+void refuse_deep_keys(std::string_view text, std::string_view name);
+
 // Does what toml::parse does, after a byte order mark if there is one. Throws toml::parse_error and InputError.
+//
+// toml++ makes a table of every part of a key, one in the other, and calls itself for each of them when it looks at
+// them or forgets them: a long key has no room on the stack. It limits the depth of what stands in brackets itself.
 //
 // toml++ 3.3 runs into undefined behaviour on some characters beyond ASCII where white space may stand (fixed upstream
 // after 3.4). A text that has any is therefore parsed with question marks in their place first: neither keys nor
@@ -35,6 +43,7 @@ inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::str
 inline toml::table parse_toml(std::string_view text, std::string_view name) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  refuse_deep_keys(text, name);
   if (std::ranges::any_of(text, beyond_ascii)) {
     refuse_backslash_before_beyond_ascii(text, name);
     std::string masked{text};
