@@ -66,6 +66,42 @@ def misspelt(document):
             yield path, key, spoilt
 
 
+# What may stand behind keys that are texts of a certain kind, and what may not.
+NODE = """[loop]
+period_s = 0.001
+[[axis]]
+name = {name}
+plant.mass_kg = 1
+friction = {{ lower_N = 2.5, upper_N = 4.5 }}
+controller = {{ k1_N_per_m = 400, k21_Ns_per_m = 32, k22_Ns_per_m = 60, max_force_N = 50 }}
+limits = {{ position_m = 1, speed_m_s = 20 }}
+[axis.drive]
+force_per_torque_N_per_Nm = 50
+encoder_resolution_m = 1e-6
+max_torque_per_mille = 2000
+node_id = {node_id}
+{rating}
+[run]
+duration_s = 0.01
+settle_tolerance_m = 1e-4
+"""
+SOUND = {"name": '"x-1_b.C"', "node_id": "7", "rating": "rated_torque_Nm = 0.5"}
+SPOILT = [{"name": f'"{name}"'} for name in ("", " ", "\u00e9 x", "a b", "a" * 24)] + [
+    {"rating": 'rated_torque_Nm = 0.5\neds = ""'}, {"rating": 'rated_torque_Nm = 0.5\neds = "-"'},
+    {"node_id": "1.5"}, {"node_id": "128"}, {"name": "1"}]
+
+
+def disagreements(command, validator):
+    """Where reader and schema do not agree about one of these."""
+    for spoilt in [{}, *SPOILT]:
+        text = NODE.format(**{**SOUND, **spoilt})
+        ended = subprocess.run([command, "simulate", "-", "--json", "-"], input=text.encode(), capture_output=True,
+                               check=False, timeout=60)
+        reader, schema = ended.returncode != 2, not complaints(validator, tomllib.loads(text))
+        if (reader, schema) != (not spoilt, not spoilt):
+            yield f"{spoilt or 'the sound node'}: the reader takes it: {reader}, the schema: {schema}; {ended.stderr}"
+
+
 def names_in(value):
     """All keys and words of a schema."""
     if isinstance(value, dict):
@@ -101,6 +137,7 @@ def main():
             place = "/".join(map(str, path))
             if not any(said.startswith(f"{place}: ") and f"'{key}x'" in said for said in complaints(validator, spoilt)):
                 wrong.append(f"{name}: {key}x in [{place}] is not complained of there")
+    wrong += disagreements(options.command, validator)
     named = names_of_readme(options.source)
     for name in sorted(named - set(names_in(schema))):
         wrong.append(f"the README of sim names {name}, and the schema does not")

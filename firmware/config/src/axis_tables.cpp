@@ -24,6 +24,14 @@ void require_ordered(const Section& section, std::string_view lower, double low,
   section.fail(lower, fmt::format("is {} and exceeds {} = {}; swap or correct them", low, upper, up));
 }
 
+// Of a coefficient, whose product with the normal force may be none.
+void require_force(const Section& section, std::string_view key, double force_N) {
+  if (positive.holds(force_N)) return;
+  section.fail(key, fmt::format("times [plant] mass_kg times gravity_m_s2 is {} N, must be {} {:g} N; {} one of them",
+                                force_N, force_N > 0 ? "at most" : "above", force_N > 0 ? positive.most : 0.0,
+                                force_N > 0 ? "lower" : "raise"));
+}
+
 // Friction is given either in newtons, or as the paper's coefficients with the gravity that makes them newtons.
 Friction read_friction(const Section& section, double mass_kg, std::vector<Key> others) {
   Friction f;
@@ -44,6 +52,8 @@ Friction read_friction(const Section& section, double mass_kg, std::vector<Key> 
     f.normal_force_N = mass_kg * gravity_m_s2;
     f.bounds.lower_N *= *f.normal_force_N;
     f.bounds.upper_N *= *f.normal_force_N;
+    require_force(section, lower, f.bounds.lower_N);
+    require_force(section, upper, f.bounds.upper_N);
   }
   return f;
 }

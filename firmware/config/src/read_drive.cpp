@@ -63,7 +63,7 @@ Drive read_canopen_drive(const Section& section, std::size_t place, std::vector<
       std::vector<Key>{
           optional("protocol", choice(protocol, {{"canopen", Protocol::canopen}})),
           optional("node_id", integer([&](std::int64_t n) { d.node_id = static_cast<std::uint8_t>(n); }, 1, 127)),
-          sheet_row(section, d),
+          sheet_row(d),
           optional("rated_torque_Nm", thousandths(d.rated_torque_mNm, "N m")),
           optional("rated_current_A", thousandths(d.rated_current_mA, "A")),
           optional("max_torque_per_mille",

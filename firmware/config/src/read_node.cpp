@@ -50,6 +50,13 @@ Loop read_loop(const Section& section, std::vector<Key> others) {
   return loop;
 }
 
+// read_name() refuses what does not match, which editors are told here.
+Value name_value(std::string& to) {
+  Value value = text(to);
+  value.form.pattern = fmt::format("^[a-zA-Z0-9_.-]{{1,{}}}$", firmware::longest_axis_name);
+  return value;
+}
+
 std::string read_name(const Section& section, std::string name, const std::vector<Axis>& before) {
   constexpr std::size_t longest = firmware::longest_axis_name;
   const bool readable = std::ranges::all_of(name, [](char c) {
@@ -82,7 +89,7 @@ void read_axes(const Section& root, Node& node, AxisTables& alone, const FileRow
   root.read_alone(optional("axis", tables([&](const Section& entry) {
                              AxisTables tables;
                              std::string name;
-                             entry.read(tables.rows() + std::vector<Key>{required("name", text(name))});
+                             entry.read(tables.rows() + std::vector<Key>{required("name", name_value(name))});
                              name = read_name(entry, std::move(name), node.axes);
                              node.axes.push_back(tables.read(entry, std::move(name), node, others));
                            })));

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "breakaway/cia402/objects.hpp"
+#include "breakaway/input/input_error.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -31,19 +32,27 @@ void take(const Section& section, const Drive& drive, const StandIn& what, Integ
   section.fail(what.key, fmt::format("is missing{}; give it {}", nor, what.expects));
 }
 
+// Whoever reads the message wrote the name of the sheet, and not the sheet.
+std::shared_ptr<const DataSheet> read_sheet(const Section& section, const std::string& path) {
+  try {
+    return std::make_shared<const DataSheet>(DataSheet::read(section.folder() / path));
+  } catch (const InputError& error) {
+    section.fail("eds", fmt::format("names {}", error.what()));
+  }
+}
+
 }  // namespace
 
-Key sheet_row(const Section& section, Drive& drive) {
+Key sheet_row(Drive& drive) {
   return optional("eds", {.expects = "the path of the drive's EDS or DCF file, from the folder of this one",
                           .take =
                               [&](const Entry& entry) {
                                 const auto path = entry.node.value_exact<std::string>();
                                 if (!path || path->empty() || path == "-") return false;
-                                drive.data_sheet =
-                                    std::make_shared<const DataSheet>(DataSheet::read(section.folder() / *path));
+                                drive.data_sheet = read_sheet(entry.parent, *path);
                                 return true;
                               },
-                          .form = {.type = Form::Type::text},
+                          .form = {.type = Form::Type::text, .pattern = "^([^-]|-.)"},
                           .usual = {}});
 }
 

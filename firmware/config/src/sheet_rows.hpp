@@ -7,7 +7,7 @@
 namespace breakaway::config {
 
 // Reads the sheet. `section` and `drive` must outlive the row.
-Key sheet_row(const Section& section, Drive& drive);
+Key sheet_row(Drive& drive);
 
 // Takes what the file leaves out from the sheet. Throws InputError for what neither has.
 void take_from_sheet(const Section& section, Drive& drive);

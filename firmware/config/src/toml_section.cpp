@@ -52,9 +52,9 @@ std::string shown(const toml::node& node) {
   return out.str();
 }
 
-bool takes_arrays(const Form& form) {
-  return form.type == Form::Type::array ||
-         (form.type == Form::Type::either && std::ranges::any_of(form.parts, takes_arrays));
+bool takes(Form::Type type, const Form& form) {
+  return form.type == type || (form.type == Form::Type::either &&
+                               std::ranges::any_of(form.parts, [&](const Form& part) { return takes(type, part); }));
 }
 
 // What holds where the key is left out, if it could be written.
@@ -67,9 +67,14 @@ Value with_usual(Value value, Usual usual) {
   return value;
 }
 
-// Where an array is right, but not this one, its entries tell why.
+// Where an array is right, but not this one, its entries tell why. Where an integer is, 1.0 is shown to be none.
 std::string shown_beside(const Value& value, const toml::node& node) {
-  return node.is_array() && takes_arrays(value.form) ? entries_of(*node.as_array()) : shown(node);
+  if (node.is_array() && takes(Form::Type::array, value.form)) return entries_of(*node.as_array());
+  std::string text = shown(node);
+  if (node.is_floating_point() && takes(Form::Type::integer, value.form) &&
+      text.find_first_not_of("-0123456789") == text.npos)
+    text += ".0";
+  return text;
 }
 
 struct NearestKey {

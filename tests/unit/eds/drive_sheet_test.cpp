@@ -2,6 +2,7 @@
 // by the emulated drive. The sheet is one that was written here, spoilt.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -178,6 +179,9 @@ TEST_F(DriveSheet, ThatIsNoneIsRefusedByName) {
   const std::string gone =
       breakaway::testing::refusal([&] { static_cast<void>(scenario::read_scenario(path("axis.toml"))); });
   EXPECT_NE(gone.find("drive.eds: cannot be read"), std::string::npos) << gone;
+  const std::string scene = content(path("axis.toml"));
+  const auto line = 1 + std::ranges::count(scene.substr(0, scene.find("\neds = ") + 1), '\n');
+  EXPECT_TRUE(gone.starts_with(path("axis.toml") + ":" + std::to_string(line) + ": [drive] eds names ")) << gone;
 }
 
 // Makers' files differ in all that CiA 306 leaves open.

@@ -227,6 +227,14 @@ TEST(ReadScenario, TakesCharactersBeyondAsciiInStringsAndComments) {
             "Schlitten \" \u00b5 # gr\u00f6\u00dfer");
 }
 
+TEST(ReadScenario, ShowsThatANumberWithAPointIsNoInteger) {
+  const std::string seeded =
+      with(sound, "upper_N = 4.5", "upper_N = 4.5\nlaw = { kind = \"random_dwell\", seed = 1.0 }");
+  EXPECT_NE(refusal(seeded).find("seed is 1.0, must be an integer in [0, "), std::string::npos) << refusal(seeded);
+  const std::string large = refusal(with(seeded, "seed = 1.0", "seed = 1e300"));
+  EXPECT_NE(large.find("seed is 1e+300, must be"), std::string::npos) << large;
+}
+
 // They make a table in a table, for each of which the parser called itself: the stack had no room for so many.
 TEST(ReadScenario, RefusesKeysOfMorePartsThanAnyTableHas) {
   std::string deep = "a";
@@ -257,6 +265,11 @@ TEST(ReadScenario, TakesCoefficientsOrNewtons) {
   EXPECT_DOUBLE_EQ(friction(coefficients).bounds.lower_N, friction(newtons).bounds.lower_N);
   EXPECT_DOUBLE_EQ(friction(coefficients).bounds.upper_N, friction(newtons).bounds.upper_N);
   EXPECT_FALSE(friction(newtons).normal_force_N.has_value());
+  const std::string none = refusal(
+      with(with(sound, "lower_N = 2.5", "gravity_m_s2 = 5e-324\nmu_lower = 0.25"), "upper_N = 4.5", "mu_upper = 0.45"));
+  EXPECT_NE(none.find("[friction] mu_lower times [plant] mass_kg times gravity_m_s2 is 0 N, must be above 0 N"),
+            std::string::npos)
+      << none;
 }
 
 TEST(ReadScenario, ReadsTheExamplesFrictionLaw) {
