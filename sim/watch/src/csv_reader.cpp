@@ -69,7 +69,13 @@ void put(Sample& sample, std::string_view column, std::string_view text) {
 }  // namespace
 
 CsvReader::CsvReader(std::string_view header) {
-  for (const auto column : split(header)) columns_.emplace_back(column);
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (header.starts_with(byte_order_mark)) header.remove_prefix(byte_order_mark.size());
+  for (const auto column : split(header)) {
+    if (!column.empty() && std::ranges::find(columns_, column) != columns_.end())
+      throw InputError{fmt::format("the first line has more than one column {}: leave one of them in", column)};
+    columns_.emplace_back(column);
+  }
   for (const char* needed : {"time_s", "position_m"}) {
     if (std::ranges::find(columns_, needed) == columns_.end())
       throw InputError{

@@ -79,4 +79,15 @@ TEST(WatchCsv, AFileThatIsNoRunIsRefusedByItsFirstLine) {
     EXPECT_NE(refusal([&] { CsvReader{header}; }).find("breakaway-node --csv"), std::string::npos) << header;
 }
 
+// Spreadsheets write one.
+TEST(WatchCsv, AByteOrderMarkIsPassedOver) {
+  EXPECT_DOUBLE_EQ(CsvReader{"\xEF\xBB\xBFtime_s,position_m"}.read("1,2").time_s, 1);
+}
+
+TEST(WatchCsv, AColumnThatStandsTwiceIsRefusedByName) {
+  EXPECT_NE(refusal([] { CsvReader{"time_s,position_m,position_m"}; }).find("more than one column position_m"),
+            std::string::npos);
+  EXPECT_EQ(refusal([] { CsvReader{"time_s,position_m,,"}; }), "") << "without names they are passed over";
+}
+
 }  // namespace

@@ -13,7 +13,8 @@ namespace breakaway::watch {
 
 class CsvReader {
  public:
-  // `header`: the file's first line. Throws InputError: it is not that of a run.
+  // `header`: the file's first line, which may begin with a byte order mark. Throws InputError: it is not that of a
+  // run, or names a column twice.
   explicit CsvReader(std::string_view header);
 
   // Throws InputError: the line does not fit the header. The text says what is wrong with it.
