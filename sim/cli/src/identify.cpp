@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/file_contents.hpp"
@@ -32,6 +33,7 @@ constexpr std::size_t most_of_a_record = std::size_t{1} << 28;  // bytes: an hou
 struct IdentifyCommand {
   std::string scenario, axis, log, output, report, json, csv;
   config::ExperimentRequest request;
+  std::vector<const CLI::Option*> of_an_experiment;  // and of no record
   bool progress = false;
   bool quiet() const { return output == "-" || report == "-" || json == "-" || csv == "-"; }
 };
@@ -97,7 +99,19 @@ void print_next(const IdentifyCommand& options, const std::string& text, const s
              node.axes.size() > 1 ? " --axis " + name : "", shell_word(tuned.string()));
 }
 
+// A record has its travel and its duration already.
+void require_experiment(const IdentifyCommand& options) {
+  if (options.log.empty()) return;
+  for (const CLI::Option* option : options.of_an_experiment) {
+    if (option->count() > 0)
+      throw InputError{
+          fmt::format("{}: says how to make an experiment, and --log has the record of one; leave one of the two out",
+                      option->get_name())};
+  }
+}
+
 int identify_axis(const IdentifyCommand& options) {
+  require_experiment(options);
   const Scenario s = read_identified_axis(options.scenario, options.axis);
   study::IdentifiedRun run = cli::run(options, s);
   // A run that ended early is kept for whoever wants to see why it tells nothing.
@@ -128,13 +142,20 @@ void add_identify(CLI::App& app, int& exit_code) {
              "The axis: its [plant] and [friction] are the truth, which the experiment is not told")
       ->required();
   command->add_option("--axis", options->axis, "The name of the axis to identify, where the file has several");
-  command->add_option("--from", options->request.lowest_m, "Lower end of the travel [m] instead of [limits]")
+  const auto of_an_experiment = [&](const char* name, double& to, const char* says) {
+    CLI::Option* option = command->add_option(name, to, says);
+    options->of_an_experiment.push_back(option);
+    return option;
+  };
+  of_an_experiment("--from", options->request.lowest_m, "Lower end of the travel [m] instead of [limits]")
       ->check(finite_number);
-  command->add_option("--to", options->request.highest_m, "Upper end of the travel [m] instead of [limits]")
+  of_an_experiment("--to", options->request.highest_m, "Upper end of the travel [m] instead of [limits]")
       ->check(finite_number);
-  command->add_option("--duration", options->request.duration_s, "Seconds that the experiment may take (60)")
+  of_an_experiment("--duration", options->request.duration_s, "Seconds that the experiment may take (60)")
       ->check(positive_number);
-  files.reads("--log", options->log, "Evaluate this record instead, as `breakaway-node --csv` or --csv here writes it");
+  files.reads("--log", options->log,
+              "Evaluate this record instead, as `breakaway-node --csv` or --csv here writes it; without --from, --to "
+              "and --duration, which are for an experiment");
   files.makes("-o,--output", options->output, "Write the file with what was found in it, for `breakaway design`");
   files.writes_page("--report", options->report, "Write a report with pictures to this HTML file (needs gnuplot)");
   files.writes("--json", options->json, "Write all figures as JSON to this file; - is standard output");

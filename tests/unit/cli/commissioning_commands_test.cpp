@@ -167,6 +167,15 @@ TEST_F(Command, IdentifiesAnAxisAndWritesAFileThatDesignTakes) {
   EXPECT_NEAR(figure(again.out, "mass_kg"), figure(found, "mass_kg"), 1e-6);
 }
 
+// They would be passed over without a word.
+TEST_F(Command, RefusesOptionsOfAnExperimentBesideARecord) {
+  for (const char* option : {"--from -4.5", "--to -3.5", "--duration 60"}) {
+    const std::string name{option, std::string_view{option}.find(' ')};
+    expect_refused("identify " + scenarios + "braked_axis.toml --log " + path("run.csv") + " " + option,
+                   {name + ": says how to make an experiment", "--log"});
+  }
+}
+
 // The record of a run whose forces had been commanded by so many periods earlier.
 std::string with_forces_commanded_earlier(const std::string& record, int periods) {
   std::istringstream in{record};
