@@ -16,7 +16,8 @@ namespace {
 
 constexpr double surely = 1.05;      // of what the approach was seen to do: a float, and friction that changes
 constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
-constexpr double longer = 4;         // of the kicks: friction that changes may take twice as many as what is constant
+constexpr double longer =
+    4;  // of the kicks: from elsewhere, and under friction that changes, they may be twice as many
 constexpr long most_periods = 4'000'000;  // of a trial
 
 struct PdTables {
