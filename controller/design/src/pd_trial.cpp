@@ -16,8 +16,7 @@ namespace {
 
 constexpr double surely = 1.05;      // of what the approach was seen to do: a float, and friction that changes
 constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
-constexpr double longer =
-    4;  // of the kicks: from elsewhere, and under friction that changes, they may be twice as many
+constexpr double longer = 4;         // of the kicks, which may be twice as many from where the trial does not begin
 constexpr long most_periods = 4'000'000;  // of a trial
 
 struct PdTables {
