@@ -43,7 +43,7 @@ class Input {
 
   // The file is shorter than what was read of it, as it is when another run is written into it: it is read from its
   // beginning. Of what is no file nothing is known.
-  bool begins_anew() {
+  bool begins_anew() const {
     struct stat about {};
     if (::fstat(descriptor_, &about) != 0 || !S_ISREG(about.st_mode)) return false;
     if (about.st_size >= ::lseek(descriptor_, 0, SEEK_CUR)) return false;
