@@ -106,7 +106,7 @@ std::vector<socketcan::Filter> wanted_frames(const Configuration& c) {
   return wanted;
 }
 
-void open(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
+void open_socket(socketcan::KernelSocket& socket, const Options& o, const Configuration& c) {
   const std::vector<socketcan::Filter> wanted = wanted_frames(c);
   static_assert(4 + config::most_axes <= socketcan::KernelSocket::most_filters);
   const std::span<const socketcan::Filter> all;
@@ -133,7 +133,7 @@ int run(const Options& o) {
   require_apart({{"configuration", o.configuration}}, {{"--csv", o.csv}, {"--candump", o.candump}});
   const Configuration configuration = o.identify ? read_experiment(o) : read_configuration(o);
   socketcan::KernelSocket socket;
-  open(socket, o, configuration);
+  open_socket(socket, o, configuration);
   const auto telemetry = std::make_unique<Telemetry>();
   ServiceManager manager{service_environment(), configuration.loop().network.period};
   Reporter reporter{o, *telemetry, configuration, manager};

@@ -135,7 +135,7 @@ struct Outlet::State {
 };
 
 Outlet::Outlet(const std::string& path, std::string_view header) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) throw InputError{fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
   auto state = std::make_shared<State>();
   state->name = path;
