@@ -194,6 +194,29 @@ std::vector<Check> pd_checks(const AxisDesign& axis, const DesignReport& report)
   return checks;
 }
 
+Check tried_check(const PdPromise& pd) {
+  const std::string most = std::to_string(most_tried_periods) + " periods";
+  return {"axis_is_tried",
+          true,
+          pd.is_tried,
+          pd.is_tried ? 1.0 : -1.0,
+          "tested, not proved: how far, how fast and how long an axis goes is what the law does in trials",
+          pd.is_tried ? "trials of its approach and its kicks end within " + most
+                      : "trials of its approach and its kicks do not end within " + most +
+                            "; take a longer period, or coast = \"brake\""};
+}
+
+// Further away there is no force at rest that friction could hold: the law has not seen that the axis moves.
+Check near_end_check(const DesignReport& report, const PdPromise& pd) {
+  constexpr double surely = 1.25;  // just outside hardly any force is left of the spring
+  return below(
+      "approach_ends_near", "tested, not proved: kicks begin where friction may hold the axis", pd.left_m,
+      surely * report.c_upper_m,
+      "the distance at which an approach ends in its trial against one and a quarter of the maximal stick set",
+      "state nearer [limits] of position, from which a float shows that the axis sets off, or take coast = \"brake\"",
+      Equality::holds);
+}
+
 Check few_kicks_check(const PdPromise& pd) {
   return below("kicks_are_few", "tested, not proved: under the greatest friction the law needs few of the kicks it has",
                pd.most_kicks, most_tried_kicks(),

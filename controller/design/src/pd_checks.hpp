@@ -11,6 +11,8 @@ namespace breakaway::design::detail {
 std::vector<Check> pd_checks(const AxisDesign& axis, const DesignReport& report);
 
 // What the trial of an axis shows for which all of these hold.
+Check tried_check(const PdPromise& pd);
+Check near_end_check(const DesignReport& report, const PdPromise& pd);
 Check few_kicks_check(const PdPromise& pd);
 
 }  // namespace breakaway::design::detail

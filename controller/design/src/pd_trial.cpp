@@ -17,28 +17,33 @@ namespace {
 constexpr double surely = 1.05;      // of what the approach was seen to do: a float, and friction that changes
 constexpr double by_a_kick = 0.002;  // of the way from where friction may hold the axis goes a kick beyond the target
 constexpr double longer = 4;         // of the kicks, which may be twice as many from where the trial does not begin
-constexpr long most_periods = 4'000'000;  // of a trial
 
-struct PdTables {
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+// What all trials of an axis have in common.
+struct TrialContext {
+  const AxisDesign& axis;
   const law::K3Table<float>& k3;
   const law::KickTable<float>& pulses;
+  long periods_left = most_tried_periods;
 };
 
 // The flashed law on an axis under constant friction, which comes from below.
 class Trial {
  public:
-  Trial(const AxisDesign& axis, const PdTables& tables, double friction_N, double distance_m)
-      : axis_{axis},
-        controller_{parameters_of_pd(axis), tables.k3, tables.pulses},
-        mass_{axis.mass_kg, friction_N, -distance_m} {}
+  Trial(TrialContext& context, double friction_N, double distance_m)
+      : axis_{context.axis},
+        periods_left_{context.periods_left},
+        controller_{parameters_of_pd(axis_), context.k3, context.pulses},
+        mass_{axis_.mass_kg, friction_N, -distance_m} {}
 
-  // While `goes_on` says so of the controller. Returns how long that was.
+  // While `goes_on` says so of the controller. Returns how long that was; infinite where it did not end.
   template <class GoesOn>
   double run(const GoesOn& goes_on) {
     // A lagging current loop owes as much as if each force began a time constant later.
     const double lag_s = std::min(axis_.current_loop_lag_s, axis_.period_s);
-    long k = 0;
-    for (; k < most_periods && goes_on(controller_); ++k) {
+    for (long k = 0; periods_left_ > 0; ++k, --periods_left_) {
+      if (!goes_on(controller_)) return static_cast<double>(k) * axis_.period_s;
       samples_.push_back(measured());
       note_progress(std::abs(samples_.back().position_error_m));
       const auto waiting = static_cast<std::size_t>(axis_.latency_ticks) + 1;
@@ -48,7 +53,7 @@ class Trial {
       mass_.push(before_N, lag_s);
       mass_.push(force_N_, axis_.period_s - lag_s);
     }
-    return static_cast<double>(k) * axis_.period_s;
+    return endless;
   }
 
   const RubbedMass& mass() const noexcept { return mass_; }
@@ -70,6 +75,7 @@ class Trial {
   }
 
   const AxisDesign& axis_;
+  long& periods_left_;
   law::AxisController<float> controller_;
   RubbedMass mass_;
   std::deque<law::Measurement<float>> samples_;
@@ -82,7 +88,7 @@ class Trial {
 // that on which the spring slows it down.
 double far_m(const AxisDesign& axis) {
   const double speed_m_s = axis.max_approach_speed_m_s, k21 = axis.approach_damping_Ns_per_m;
-  if (!std::isfinite(speed_m_s)) return std::numeric_limits<double>::infinity();
+  if (!std::isfinite(speed_m_s)) return endless;
   const double spare_N = std::min(axis.max_force_N, k21 * speed_m_s) - axis.friction.lower_N;
   const double speeding_m = axis.mass_kg * speed_m_s * speed_m_s / spare_N + 10 * speed_m_s * axis.mass_kg / k21;
   return k21 * speed_m_s / axis.stiffness_N_per_m + speeding_m;
@@ -109,14 +115,13 @@ bool is_under_way(const law::AxisController<float>& law) {
 // of a geometric grid, so that each is tried once.
 class KickTimes {
  public:
-  KickTimes(const AxisDesign& axis, const PdTables& tables, double furthest_m)
-      : axis_{axis}, tables_{tables}, furthest_m_{furthest_m} {}
+  KickTimes(TrialContext& context, double furthest_m) : context_{context}, furthest_m_{furthest_m} {}
 
   double of_kick_from(double distance_m) {
     const double steps = std::log(distance_m / furthest_m_) / std::log(step);
-    const auto i = steps > 0 ? std::min(static_cast<std::size_t>(steps), most - 1) : 0;
+    const auto i = static_cast<std::size_t>(std::clamp(steps, 0.0, static_cast<double>(most - 1)));
     if (times_s_[i] < 0)
-      times_s_[i] = Trial{axis_, tables_, axis_.friction.lower_N, furthest_m_ * std::pow(step, i)}.run(is_under_way);
+      times_s_[i] = Trial{context_, context_.axis.friction.lower_N, furthest_m_ * std::pow(step, i)}.run(is_under_way);
     return times_s_[i];
   }
 
@@ -124,41 +129,45 @@ class KickTimes {
   static constexpr double step = 0.7;
   static constexpr std::size_t most = 100;
 
-  const AxisDesign& axis_;
-  const PdTables& tables_;
+  TrialContext& context_;
   double furthest_m_;
   std::vector<double> times_s_ = std::vector<double>(most, -1);
 };
 
 struct Kicks {
-  int count;  // more than the law gives where the axis does not come to a hold
+  int count;  // more than the law gives where the run ends by name
   double time_s;
 };
 
 // As many as under the greatest friction, each of which takes as long as under the least.
-Kicks kicks_from(const AxisDesign& axis, const PdTables& tables, KickTimes& times, double distance_m) {
-  Trial trial{axis, tables, axis.friction.upper_N, distance_m};
+Kicks kicks_from(TrialContext& context, KickTimes& times, double distance_m) {
+  Trial trial{context, context.axis.friction.upper_N, distance_m};
   std::uint32_t kicks = 0;
   double time_s = 0;
-  trial.run([&](const law::AxisController<float>& law) {
+  const double ends_s = trial.run([&](const law::AxisController<float>& law) {
     if (law.kicks() > kicks) {
       kicks = law.kicks();
       time_s += times.of_kick_from(std::abs(trial.mass().position_m()));
     }
     return is_under_way(law);
   });
-  const bool holds = trial.controller().mode() == law::Mode::hold;
-  return {holds ? static_cast<int>(kicks) : law::KickJudge<float>::most_kicks + 1, time_s};
+  const bool fails = trial.controller().mode() == law::Mode::fault;
+  return {fails ? law::KickJudge<float>::most_kicks + 1 : static_cast<int>(kicks),
+          std::isfinite(ends_s) ? time_s : endless};
 }
 
 // Where nothing limits the speed nothing is said but how long the axis may come no nearer, from far enough to pass its
 // target.
-void try_approach(const AxisDesign& axis, const PdTables& tables, PdPromise& promise) {
+void try_approach(TrialContext& context, PdPromise& promise) {
+  const AxisDesign& axis = context.axis;
   const double far = far_m(axis), longest_m = axis.longest_way_m > 0 ? axis.longest_way_m : far;
   const bool is_limited = std::isfinite(std::min(longest_m, far));
   const double way_m = is_limited ? std::min(longest_m, far) : 100 * axis.friction.upper_N / axis.stiffness_N_per_m;
-  Trial least{axis, tables, axis.friction.lower_N, way_m}, most{axis, tables, axis.friction.upper_N, way_m};
+  Trial least{context, axis.friction.lower_N, way_m}, most{context, axis.friction.upper_N, way_m};
   const double time_s = std::max(least.run(is_approached), most.run(is_approached));
+  promise.is_tried = std::isfinite(time_s);
+  if (!promise.is_tried) return;
+  promise.left_m = std::max(std::abs(least.mass().position_m()), std::abs(most.mass().position_m()));
   promise.without_progress_s =
       surely * std::max(least.without_progress_s(), most.without_progress_s()) + half_swing_s(axis);
   if (!is_limited) return;
@@ -191,24 +200,28 @@ int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks * 2 /
 
 PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
   const PdKicks<float> made = design_pd_kicks(parameters_of_pd(axis), axis.current_loop_lag_s);
-  const PdTables tables{k3, made.table};
+  TrialContext context{axis, k3, made.table};
   const double stuck_m = axis.friction.upper_N / axis.stiffness_N_per_m;
-  PdPromise promise{.beyond_m = std::numeric_limits<double>::infinity(),
-                    .approach_peak_m_s = std::numeric_limits<double>::infinity(),
+  PdPromise promise{.beyond_m = endless,
+                    .approach_peak_m_s = endless,
                     .most_kicks = 0,
                     .aim_lost = made.aim_lost,
                     .error_m = axis.position_tolerance_m + axis.encoder_resolution_m / 2,
                     .longest_way_m = 0,
                     .approach_s = 0,
                     .kicks_s = 0,
-                    .without_progress_s = 0};
-  try_approach(axis, tables, promise);
+                    .without_progress_s = 0,
+                    .left_m = 0,
+                    .is_tried = false};
+  try_approach(context, promise);
+  if (!promise.is_tried) return promise;
   promise.beyond_m = std::max({promise.beyond_m, by_a_kick * stuck_m, made.beyond * stuck_m});
-  KickTimes times{axis, tables, stuck_m};
+  KickTimes times{context, stuck_m};
   for (const double share : {1.0, 0.4, 0.15, 0.05}) {
-    const Kicks kicks = kicks_from(axis, tables, times, share * stuck_m);
+    const Kicks kicks = kicks_from(context, times, share * stuck_m);
     promise.most_kicks = std::max(promise.most_kicks, kicks.count);
     promise.kicks_s = std::max(promise.kicks_s, longer * kicks.time_s);
+    promise.is_tried = promise.is_tried && std::isfinite(kicks.time_s);
   }
   promise.without_progress_s += promise.kicks_s;
   return promise;

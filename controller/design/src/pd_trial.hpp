@@ -19,6 +19,9 @@ law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis);
 // gives. How many the last ones are, which lead less and less far, depends on where each begins.
 int most_tried_kicks() noexcept;
 
+// Of all trials of an axis together, after which they are given up.
+inline constexpr long most_tried_periods = 20'000'000;
+
 // Of an axis with a period whose other checks hold.
 PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3);
 

@@ -279,6 +279,8 @@ DesignReport design_axis(const AxisDesign& axis) {
   const bool is_sampled = axis.period_s > 0 && axis.encoder_resolution_m > 0;
   if (report.reasons.empty() && !axis.braked && !axis.work && is_sampled) {
     report.pd = detail::try_pd(axis, built.table);
+    report.checks.push_back(detail::tried_check(*report.pd));
+    report.checks.push_back(detail::near_end_check(report, *report.pd));
     report.checks.push_back(detail::few_kicks_check(*report.pd));
     report.reasons = reasons_against(report.checks);
   }

@@ -138,6 +138,40 @@ TEST(DesignReport, DoesNotCertifyATableTooCoarseForTheRange) {
   EXPECT_FALSE(report.certified);
 }
 
+// An approach without damping swings to and fro until friction has taken all its energy, for hours where it takes
+// little. What was seen of it until it is given up is no promise.
+TEST(DesignReport, RefusesAnAxisUnderTheCoastPdThatIsTriedForTooShortATime) {
+  AxisDesign axis = example();
+  axis.friction = {2.5e-3, 4.5e-3};
+  axis.encoder_resolution_m = 1e-9;
+  axis.approach_damping_Ns_per_m = 1e-6;
+  axis.max_approach_speed_m_s = 1e6;
+  axis.longest_way_m = 1;
+  const DesignReport tried = design_axis(axis);
+  EXPECT_TRUE(tried.certified) << tried.reasons.front();
+  axis.longest_way_m = 100;
+  const DesignReport report = design_axis(axis);
+  EXPECT_FALSE(report.certified);
+  ASSERT_EQ(report.reasons.size(), 1U) << report.reasons.back();
+  EXPECT_EQ(report.reasons[0],
+            "axis_is_tried: trials of its approach and its kicks do not end within 20000000 periods; take a longer "
+            "period, or coast = \"brake\"");
+}
+
+// A position error of 100 km is a float that is rounded by some millimetres, which the axis does not come on by within
+// the patience of the law.
+TEST(DesignReport, RefusesAnAxisUnderTheCoastPdThatAFloatDoesNotShowSettingOff) {
+  AxisDesign axis = example();
+  axis.max_approach_speed_m_s = 1e6;
+  axis.longest_way_m = 1e3;
+  const DesignReport seen = design_axis(axis);
+  EXPECT_TRUE(seen.certified) << seen.reasons.front();
+  axis.longest_way_m = 1e5;
+  const DesignReport report = design_axis(axis);
+  ASSERT_EQ(report.reasons.size(), 1U);
+  EXPECT_EQ(report.reasons[0].find("approach_ends_near: "), 0U) << report.reasons[0];
+}
+
 TEST(DesignReport, LeavesSamplingOutForIdealImpulses) {
   AxisDesign axis = example();
   axis.period_s = 0;

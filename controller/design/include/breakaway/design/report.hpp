@@ -95,6 +95,8 @@ struct PdPromise {
   double approach_s;          // the approach takes at most, up to the first kick or the hold
   double kicks_s;             // the kicks from where friction may hold the axis take at most
   double without_progress_s;  // in which the axis may come no nearer to its target, until it holds
+  double left_m;              // from the target, at which an approach ended in its trial, at most
+  bool is_tried;              // every trial came to its end; else nothing is certified
 };
 
 struct Check {
