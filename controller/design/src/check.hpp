@@ -1,6 +1,7 @@
 // How a check of a DesignReport is made.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -28,7 +29,9 @@ inline Check below(std::string name, std::string source, double value, double li
   const std::string reason =
       what + ": " +
       (holds ? brief(value) + " is " + relation + brief(limit) : unmet(relation, value, limit) + "; " + remedy);
-  return {std::move(name), true, holds, limit - value, std::move(source), reason};
+  // What rounding let pass has no margin.
+  const double margin = limit - value;
+  return {std::move(name), true, holds, holds ? std::max(margin, 0.0) : margin, std::move(source), reason};
 }
 
 }  // namespace breakaway::design::detail

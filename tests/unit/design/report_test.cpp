@@ -172,6 +172,16 @@ TEST(DesignReport, RefusesAnAxisUnderTheCoastPdThatAFloatDoesNotShowSettingOff) 
   EXPECT_EQ(report.reasons[0].find("approach_ends_near: "), 0U) << report.reasons[0];
 }
 
+// A tolerance may be the very floor, which two ways of computing it round differently.
+TEST(DesignReport, GivesNoCheckThatHoldsANegativeMargin) {
+  AxisDesign axis = example();
+  axis.position_tolerance_m = 1.8e-6;
+  for (const Check& check : design_axis(axis).checks)
+    if (check.holds) {
+      EXPECT_GE(check.margin, 0) << check.name;
+    }
+}
+
 TEST(DesignReport, LeavesSamplingOutForIdealImpulses) {
   AxisDesign axis = example();
   axis.period_s = 0;

@@ -103,7 +103,7 @@ struct Check {
   std::string name;
   bool required;  // the certificate depends on it; the others are sufficient conditions, for information
   bool holds;
-  double margin;       // positive when it holds; in the unit of the compared quantities
+  double margin;       // not negative when it holds; in the unit of the compared quantities
   std::string source;  // where the condition comes from
   std::string reason;  // the comparison in numbers, and the remedy when it fails
 };
