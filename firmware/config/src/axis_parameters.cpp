@@ -159,6 +159,8 @@ law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis) {
   return p;
 }
 
+double counted_m(const Axis& axis) { return axis.drive ? 0x1p31 * axis.drive->encoder_resolution_m : unlimited; }
+
 bool is_counted(double distance_m, const Axis& axis) {
   return !axis.drive || std::abs(std::round(distance_m / axis.drive->encoder_resolution_m)) < 0x1p31;
 }

@@ -233,7 +233,7 @@ void check_counted(const Section& section, const Axis& axis) {
   const double count_m = axis.drive->encoder_resolution_m;
   section.fail(key, fmt::format("makes a range of {:g} m, and 32 bits count less than {:.4g} m of encoder_resolution_m "
                                 "= {:g}; narrow the range, or take a unit above {:.3g} m",
-                                widest_m, 0x1p31 * count_m, count_m, widest_m / 0x1p31));
+                                widest_m, counted_m(axis), count_m, rounded_up(widest_m / 0x1p31, 3)));
 }
 
 // What a lawful motion needs must not stop the axis.

@@ -60,12 +60,24 @@ void require_sound_plant(const Node& node, const Axis& axis, const AxisWorld& wo
                     fast_rad_s, fastest_rad_s, mass_kg * fastest_rad_s * fastest_rad_s));
 }
 
-void require_start_within_limits(const Node& node, const Axis& axis, const AxisWorld& world) {
+void require_possible_start(const Node& node, const Axis& axis, const AxisWorld& world) {
   if (const std::string problem = start_problem(axis, world, world.position_m); !problem.empty())
     throw InputError{fmt::format("{}[plant] position_m = {:g} {}",
                                  node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ", world.position_m,
                                  problem)}
         .in_file(node.file);
+}
+
+// The error of an axis that limits its position is counted by these, if it begins between them.
+std::string uncounted_start(const Axis& axis, double start_m) {
+  double farthest_m = std::max(std::abs(start_m), std::abs(start_m - axis.controller.target_m));
+  for (const TargetChange& change : axis.controller.targets)
+    farthest_m = std::max(farthest_m, std::abs(start_m - change.position_m));
+  if (is_counted(farthest_m, axis)) return {};
+  return fmt::format(
+      "is {:g} m from the encoder's zero or from a target, more than 32 bits count of encoder_resolution_m = {:g}; "
+      "begin nearer, or take a larger unit",
+      farthest_m, axis.drive->encoder_resolution_m);
 }
 
 // A rigid axis at its start. What makes it more than that, a [machine] has itself.
@@ -117,8 +129,7 @@ class WorldReader {
       if (node.axes[i].drive) emulate_drive(node, node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
-      require_counted_start(node, node.axes[i], world.position_m);
-      require_start_within_limits(node, node.axes[i], world);
+      require_possible_start(node, node.axes[i], world);
       world.place = place_of(node, i, s.machine);
       s.worlds.push_back(std::move(world));
     }
@@ -135,19 +146,6 @@ class WorldReader {
   }
 
  private:
-  // The error of an axis that limits its position is counted by these, if it begins between them.
-  static void require_counted_start(const Node& node, const Axis& axis, double start_m) {
-    double farthest_m = std::max(std::abs(start_m), std::abs(start_m - axis.controller.target_m));
-    for (const TargetChange& change : axis.controller.targets)
-      farthest_m = std::max(farthest_m, std::abs(start_m - change.position_m));
-    if (is_counted(farthest_m, axis)) return;
-    throw InputError{fmt::format("[plant] position_m = {:g} is {:g} m from the encoder's zero or from a target, more "
-                                 "than 32 bits count of encoder_resolution_m = {:g}; begin nearer, or take a larger "
-                                 "unit",
-                                 start_m, farthest_m, axis.drive->encoder_resolution_m)}
-        .in_file(node.file);
-  }
-
   struct ReadAxis {
     AxisWorld world;
     std::optional<PlaceInFile> place;
@@ -327,6 +325,7 @@ Scenario read_scenario(const std::filesystem::path& file) {
 }
 
 std::string start_problem(const Axis& axis, const AxisWorld& world, double position_m) {
+  if (std::string problem = uncounted_start(axis, position_m); !problem.empty()) return problem;
   if (!world.place && axis.drive && begins_at_home(axis.drive->homing) &&
       std::abs(position_m - axis.drive->homing.position_m) > axis.drive->encoder_resolution_m)
     return fmt::format(

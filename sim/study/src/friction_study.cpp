@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
@@ -141,6 +142,13 @@ void require_a_run_of_every_row(const StudyOptions& options) {
                                options.shard.index, options.shard.count, laws_of_a_row(options))};
 }
 
+// Within the limits of the axis, and where 32 bits count its position and the way to each of its targets.
+double lowest_start_m(const config::Axis& axis) {
+  double highest_m = std::max(0.0, axis.controller.target_m);
+  for (const config::TargetChange& change : axis.controller.targets) highest_m = std::max(highest_m, change.position_m);
+  return std::max(axis.limits.position_min_m, highest_m - config::counted_m(axis));
+}
+
 }  // namespace
 
 std::size_t laws_of_a_row(const StudyOptions& options) {
@@ -165,7 +173,7 @@ scenario::Scenario studied_axis(scenario::Scenario s) {
 
 std::vector<Start> default_starts(const scenario::Scenario& s) {
   const config::Axis& axis = s.node.axes.front();
-  const double room_m = axis.controller.target_m - axis.limits.position_min_m;
+  const double room_m = axis.controller.target_m - lowest_start_m(axis);
   const double far_m = std::min(4.0, 0.8 * room_m), speed_m_s = std::min(4.0, 0.5 * axis.limits.speed_m_s);
   const bool moving = far_m == 4.0 && speed_m_s == 4.0;  // else it might run out of its limits on the way
   std::vector<Start> starts{{axis.controller.target_m - far_m, moving ? -speed_m_s : 0}};

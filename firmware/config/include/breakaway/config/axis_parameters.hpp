@@ -49,6 +49,7 @@ law::PidParameters<Real> pid_parameters(const Node& node, const Axis& axis);
 // Whether the counts of a position, or between two positions, fit the 32 bits of drive and loop. Beyond them a reading
 // wraps, and an axis stands 2^32 counts off without a fault. Without a drive nothing is counted.
 bool is_counted(double distance_m, const Axis& axis);
+double counted_m(const Axis& axis);  // below which distances are
 
 // Says why the axis cannot have its target there; nothing when it can.
 std::string target_problem(double position_m, const Axis& axis);
