@@ -163,7 +163,8 @@ std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float
            "force gain better"});
   if (!move.jerk_m_s3) return checks;
   const Interval jerk = jerk_m_s3(c);
-  const std::string remedy = "take one between " + brief(jerk.least) + " and " + brief(jerk.most) + ", or leave it out";
+  const std::string remedy = "take one between " + brief(rounded_up(jerk.least, 6)) + " and " +
+                             brief(rounded_down(jerk.most, 6)) + ", or leave it out";
   checks.push_back(below("jerk_can_be_followed", "four periods at least to the full deceleration", *move.jerk_m_s3,
                          jerk.most, "[move] jerk_m_s3 against what periods can follow", remedy, Equality::holds));
   checks.push_back(below("jerk_leaves_time_to_brake", tested, jerk.least, *move.jerk_m_s3,

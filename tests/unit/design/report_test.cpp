@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../../../controller/design/src/check.hpp"
+#include "../number_after.hpp"
 #include "../refusal.hpp"
 #include "example_axes.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 using namespace breakaway::design;
 using breakaway::testing::braked_example;
+using breakaway::testing::number_after;
 using breakaway::testing::refusal;
 
 // Section V of [I] behind a drive of 50 N at 1 kHz with an encoder of 1 um.
@@ -388,6 +390,23 @@ TEST(DesignReport, CertifiesAMoveWithoutALimitOfItsJerk) {
       << "a move brakes more gently";
   axis.braked->move->jerk_m_s3 = 2000;
   EXPECT_NE(find(design_axis(axis), "jerk_can_be_followed"), nullptr);
+}
+
+// Both ends of the range that a refused jerk is told.
+TEST(DesignReport, HoldsWithTheJerksThatItNames) {
+  for (const double mass_kg : {0.97, 1.01, 1.03, 1.07}) {
+    AxisDesign axis = moved_example();
+    axis.mass_kg = mass_kg;
+    axis.braked->mass_kg = {mass_kg, mass_kg};
+    axis.braked->move->jerk_m_s3 = 1;
+    const std::string reason = find(design_axis(axis), "jerk_leaves_time_to_brake")->reason;
+    for (const char* words : {"take one between ", " and "}) {
+      axis.braked->move->jerk_m_s3 = number_after(reason.substr(reason.find("take one")), words);
+      const DesignReport report = design_axis(axis);
+      EXPECT_TRUE(find(report, "jerk_leaves_time_to_brake")->holds) << mass_kg << reason;
+      EXPECT_TRUE(find(report, "jerk_can_be_followed")->holds) << mass_kg << reason;
+    }
+  }
 }
 
 // What a drive or a load makes impossible is named alone: the rest would be of a design that there is not.
