@@ -38,6 +38,7 @@ struct TrueAxis {
   double lag_s = 0;
   double load_N = 0;
   int latency_periods = 1;
+  double force_step_N = 0;  // in which the drive gives force, to the nearest; 0: none
 };
 
 // Which periods are late: at random, or in a pattern, which adds up what drawn periods even out.
@@ -73,7 +74,8 @@ class Slider {
 
   // The drive is given a command for a period.
   void run(double command_N, double period_s, int slices) {
-    const double U = axis_.force_gain * command_N;
+    const double step_N = axis_.force_step_N;
+    const double U = axis_.force_gain * (step_N > 0 ? std::round(command_N / step_N) * step_N : command_N);
     for (int i = 0; i < slices; ++i) slice(U, period_s / slices);
   }
 

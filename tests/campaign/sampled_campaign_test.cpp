@@ -19,6 +19,8 @@ design::AxisDesign random_design(Random& r) {
   a.mass_kg = c.mass_kg.most;
   a.friction = c.friction;
   a.max_force_N = c.max_force_N;
+  const double coarsest_N = std::min(a.friction.lower_N, a.friction.upper_N - a.friction.lower_N) / 4;
+  a.force_step_N = std::min(c.force_step_N, coarsest_N);
   a.period_s = c.period_s;
   a.encoder_resolution_m = c.encoder_resolution_m;
   a.latency_ticks = c.latency_periods;
@@ -95,7 +97,7 @@ void run(long number, const design::AxisDesign& a, const design::PdPromise& prom
   bounds.period_s = a.period_s;
   const double floor_m = design::accuracy_floor_m(a.mass_kg, a.friction, a.period_s), q = a.encoder_resolution_m;
   for (int kind = 0; kind < kinds; ++kind) {
-    const testing::TrueAxis truth{a.mass_kg, 1, a.current_loop_lag_s, 0, a.latency_ticks};
+    const testing::TrueAxis truth{a.mass_kg, 1, a.current_loop_lag_s, 0, a.latency_ticks, a.force_step_N};
     const bool slow = approach == Approach::slow;
     const double away_m = slow ? slow_start_m(a, r) : drawn_start_m(a, 1 + 3 * r.share());
     const double longest_s = patience_s(a) + (slow ? 10 * away_m / a.max_approach_speed_m_s : 0);

@@ -1,5 +1,6 @@
 #include "pd_checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -163,6 +164,17 @@ Check approach_check(const AxisDesign& axis) {
       "raise these or k21, or take coast = \"brake\"", Equality::holds);
 }
 
+// The force is off what the law asks for by half a step, which acts as that much less or more friction: see
+// pd_trial.hpp. Beside what friction may vary by it must be little, or the least kicks go to and fro over the target.
+Check step_check(const AxisDesign& axis) {
+  constexpr double steps_of_friction = 4;
+  const double varies_N = axis.friction.upper_N - axis.friction.lower_N;
+  return below("force_is_fine", "tested, not proved: what sufficed for all of many axes behind drives of coarse steps",
+               steps_of_friction * axis.force_step_N, std::min(axis.friction.lower_N, varies_N),
+               "four steps of the drive's force against friction_lower_N, and what friction_upper_N is above it",
+               "use a drive with a finer step of force, or take coast = \"brake\"", Equality::holds);
+}
+
 std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& report) {
   return {
       below("force_breaks_away",
@@ -190,6 +202,7 @@ std::vector<Check> pd_checks(const AxisDesign& axis, const DesignReport& report)
   if (axis.period_s > 0) {
     for (Check& check : sampling_checks(axis, report)) checks.push_back(std::move(check));
     for (Check& check : loop_checks(axis)) checks.push_back(std::move(check));
+    if (axis.force_step_N > 0) checks.push_back(step_check(axis));
   }
   return checks;
 }

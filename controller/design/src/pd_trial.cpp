@@ -9,6 +9,7 @@
 
 #include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/law/axis_controller.hpp"
+#include "breakaway/law/rest_detector.hpp"
 #include "rubbed_mass.hpp"
 
 namespace breakaway::design::detail {
@@ -19,6 +20,9 @@ constexpr double by_a_kick = 0.002;  // of the way from where friction may hold 
 constexpr double longer = 4;         // of the kicks, which may be twice as many from where the trial does not begin
 
 constexpr double endless = std::numeric_limits<double>::infinity();
+
+double least_friction_N(const AxisDesign& axis) { return axis.friction.lower_N - axis.force_step_N / 2; }
+double most_friction_N(const AxisDesign& axis) { return axis.friction.upper_N + axis.force_step_N / 2; }
 
 // What all trials of an axis have in common.
 struct TrialContext {
@@ -106,6 +110,16 @@ double half_swing_s(const AxisDesign& axis) {
   return std::numbers::pi / std::sqrt(axis.stiffness_N_per_m / axis.mass_kg * (1 - zeta * zeta));
 }
 
+// Within half a step of where friction may hold the axis the drive may give less than the friction that the spring
+// exceeds. There the axis stands until it is taken for stuck, or creeps on as an overdamped one does.
+double creeping_s(const AxisDesign& axis) {
+  if (!(axis.force_step_N > 0)) return 0;
+  const double band_m = axis.force_step_N / 2 / axis.stiffness_N_per_m;
+  const double slow_s = axis.approach_damping_Ns_per_m / axis.stiffness_N_per_m;
+  return slow_s * std::log1p(band_m / axis.encoder_resolution_m) +
+         2 * law::RestDetector<float>::patience * axis.period_s;
+}
+
 bool is_approached(const law::AxisController<float>& law) { return law.mode() == law::Mode::approach; }
 bool is_under_way(const law::AxisController<float>& law) {
   return law.mode() != law::Mode::hold && law.mode() != law::Mode::fault;
@@ -121,7 +135,7 @@ class KickTimes {
     const double steps = std::log(distance_m / furthest_m_) / std::log(step);
     const auto i = static_cast<std::size_t>(std::clamp(steps, 0.0, static_cast<double>(most - 1)));
     if (times_s_[i] < 0)
-      times_s_[i] = Trial{context_, context_.axis.friction.lower_N, furthest_m_ * std::pow(step, i)}.run(is_under_way);
+      times_s_[i] = Trial{context_, least_friction_N(context_.axis), furthest_m_ * std::pow(step, i)}.run(is_under_way);
     return times_s_[i];
   }
 
@@ -141,7 +155,7 @@ struct Kicks {
 
 // As many as under the greatest friction, each of which takes as long as under the least.
 Kicks kicks_from(TrialContext& context, KickTimes& times, double distance_m) {
-  Trial trial{context, context.axis.friction.upper_N, distance_m};
+  Trial trial{context, most_friction_N(context.axis), distance_m};
   std::uint32_t kicks = 0;
   double time_s = 0;
   const double ends_s = trial.run([&](const law::AxisController<float>& law) {
@@ -163,38 +177,56 @@ void try_approach(TrialContext& context, PdPromise& promise) {
   const double far = far_m(axis), longest_m = axis.longest_way_m > 0 ? axis.longest_way_m : far;
   const bool is_limited = std::isfinite(std::min(longest_m, far));
   const double way_m = is_limited ? std::min(longest_m, far) : 100 * axis.friction.upper_N / axis.stiffness_N_per_m;
-  Trial least{context, axis.friction.lower_N, way_m}, most{context, axis.friction.upper_N, way_m};
+  Trial least{context, least_friction_N(axis), way_m}, most{context, most_friction_N(axis), way_m};
   const double time_s = std::max(least.run(is_approached), most.run(is_approached));
   promise.is_tried = std::isfinite(time_s);
   if (!promise.is_tried) return;
   promise.left_m = std::max(std::abs(least.mass().position_m()), std::abs(most.mass().position_m()));
-  promise.without_progress_s =
-      surely * std::max(least.without_progress_s(), most.without_progress_s()) + half_swing_s(axis);
+  const double more_s = half_swing_s(axis) + creeping_s(axis);
+  promise.without_progress_s = surely * std::max(least.without_progress_s(), most.without_progress_s()) + more_s;
   if (!is_limited) return;
   const double passed_m = std::max(least.mass().furthest_m(), 0.0);
   promise.beyond_m = surely * passed_m + axis.position_tolerance_m + 2 * axis.encoder_resolution_m;
   promise.approach_peak_m_s = surely * least.mass().fastest_m_s();
   promise.longest_way_m = longest_m;
-  promise.approach_s = surely * (time_s + further_s(axis, longest_m - way_m)) + half_swing_s(axis);
+  promise.approach_s = surely * (time_s + further_s(axis, longest_m - way_m)) + more_s;
+}
+
+template <class Real>
+law::AxisParameters<Real> parameters_in(const AxisDesign& axis) {
+  law::AxisParameters<Real> p;
+  p.mass_kg = static_cast<Real>(axis.mass_kg);
+  p.stiffness_N_per_m = static_cast<Real>(axis.stiffness_N_per_m);
+  p.approach_damping_Ns_per_m = static_cast<Real>(axis.approach_damping_Ns_per_m);
+  p.kick_damping_Ns_per_m = static_cast<Real>(axis.kick_damping_Ns_per_m);
+  p.friction = {static_cast<Real>(axis.friction.lower_N), static_cast<Real>(axis.friction.upper_N)};
+  p.max_force_N = static_cast<Real>(axis.max_force_N);
+  p.max_approach_speed_m_s = static_cast<Real>(axis.max_approach_speed_m_s);
+  p.position_tolerance_m = static_cast<Real>(axis.position_tolerance_m);
+  p.encoder_resolution_m = static_cast<Real>(axis.encoder_resolution_m);
+  p.period_s = static_cast<Real>(axis.period_s);
+  p.latency_periods = static_cast<std::uint8_t>(axis.latency_ticks);
+  return p;
+}
+
+// By the steps of the force; without them a kick ends on the target, but for what is known of the table.
+double kicked_beyond_m(const AxisDesign& axis, const law::KickTable<float>& pulses, double stuck_m) {
+  if (!(axis.force_step_N > 0)) return 0;
+  auto p = parameters_in<double>(axis);
+  p.friction.lower_N = least_friction_N(axis);
+  double beyond_m = 0;
+  for (const double share : {1.0, 0.7, 0.4, 0.15, 0.05}) {
+    const double from_m = share * stuck_m;
+    const auto pulse = pulses.pulse(static_cast<float>(std::sqrt(from_m)));
+    const double force_N = static_cast<double>(pulse.force_N);
+    beyond_m = std::max(beyond_m, pd_travel_m(p, axis.current_loop_lag_s, from_m, force_N, pulse.periods) - from_m);
+  }
+  return surely * beyond_m;
 }
 
 }  // namespace
 
-law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) {
-  law::AxisParameters<float> p;
-  p.mass_kg = static_cast<float>(axis.mass_kg);
-  p.stiffness_N_per_m = static_cast<float>(axis.stiffness_N_per_m);
-  p.approach_damping_Ns_per_m = static_cast<float>(axis.approach_damping_Ns_per_m);
-  p.kick_damping_Ns_per_m = static_cast<float>(axis.kick_damping_Ns_per_m);
-  p.friction = {static_cast<float>(axis.friction.lower_N), static_cast<float>(axis.friction.upper_N)};
-  p.max_force_N = static_cast<float>(axis.max_force_N);
-  p.max_approach_speed_m_s = static_cast<float>(axis.max_approach_speed_m_s);
-  p.position_tolerance_m = static_cast<float>(axis.position_tolerance_m);
-  p.encoder_resolution_m = static_cast<float>(axis.encoder_resolution_m);
-  p.period_s = static_cast<float>(axis.period_s);
-  p.latency_periods = static_cast<std::uint8_t>(axis.latency_ticks);
-  return p;
-}
+law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis) { return parameters_in<float>(axis); }
 
 int most_tried_kicks() noexcept { return law::KickJudge<float>::most_kicks * 2 / 3; }
 
@@ -215,7 +247,8 @@ PdPromise try_pd(const AxisDesign& axis, const law::K3Table<float>& k3) {
                     .is_tried = false};
   try_approach(context, promise);
   if (!promise.is_tried) return promise;
-  promise.beyond_m = std::max({promise.beyond_m, by_a_kick * stuck_m, made.beyond * stuck_m});
+  promise.beyond_m = std::max(
+      {promise.beyond_m, by_a_kick * stuck_m, made.beyond * stuck_m, kicked_beyond_m(axis, made.table, stuck_m)});
   KickTimes times{context, stuck_m};
   for (const double share : {1.0, 0.4, 0.15, 0.05}) {
     const Kicks kicks = kicks_from(context, times, share * stuck_m);

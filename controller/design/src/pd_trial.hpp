@@ -4,6 +4,10 @@
 // Of all friction within its bounds the least takes an approach furthest: at each place of the way the axis is at least
 // as fast under it, because m v dv/dx = u(x, v) - f, and two ways with the same u do not cross. Of all bounds the
 // greatest lets a kick lead least far. The loop is sampled and its force is late, so that both are tested, not proved.
+//
+// A drive that gives force in steps is off what the law asks for by up to half of one, whichever way. That acts as so
+// much less friction where it pushes the axis on, and as so much more where it holds it back: the trials count with
+// both.
 #pragma once
 
 #include "breakaway/design/report.hpp"

@@ -54,6 +54,7 @@ design::AxisDesign axis_design(const Node& node, const Axis& axis) {
           .friction = p.friction,
           .smooth_friction_slope_Ns_per_m = axis.friction.smooth_slope_Ns_per_m,
           .max_force_N = std::min(granted_N(axis, p.max_force_N), std::numeric_limits<double>::max()),
+          .force_step_N = axis.drive ? force_step_N(axis) : 0,
           .period_s = p.period_s,
           .encoder_resolution_m = p.encoder_resolution_m,
           .latency_ticks = p.latency_periods,

@@ -16,10 +16,11 @@ namespace {
 
 using Names = std::set<std::string>;
 
-// Behind a current loop, and with a limit of its speed, which have checks of their own.
+// Behind a current loop and steps of force, and with a limit of its speed, which have checks of their own.
 AxisDesign with_springs_law() {
   AxisDesign axis = testing::sprung_example();
   axis.current_loop_lag_s = 1e-4;
+  axis.force_step_N = 0.025;
   axis.position_tolerance_m = 3e-6;
   axis.max_approach_speed_m_s = 1;
   return axis;

@@ -22,6 +22,7 @@ struct AxisDesign {
   law::FrictionBounds<double> friction{};   // of the dry friction force
   double smooth_friction_slope_Ns_per_m{};  // dF_sm/dv at rest of a smooth friction beside the dry one (Proposition 3)
   double max_force_N{};                     // of the drive, > 0
+  double force_step_N{};                    // in which it gives force; 0: none
   double period_s{};                        // control period; 0: ideal impulses, nothing sampled
   double encoder_resolution_m{};            // one count; 0: exact
   int latency_ticks{};                      // from a sample to the force that answers it, in periods
