@@ -19,7 +19,7 @@ design::AxisDesign random_design(Random& r) {
   a.mass_kg = c.mass_kg.most;
   a.friction = c.friction;
   a.max_force_N = c.max_force_N;
-  const double coarsest_N = std::min(a.friction.lower_N, a.friction.upper_N - a.friction.lower_N) / 4;
+  const double coarsest_N = std::min(a.friction.lower_N, a.friction.upper_N - a.friction.lower_N) / 8;
   a.force_step_N = std::min(c.force_step_N, coarsest_N);
   a.period_s = c.period_s;
   a.encoder_resolution_m = c.encoder_resolution_m;

@@ -167,11 +167,11 @@ Check approach_check(const AxisDesign& axis) {
 // The force is off what the law asks for by half a step, which acts as that much less or more friction: see
 // pd_trial.hpp. Beside what friction may vary by it must be little, or the least kicks go to and fro over the target.
 Check step_check(const AxisDesign& axis) {
-  constexpr double steps_of_friction = 4;
+  constexpr double steps_of_friction = 8;
   const double varies_N = axis.friction.upper_N - axis.friction.lower_N;
   return below("force_is_fine", "tested, not proved: what sufficed for all of many axes behind drives of coarse steps",
                steps_of_friction * axis.force_step_N, std::min(axis.friction.lower_N, varies_N),
-               "four steps of the drive's force against friction_lower_N, and what friction_upper_N is above it",
+               "eight steps of the drive's force against friction_lower_N, and what friction_upper_N is above it",
                "use a drive with a finer step of force, or take coast = \"brake\"", Equality::holds);
 }
 
