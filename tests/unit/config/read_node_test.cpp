@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"position_min_m", "swap"}},
         BadNode{"PositionLimitsBeyondTheCount",
                 with_line("limits", "position_m = 1100"),
-                {"[axis.limits] position_m", "2200 m", "less than 2147 m", "1e-06", "above 1.02e-06 m"}},
+                {"[axis.limits] position_m", "2200 m", "less than 2147 m", "1e-06", "above 1.03e-06 m"}},
         BadNode{"PositionLimitBeyondTheCount",
                 with_line("limits", "position_min_m = -2148"),
                 {"[axis.limits] position_min_m", "2148 m", "narrow the range"}},
