@@ -106,13 +106,16 @@ double least_kick_N(const AxisDesign& axis) {
 
 // With a force that grows with the current loop, that kick must break away in time.
 Check lag_check(const AxisDesign& axis, const std::string& brake) {
+  const double least_N = least_kick_N(axis);
   return below(
       "least_kick_outlasts_the_lag",
       "tested, not proved: behind the current loop the least kick must break away within half its period",
-      axis.friction.upper_N / -std::expm1(-axis.period_s / (2 * axis.current_loop_lag_s)), least_kick_N(axis),
+      axis.friction.upper_N / -std::expm1(-axis.period_s / (2 * axis.current_loop_lag_s)), least_N,
       "friction_upper_N over the share of its force that the current loop reaches in half a period, against the "
       "force of the least kick",
-      "widen the tolerance, or take a faster current loop" + brake, Equality::holds);
+      std::string{"widen the tolerance"} + (least_N < axis.friction.upper_N ? "" : ", or take a faster current loop") +
+          brake,
+      Equality::holds);
 }
 
 // Periods over which the law's velocity is smoothed, because the encoder is coarse for its damping.
@@ -122,17 +125,35 @@ double smoothing_periods(const AxisDesign& axis) {
   return 1 / velocity.weight();
 }
 
+// The share of a speed that is damped too late.
+double late_damping(const AxisDesign& axis) {
+  const double delay_s = axis.current_loop_lag_s + (axis.latency_ticks + smoothing_periods(axis)) * axis.period_s;
+  return axis.kick_damping_Ns_per_m * delay_s / axis.mass_kg;
+}
+constexpr double most_late_damping = 0.2;
+
+// Each of them alone. A shorter period makes counts coarser for the velocity, which is smoothed for as long then.
+std::string ways_to_damp_in_time(const AxisDesign& axis) {
+  AxisDesign finely_read = axis, often_sampled = axis, soon_answered = axis;
+  finely_read.encoder_resolution_m = 0;
+  often_sampled.period_s = std::max(axis.least_period_s, 1e-3 * axis.period_s);
+  soon_answered.latency_ticks = 0;
+  std::string ways = "lower k22 (and k1 with it, to keep zeta)";
+  if (late_damping(finely_read) < most_late_damping) ways += ", or use a finer encoder";
+  if (late_damping(often_sampled) < most_late_damping) ways += ", or shorten the period";
+  if (late_damping(soon_answered) < most_late_damping) ways += ", or shorten the latency";
+  return ways;
+}
+
 // What random axes need to settle in closed loop, and what sufficed for all of them: tests/campaign.
 std::vector<Check> loop_checks(const AxisDesign& axis) {
   const double smoothing = smoothing_periods(axis);
-  const double delay_s = axis.current_loop_lag_s + (axis.latency_ticks + smoothing) * axis.period_s;
   const std::string brake = "; or take coast = \"brake\"";
   std::vector<Check> checks{
       below("damping_tolerates_delay", "tested, not proved: damping that acts late must brake, not push",
-            axis.kick_damping_Ns_per_m * delay_s / axis.mass_kg, 0.2,
+            late_damping(axis), most_late_damping,
             "k22 (latency, smoothing of the velocity and current loop) / mass_kg against 0.2",
-            "lower k22 (and k1 with it, to keep zeta), use a finer encoder, or shorten the period or the latency" +
-                brake),
+            ways_to_damp_in_time(axis) + brake),
       below("velocity_is_seen", "tested, not proved: the velocity must not lag behind the motion of a kick", smoothing,
             10, "periods over which the encoder has the velocity smoothed against 10",
             "use a finer encoder, or lower k22" + brake, Equality::holds),
@@ -155,13 +176,16 @@ Check approach_check(const AxisDesign& axis) {
   const double patience_s = law::RestDetector<float>::patience * axis.period_s, q = axis.encoder_resolution_m;
   const double seen_N = patience_s > 0 ? axis.mass_kg * 8 * q / (patience_s * patience_s) : 0;
   const double seen_m_s = patience_s > 0 ? 2 * q / patience_s : 0;
+  const auto needed_m_s = [&](double k21) { return (surely * axis.friction.upper_N + seen_N) / k21 + seen_m_s; };
+  const double most_k21 = 2 * std::sqrt(axis.stiffness_N_per_m) * std::sqrt(axis.mass_kg);  // its zeta is below 1
+  const bool damping_may_do = needed_m_s(most_k21) < axis.max_approach_speed_m_s;
   return below(
       "approach_gets_on", "the spring that is limited for the sake of speed must still move the axis",
-      (surely * axis.friction.upper_N + seen_N) / axis.approach_damping_Ns_per_m + seen_m_s,
-      axis.max_approach_speed_m_s,
+      needed_m_s(axis.approach_damping_Ns_per_m), axis.max_approach_speed_m_s,
       "the speed that an approach must be allowed, friction_upper_N / k21 and what its count asks for, against "
       "max_approach_speed_m_s, and nine tenths of [limits] speed_m_s",
-      "raise these or k21, or take coast = \"brake\"", Equality::holds);
+      std::string{damping_may_do ? "raise these or k21" : "raise these"} + ", or take coast = \"brake\"",
+      Equality::holds);
 }
 
 // The force is off what the law asks for by half a step, which acts as that much less or more friction: see
@@ -176,6 +200,7 @@ Check step_check(const AxisDesign& axis) {
 }
 
 std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& report) {
+  const double floor_at_best_m = accuracy_floor_m(axis.mass_kg, axis.friction, axis.least_period_s);
   return {
       below("force_breaks_away",
             "a pulse below the upper friction bound may not move the axis; tested, not proved: one that hardly does is "
@@ -185,7 +210,10 @@ std::vector<Check> sampling_checks(const AxisDesign& axis, const DesignReport& r
       below("tolerance_above_floor",
             "least sure step of a one-period pulse, f_upper (f_upper - f_lower) Ts^2 / (2 m f_lower)",
             report.accuracy_floor_m, axis.position_tolerance_m, "accuracy floor against position_tolerance_m",
-            "widen the tolerance or shorten the period (the floor falls with its square)", Equality::holds),
+            std::string{"widen the tolerance"} + (floor_at_best_m > axis.position_tolerance_m
+                                                      ? ""
+                                                      : " or shorten the period (the floor falls with its square)"),
+            Equality::holds),
   };
 }
 

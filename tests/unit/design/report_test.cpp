@@ -75,7 +75,8 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
       {"force_is_fine", [](AxisDesign& a) { a.force_step_N = 0.26 * a.friction.lower_N; }, "finer step of force"},
       {"tolerance_above_floor", [](AxisDesign& a) { a.period_s = 2e-3; }, "shorten the period"},
       {"tolerance_above_encoder_resolution", [](AxisDesign& a) { a.encoder_resolution_m = 4e-6; }, "finer encoder"},
-      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 70; }, "shorten the period or the latency"},
+      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 70; },
+       "or shorten the period, or shorten the latency"},
       // So coarse a count has the velocity smoothed over 24 periods.
       {"velocity_is_seen", [](AxisDesign& a) { a.encoder_resolution_m = a.position_tolerance_m = 1e-3; },
        "use a finer encoder"},
@@ -391,6 +392,31 @@ TEST(DesignReport, CertifiesAMoveWithoutALimitOfItsJerk) {
       << "a move brakes more gently";
   axis.braked->move->jerk_m_s3 = 2000;
   EXPECT_NE(find(design_axis(axis), "jerk_can_be_followed"), nullptr);
+}
+
+// The velocity of so coarse an encoder is smoothed for as long, however short the period is.
+TEST(DesignReport, OffersUnderTheCoastPdOnlyWhatMendsACheck) {
+  struct Case {
+    const char* check;
+    void (*spoil)(AxisDesign&);
+    const char* not_offered;
+  };
+  const std::vector<Case> cases{
+      {"damping_tolerates_delay", [](AxisDesign& a) { a.encoder_resolution_m = a.position_tolerance_m = 3e-3; },
+       "shorten the"},
+      {"damping_tolerates_delay", [](AxisDesign& a) { a.latency_ticks = 70; }, "finer encoder"},
+      {"tolerance_above_floor", [](AxisDesign& a) { a.period_s = 2e-3, a.least_period_s = 1.9e-3; }, "period (the"},
+      {"approach_gets_on", [](AxisDesign& a) { a.max_approach_speed_m_s = 2.6; }, "k21, or take"},
+      {"least_kick_outlasts_the_lag", [](AxisDesign& a) { a.position_tolerance_m = 9e-7, a.current_loop_lag_s = 1e-4; },
+       "faster current loop"},
+  };
+  for (const Case& c : cases) {
+    AxisDesign axis = example();
+    c.spoil(axis);
+    const Check check = *find(design_axis(axis), c.check);
+    EXPECT_FALSE(check.holds) << c.check;
+    EXPECT_EQ(check.reason.find(c.not_offered), std::string::npos) << check.reason;
+  }
 }
 
 // Both ends of the range that a refused jerk is told.
