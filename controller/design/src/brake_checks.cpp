@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "breakaway/law/approach_plan.hpp"
@@ -23,6 +24,7 @@ constexpr double steps_of_a_move = 4;  // of the force within the least friction
 
 // What it takes instead is found by designs of other classes, which need no such search themselves: add_ways.
 constexpr const char* tolerance_above_floor = "tolerance_above_floor";
+constexpr const char* kicks_are_few = "kicks_are_few";
 
 // What the fine stage aims at is not promised, so that it may be asked for only where what is promised will do.
 Check tolerance_check(const AxisDesign& axis, const BrakedDesign<float>& design) {
@@ -72,13 +74,11 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   const double from_m = kicks_begin_m(design);
   const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
   const bool end = most > 0 || axis.position_tolerance_m >= from_m;
-  checks.push_back(
-      below("kicks_are_few", "after so many kicks the law stops by name",
-            end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
-            "the kicks that may be needed from " + brief(from_m) +
-                " m, where brake and kicks take over, against what the law allows",
-            "widen the tolerance, use a finer encoder, or a stronger drive or one with a finer step of force",
-            Equality::holds));
+  checks.push_back(below(kicks_are_few, "after so many kicks the law stops by name",
+                         end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
+                         "the kicks that may be needed from " + brief(from_m) +
+                             " m, where brake and kicks take over, against what the law allows",
+                         "", Equality::holds));
   return checks;
 }
 
@@ -218,12 +218,71 @@ std::string by_less_lag(const AxisDesign& axis) {
   return lag_s ? ", or take a drive with a current_loop_time_constant_s of " + brief(*lag_s) + " s" : "";
 }
 
+bool holds(const std::vector<Check>& checks, const std::string& name) {
+  const auto found = std::ranges::find(checks, name, &Check::name);
+  return found != checks.end() && found->holds;
+}
+
+// One number of an axis, and how to say which would do.
+struct Remedy {
+  std::string_view words, unit;
+  void (*take)(AxisDesign& axis, double times);
+  double (*number)(const AxisDesign& axis);
+};
+
+void widen_tolerance(AxisDesign& axis, double times) {
+  axis.position_tolerance_m = rounded_up(axis.position_tolerance_m * times, 3);
+  if (axis.braked->fine_tolerance_m > 0) axis.braked->fine_tolerance_m = axis.position_tolerance_m;
+}
+void take_stronger_drive(AxisDesign& axis, double times) {
+  axis.max_force_N = axis.braked->max_force_N = rounded_up(axis.braked->max_force_N * times, 3);
+}
+void take_finer_steps(AxisDesign& axis, double times) {
+  axis.braked->force_step_N = rounded_down(axis.braked->force_step_N / times, 3);
+}
+void take_finer_encoder(AxisDesign& axis, double times) {
+  axis.encoder_resolution_m = axis.braked->encoder_resolution_m =
+      rounded_down(axis.braked->encoder_resolution_m / times, 3);
+}
+
+constexpr Remedy fewer_kicks[] = {
+    {"widen the tolerance to ", " m", widen_tolerance, [](const AxisDesign& a) { return a.position_tolerance_m; }},
+    {"use a drive of ", " N", take_stronger_drive, [](const AxisDesign& a) { return a.braked->max_force_N; }},
+    {"use one with steps of force of ", " N", take_finer_steps,
+     [](const AxisDesign& a) { return a.braked->force_step_N; }},
+    {"use an encoder_resolution_m of ", " m", take_finer_encoder,
+     [](const AxisDesign& a) { return a.braked->encoder_resolution_m; }},
+};
+
+// Each number alone, with which the kicks are few and no other check fails that holds without it.
+std::string ways_to_few_kicks(const AxisDesign& axis, const std::vector<Check>& checks) {
+  const auto is_mended = [&](const AxisDesign& other) {
+    const std::vector<Check> now = checks_of(other, design_braked_kicks<float>(*other.braked));
+    return holds(now, kicks_are_few) &&
+           std::ranges::all_of(checks, [&](const Check& check) { return !check.holds || holds(now, check.name); });
+  };
+  std::string ways;
+  for (const Remedy& remedy : fewer_kicks) {
+    for (const double times : {1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0}) {
+      AxisDesign other = axis;
+      remedy.take(other, times);
+      if (!is_mended(other)) continue;
+      ways.append(ways.empty() ? "" : ", or ").append(remedy.words);
+      ways.append(brief(remedy.number(other))).append(remedy.unit);
+      break;
+    }
+  }
+  return ways.empty() ? "mend the other checks first, or narrow the bounds of the friction" : ways;
+}
+
 // A faster current loop may mend all that fails, and is told once.
 void add_ways(std::vector<Check>& checks, const AxisDesign& axis, const BrakedDesign<float>& design) {
   const auto first = std::ranges::find(checks, false, &Check::holds);
   if (first == checks.end()) return;
   for (Check& check : checks)
     if (!check.holds && check.name == tolerance_above_floor) check.reason += ways_of(axis, design, checks);
+  for (Check& check : checks)
+    if (!check.holds && check.name == kicks_are_few) check.reason += ways_to_few_kicks(axis, checks);
   first->reason += by_less_lag(axis);
 }
 

@@ -339,6 +339,33 @@ TEST(DesignReport, RefusesWhatNoBrakedKickReachesByName) {
   }
 }
 
+// Each of them alone, typed in.
+TEST(DesignReport, HasFewKicksWithEachNumberThatItNames) {
+  AxisDesign axis = braked_example();
+  axis.position_tolerance_m = 4e-5;
+  axis.braked->mass_kg = {0.1, 1};
+  const std::string reason = find(design_axis(axis), "kicks_are_few")->reason;
+  const auto expect_few = [&](const AxisDesign& other) {
+    const Check check = *find(design_axis(other), "kicks_are_few");
+    EXPECT_TRUE(check.holds) << reason << "\n" << check.reason;
+  };
+  AxisDesign wider = axis;
+  wider.position_tolerance_m = number_after(reason, "widen the tolerance to ");
+  expect_few(wider);
+  const struct {
+    const char* words;
+    double BrakedClass::*number;
+  } others[] = {{"use a drive of ", &BrakedClass::max_force_N},
+                {"steps of force of ", &BrakedClass::force_step_N},
+                {"encoder_resolution_m of ", &BrakedClass::encoder_resolution_m}};
+  for (const auto& o : others) {
+    if (reason.find(o.words) == std::string::npos) continue;
+    AxisDesign other = axis;
+    (*other.braked).*o.number = number_after(reason, o.words);
+    expect_few(other);
+  }
+}
+
 // Friction that falls with speed pushes an axis that moves.
 TEST(DesignReport, SaysFromWhereAnApproachWithoutDampingComesToRest) {
   struct Case {
