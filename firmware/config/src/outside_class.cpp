@@ -21,6 +21,10 @@ using law::Coast;
 
 constexpr double rounding = 1e-9;  // relative: a bound that is set to the very number holds it
 
+// As sentences have numbers, of six digits, that are typed in as bounds: of what is at most so much, and at least.
+double at_most(double value) { return value > 0 && std::isfinite(value) ? rounded_up(value, 6) : value; }
+double at_least(double value) { return value > 0 ? rounded_down(value, 6) : value; }
+
 // Gathers sentences about one axis.
 class Outside {
  public:
@@ -61,16 +65,16 @@ class Outside {
     const Surroundings& s = axis_.surroundings;
     // Without a drive nothing bounds the force that ripples.
     const double ripple_N = s.ripple > 0 ? s.ripple * max_force_N(axis_) : 0;
-    const double beside_N = left_N() + s.cogging_N + ripple_N;
+    const double beside_N = left_N() + s.cogging_N + ripple_N, stated_N = at_most(beside_N);
     if (beside_N == 0) return;
     if (!braked())
       add("[plant] has {:.6g} N act beside the drive's force, of which the coast \"pd\" knows nothing; feed "
           "a constant force forward by feedforward_N, or take coast = \"brake\" with [uncertainty] force_N = {:.6g}",
-          beside_N, beside_N);
+          stated_N, stated_N);
     else if (beside_N > axis_.uncertainty.force_N * (1 + rounding))
       add("[plant] has {:.6g} N act beside the drive's force (what feedforward_N leaves of force_N, cogging, and the "
           "ripple of the greatest force), above [uncertainty] force_N = {:.6g}; raise that",
-          beside_N, axis_.uncertainty.force_N);
+          stated_N, axis_.uncertainty.force_N);
   }
 
   odrive::PolledTiming polled_timing() const {
@@ -118,7 +122,7 @@ class Outside {
     if (off_m == 0 || (braked() && off_m <= told_m * (1 + rounding))) return;
     add("[plant] encoder_error: a reading may be {:.6g} m off beside its count (interpolation_m and 6 times noise_m), "
         "and [uncertainty] encoder_noise_m = {:.6g} is less; raise that, under coast = \"brake\"",
-        off_m, told_m);
+        at_most(off_m), told_m);
   }
 
   // The most that the feedforward leaves of the constant force, or is too much for it, whatever the force gain is.
@@ -138,12 +142,12 @@ class Outside {
     if (least_N < told.lower_N * (1 - rounding) || most_N > told.upper_N * (1 + rounding))
       add("friction may be between {:.6g} and {:.6g} N, outside the {:.6g} to {:.6g} N that the controller is told; "
           "tell it [told] friction_lower_N and friction_upper_N that hold it",
-          least_N, most_N, told.lower_N, told.upper_N);
+          at_least(least_N), at_most(most_N), told.lower_N, told.upper_N);
     const double rise = s.rise_per_m_s > 0 ? s.rise_per_m_s * (truth.upper_N - truth.lower_N) * (1 + s.drift) : 0;
     if (!braked() && rise > axis_.friction.smooth_slope_Ns_per_m * (1 + rounding))
       add("[friction] law rises with speed, by {:.6g} N s/m at its steepest, and the approach under the coast \"pd\" "
           "may creep for ever where smooth_slope_Ns_per_m = {:.6g} is less; state it there, or take coast = \"brake\"",
-          rise, axis_.friction.smooth_slope_Ns_per_m);
+          at_most(rise), axis_.friction.smooth_slope_Ns_per_m);
     if (braked() && axis_.friction.smooth_slope_Ns_per_m != 0)
       add("[friction] smooth_slope_Ns_per_m = {:.6g} is a force beside the dry friction, which the coast \"brake\" "
           "does not know; widen the bounds so that they hold it at the greatest speed, and leave it out",
@@ -158,7 +162,7 @@ class Outside {
       add("[plant] presliding: a certificate is of friction that holds the axis without a spring, and here it bends "
           "before it slides; state [friction] presliding_stiffness_N_per_m = {:.6g} under the coast \"brake\", "
           "simulate it, or leave the table out where the bending is far below a count",
-          stiffness);
+          at_least(stiffness));
       return;
     }
     if (stiffness < told * (1 - rounding)) {
@@ -228,15 +232,16 @@ class Outside {
 
   void delays() {
     const BusSurroundings& b = node_.bus_surroundings;
-    const double apart_s = b.most_delay_s - b.least_delay_s, jitter_s = axis_.uncertainty.jitter_s;
+    const double apart_s = b.most_delay_s - b.least_delay_s, stated_s = at_most(apart_s),
+                 jitter_s = axis_.uncertainty.jitter_s;
     if (apart_s > 0 && !braked())
       add("[bus] delay_max_s = {:g} is above delay_min_s, so that a kick may be longer or shorter than its periods; "
           "make them equal, or take coast = \"brake\" with [uncertainty] jitter_s = {:g}",
-          b.most_delay_s, apart_s);
+          b.most_delay_s, stated_s);
     else if (apart_s > jitter_s * (1 + rounding))
       add("[bus] delay_max_s = {:g} and delay_min_s are {:g} s apart, so that a kick may be as much longer or shorter "
           "than its periods, and [uncertainty] jitter_s = {:g} is less; raise that",
-          b.most_delay_s, apart_s, jitter_s);
+          b.most_delay_s, stated_s, jitter_s);
   }
 
   void answers() {

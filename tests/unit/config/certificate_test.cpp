@@ -68,6 +68,19 @@ TEST(Certificate, TakesInFrictionThatBendsWhereItIsToldHowStiffItIsAtLeast) {
                  "damping_Ns_per_m = 6400 is above");
 }
 
+// Numbers of more digits than sentences have: what is named as enough, typed in, is.
+TEST(Certificate, TakesTheVeryNumbersThatItNames) {
+  for (const char* digits : {"1.23456749", "2.34567851", "3.45678949"}) {
+    const std::string bristles = joined({"presliding = { stiffness_N_per_m = ", digits, "e7 }"});
+    const std::string stiffness = word_after(why_not(bending("", bristles)), "presliding_stiffness_N_per_m = ");
+    EXPECT_EQ(why_not(bending(stiffness, bristles)), "") << digits;
+    const std::string rising =
+        joined({"law = { kind = \"complement\", part = { kind = \"stribeck\", velocity_m_s = ", digits, " } }"});
+    const std::string slope = word_after(why_not(more("[friction]", rising, under_pd())), "rises with speed, by ");
+    EXPECT_EQ(why_not(more("[friction]", joined({rising, "\nsmooth_slope_Ns_per_m = ", slope}), under_pd())), "");
+  }
+}
+
 // What is certified must be what `simulate` and `study` run: one reader refuses it for all of them.
 TEST(Certificate, RefusesBristlesThatTheSimulationRefusesInTheSameWords) {
   for (const char* bristles : {"stiffness_N_per_m = 1e7, damping_Ns_per_m = 1, model = \"dahl\"",
