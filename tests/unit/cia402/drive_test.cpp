@@ -137,6 +137,36 @@ TEST_F(DriveTest, AResetOfADriveThatIsNotHeardClearsTheFaultThatItShowsWhenItIs)
   run_until_state(DriveState::disabled);
 }
 
+// Another tool may have switched its heartbeat off after the set-up had switched it on.
+TEST_F(DriveTest, AResetOfADriveWhoseHeartbeatWasLostInItsSetUpBeginsThatAnew) {
+  struct Place {
+    const char* name;
+    void (*stop_at)(ScriptedDrive&);
+  };
+  for (const auto& [place, stop_at] :
+       {Place{"not started", [](ScriptedDrive& drive) { drive.ignores_start = true; }},
+        Place{"shows no mode", [](ScriptedDrive& drive) { drive.kept[ScriptedDrive::key(0x6061, 0)] = 0; }}}) {
+    SCOPED_TRACE(place);
+    drive = Drive<float>{config, network, scale};
+    node = ScriptedDrive{node_id};
+    stop_at(node);
+    node.boot();
+    deliver();
+    run_until([&] { return !node.commands.empty() && node.commands.back() == NmtCommand::start; });
+    run_for(50ms);
+    node.objects[ScriptedDrive::key(0x1017, 0)] = 0;
+    run_until([&] { return drive.heartbeat_lost(); });
+    drive.reset_fault();
+    step();
+    EXPECT_FALSE(drive.heartbeat_lost());
+    node.ignores_start = false;
+    node.kept.clear();
+    node.objects[ScriptedDrive::key(0x6061, 0)] = 10;
+    run_until_state(DriveState::disabled);
+    EXPECT_EQ(node.value_of(0x1017, 0), 100U);
+  }
+}
+
 // Another tool may have changed the set-up, so that no reset would ever reach the drive.
 TEST_F(DriveTest, AResetSetsTheDriveUpAnewFirst) {
   node.shows_the_mode_at_once = true;

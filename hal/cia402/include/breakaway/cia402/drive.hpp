@@ -355,14 +355,16 @@ class Drive {
   }
 
   // A drive that is enabled, or on its way, has no fault to reset, and one that shows that it has none keeps what comes
-  // later, in its set-up or after it. One that is being set up already, or is not heard, is reset after it.
+  // later, in its set-up or after it. One that is being set up already, or is not heard, is reset after it, unless its
+  // heartbeat was lost on the way: that set-up would bring its fault back at once.
   [[gnu::cold]] void begin_reset(hal::Time now) noexcept {
     reset_asked_ = false;
     if (may_have_force() || machine_.enable_wished()) return;
     const bool shows_none = machine_.state() && machine_.state() != State::fault;
     reset_pending_ = !shows_none;
     own_status_ = SetupStatus::ready;  // what the drive is rated for is read again
-    if (node_.ready() || node_.held() || node_.phase() == SetupPhase::refused) set_up_anew(now);
+    const bool set_up = node_.ready() || node_.held() || node_.phase() == SetupPhase::refused;
+    if (set_up || node_.heartbeat_lost_in_setup()) set_up_anew(now);
     node_.forget_heartbeat_loss();
   }
 

@@ -171,6 +171,12 @@ class DriveNode {
   std::uint16_t error_code() const noexcept { return error_code_; }
   std::optional<canopen::NmtState> nmt_state() const noexcept { return heartbeat_.state(); }
   bool heartbeat_lost() const noexcept { return heartbeat_.lost(); }
+  // It was told to produce heartbeats by a set-up that is not over.
+  bool heartbeat_lost_in_setup() const noexcept {
+    const bool in_setup =
+        phase_ == SetupPhase::configuring || phase_ == SetupPhase::starting || phase_ == SetupPhase::verifying_mode;
+    return in_setup && heartbeat_.lost();
+  }
   const canopen::EmcyConsumer& emcy() const noexcept { return emcy_; }
   std::uint16_t take_emergency() noexcept { return emcy_.take_error(); }
   // Counts the boot-ups since the node was first heard: each takes its set-up and its reference.
