@@ -63,6 +63,14 @@ inline const CLI::Validator whole_number{
     },
     ""};
 inline const CLI::Validator positive_number = number_validator(true, "a finite number above 0");
+// For times: less is no time of the clock, and more overflows its count.
+inline const CLI::Validator number_of_seconds{
+    [](std::string& text) -> std::string {
+      double value = 0;
+      const bool good = CLI::detail::lexical_cast(text, value) && value >= 1e-9 && value <= 1e9;
+      return good ? "" : text + " is not a number of seconds from 1e-9 to 1e9";
+    },
+    ""};
 inline const CLI::Validator finite_number = number_validator(false, "a finite number");
 
 }  // namespace breakaway::cli

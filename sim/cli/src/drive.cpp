@@ -25,16 +25,15 @@
 #include "breakaway/sil/axis_mechanism.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "commands.hpp"
+#include "drive_config.hpp"
 
 namespace breakaway::cli {
 namespace {
 
 struct DriveCommand {
   std::string scenario, axis, interface;
-  unsigned node_id = 0;  // 0: the scenario's
-  double duration_s = 0;
-  double mode_delay_s = 0;
-  std::string supported_modes;
+  double duration_s = 1e9;  // without the option: until a signal
+  DriveChanges changes;
   bool realtime = false;
 };
 
@@ -53,8 +52,6 @@ hal::Time monotonic_now() { return now_of(CLOCK_MONOTONIC); }
 
 // Of this thread: stands still while another has the processor.
 hal::Time processor_now() { return now_of(CLOCK_THREAD_CPUTIME_ID); }
-
-using DriveConfig = std::variant<drive_emulator::EmulatorConfig, odrive_emulator::EmulatorConfig>;
 
 // Drives with their axes in real time: frames in at their time stamps, events at theirs.
 class LiveDrives {
@@ -210,30 +207,6 @@ void become_realtime() {
         fmt::format("--realtime: {}; run as root, or raise rtprio and memlock in limits.conf", std::strerror(errno))};
 }
 
-// What is of CANopen is not of every drive.
-odrive_emulator::EmulatorConfig odrive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
-  const auto refuse = [](const char* option) {
-    throw InputError{fmt::format("{} is of a CANopen drive, and [drive] protocol is \"odrive\"; leave it out", option)};
-  };
-  if (!options.supported_modes.empty()) refuse("--supported-modes");
-  if (options.mode_delay_s > 0) refuse("--mode-delay");
-  if (options.node_id > odrive::most_node_id)
-    throw InputError{fmt::format("--node-id {}: an ODrive has one of 0 to {}", options.node_id, odrive::most_node_id)};
-  odrive_emulator::EmulatorConfig config = *world.odrive;
-  if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
-  return config;
-}
-
-DriveConfig drive_config(const scenario::AxisWorld& world, const DriveCommand& options) {
-  if (world.odrive) return odrive_config(world, options);
-  drive_emulator::EmulatorConfig config = *world.drive;
-  if (options.node_id != 0) config.node_id = static_cast<std::uint8_t>(options.node_id);
-  if (!options.supported_modes.empty())
-    config.supported_modes = static_cast<std::uint32_t>(std::stoul(options.supported_modes, nullptr, 16));
-  config.quirks.mode_display_delay = hal::Duration{std::llround(options.mode_delay_s * 1e9)};
-  return config;
-}
-
 scenario::Scenario read_drives(const DriveCommand& options) {
   scenario::Scenario s = scenario::read_scenario(options.scenario);
   if (!options.axis.empty()) s = only_axis(s, options.axis);
@@ -242,7 +215,7 @@ scenario::Scenario read_drives(const DriveCommand& options) {
       throw InputError{s.node.file + ": has no [drive]; give a scenario whose axes have drives on a bus"};
     if (!world.tolerance) world.tolerance = usual_tolerance;
   }
-  if (options.node_id != 0 && s.axes() > 1)
+  if (options.changes.node_id != 0 && s.axes() > 1)
     throw InputError{"--node-id: is for one drive, and the scenario has several; say which with --axis NAME"};
   return s;
 }
@@ -250,7 +223,7 @@ scenario::Scenario read_drives(const DriveCommand& options) {
 int drive_scenario(const DriveCommand& options) {
   const scenario::Scenario s = read_drives(options);
   std::vector<DriveConfig> configs;
-  for (const scenario::AxisWorld& world : s.worlds) configs.push_back(drive_config(world, options));
+  for (const scenario::AxisWorld& world : s.worlds) configs.push_back(drive_config(world, options.changes));
   socketcan::KernelSocket socket;
   const auto opened = socket.open(options.interface.c_str(), {});
   if (opened != socketcan::OpenResult::done)
@@ -261,8 +234,7 @@ int drive_scenario(const DriveCommand& options) {
   for (const auto& config : configs)
     fmt::print("drive {} on {}\n", std::visit([](const auto& of) { return of.node_id; }, config), options.interface);
   std::fflush(stdout);
-  const double duration_s = options.duration_s > 0 ? options.duration_s : 1e9;
-  drives.run(stop_wanted, mask, hal::Duration{std::llround(duration_s * 1e9)});
+  drives.run(stop_wanted, mask, hal::Duration{std::llround(options.duration_s * 1e9)});
   drives.print_summary();
   return done;
 }
@@ -277,12 +249,13 @@ void add_drive(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--axis", options->axis, "The name of the one axis whose drive to emulate; without, all of them");
   command->add_option("--can", options->interface, "The CAN interface, can0 or vcan0, say")->required();
-  command->add_option("--node-id", options->node_id, "Node id instead of the scenario's")->check(CLI::Range(1, 127));
+  command->add_option("--node-id", options->changes.node_id, "Node id instead of the scenario's")
+      ->check(CLI::Range(1, 127));
   command->add_option("--duration", options->duration_s, "Seconds until it ends; without, SIGINT or SIGTERM ends it")
-      ->check(positive_number);
+      ->check(number_of_seconds);
   command->add_flag("--realtime", options->realtime, "Lock the memory and run at real-time priority 70");
   command
-      ->add_option("--supported-modes", options->supported_modes,
+      ->add_option("--supported-modes", options->changes.supported_modes,
                    "What 6502h shows, hexadecimal; without bit 9 the drive has no cyclic synchronous torque mode")
       ->check(CLI::Validator{[](std::string& text) -> std::string {
                                const bool good = !text.empty() && text.size() <= 8 &&
@@ -291,9 +264,9 @@ void add_drive(CLI::App& app, int& exit_code) {
                              },
                              ""});
   command
-      ->add_option("--mode-delay", options->mode_delay_s,
-                   "Seconds for which 6061h shows no mode after one was requested")
-      ->check(positive_number);
+      ->add_option("--mode-delay", options->changes.mode_delay_s,
+                   "Seconds for which 6061h shows no mode after one was requested, instead of the scenario's")
+      ->check(number_of_seconds);
   command->footer(std::string{"Example: breakaway drive --can vcan0 sim/scenarios/can_axis.toml\n"
                               "and, in another terminal: breakaway-node --can vcan0 sim/scenarios/can_axis.toml\n"} +
                   exit_codes);

@@ -27,6 +27,11 @@ TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
   expect_refused("simulate", {"scenario"});
 #ifdef __linux__
   expect_refused("watch --file /nowhere.csv --bind ''", {"--bind", "the address is empty"});
+  for (const char* option : {"--duration", "--mode-delay"}) {
+    for (const char* time_s : {"1e-10", "1e10", "1e300", "inf", "nan", "0", "-1", "soon"})
+      expect_refused(std::string{"drive --can can9 axis.toml "} + option + " " + time_s,
+                     {option, time_s, "from 1e-9 to 1e9"});
+  }
 #endif
   expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
   expect_refused("simulate ''", {"empty", "standard input"});
