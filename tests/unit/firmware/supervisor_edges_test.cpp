@@ -174,6 +174,18 @@ TEST(SupervisorEdges, ASampleMayBeAsOldAsTheTimeout) {
   EXPECT_EQ(axis.see(old), AxisFault::feedback_stale);
 }
 
+// A frame that came late has its own time, and the sample after it that of a SYNC, which may have been before.
+TEST(SupervisorEdges, AnAxisThatRestsKeepsItsSpeedLimitWhereTheTimesOfSamplesCross) {
+  AxisLimits<float> limits = no_limits();
+  limits.speed_m_s = 3;
+  Watched axis{limits, {.unseen_m = 1e-6F}};
+  for (const hal::Duration late : {0us, 50us, 0us, 900us, -1000us, 0us}) {
+    Feedback f = axis.sample();
+    f.sample_time += late;
+    EXPECT_EQ(axis.see(f), AxisFault::none) << late.count();
+  }
+}
+
 TEST(SupervisorEdges, AnAxisHasAMinuteToComeNearerOrWhatItsLimitsGive) {
   AxisLimits<float> slow = no_limits();
   slow.progress_timeout = 5min;

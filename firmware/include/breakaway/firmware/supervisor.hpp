@@ -369,8 +369,9 @@ class Supervisor {
 
   Scalar allowed_travel_m(const Feedback& f) const noexcept { return limits_.speed_m_s * since_previous_s(f); }
 
+  // The time of a frame that came late may lie after that of the next sample's SYNC. No time is less than none.
   Scalar since_previous_s(const Feedback& f) const noexcept {
-    return has_previous_ ? hal::seconds_as<Scalar>(f.sample_time - previous_time_) : Scalar{0};
+    return has_previous_ ? std::max(hal::seconds_as<Scalar>(f.sample_time - previous_time_), Scalar{0}) : Scalar{0};
   }
 
   // An axis that held, or waited before it set off, has all its time before it. One that noise leads in and out of its

@@ -259,7 +259,9 @@ class Drive {
     torque_ = static_cast<std::int16_t>(static_cast<std::uint16_t>(values[2]));
     pdo_seen_ = node_.ready();
     force_.on_torque(statusword_, torque_, received.time);
-    const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= period_;
+    // A port without stamps says when it was read, which a loop that wakes late does after the next SYNC was due.
+    const hal::Duration answer_time = period_ + period_ / 2;
+    const bool answers_sync = sync_time_ && *sync_time_ <= received.time && received.time - *sync_time_ <= answer_time;
     sample_time_ = answers_sync ? *sync_time_ : received.time;
     fresh_ = ever_valid_ = counted_ = true;
   }
