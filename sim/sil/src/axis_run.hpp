@@ -54,16 +54,27 @@ class AxisRun {
   // The drive is set up, or cannot be.
   bool configured() const { return loop_.status(id_).feedback.state != hal::DriveState::configuring; }
   void enable() { loop_.request_enable(id_); }
+  // Its drive moves it when it is enabled first, until it has found its home.
+  bool seeks_home() const {
+    const config::Homing& homing = axis_.drive->homing;
+    return homing.home == cia402::Home::by_drive && !config::begins_at_home(homing);
+  }
+  hal::Duration patience() const { return loop_.time_to_set_up(id_) + axis_.drive->homing.timeout; }
   bool running() const { return loop_.status(id_).running; }
   bool faulted() const { return loop_.status(id_).fault != firmware::AxisFault::none; }
 
-  // The brake opens.
+  // The brake opens for a drive that seeks its home.
+  void release_to_seek_home(double time_s) {
+    const bool seeking = loop_.status(id_).feedback.state == hal::DriveState::homing;
+    if (seeking && seeks_home() && !mechanism_.axis->released()) mechanism_.axis->release(time_s);
+  }
+  // The brake opens, if it is still closed.
   void release(double time_s) {
-    mechanism_.axis->release(time_s);
+    if (!mechanism_.axis->released()) mechanism_.axis->release(time_s);
     watch_.start_move(position_m() - target_m_);
     look();
     note_fault(0);
-    if (!running() && result_.faults.empty()) result_.faults.push_back({0, "drive was not enabled in time"});
+    if (!running() && result_.faults.empty()) result_.faults.push_back({0, why_not_enabled()});
   }
 
   void change_target(double time_s) {
@@ -156,14 +167,33 @@ class AxisRun {
     noted_code_ = code;
   }
 
-  std::string fault_text(firmware::AxisFault fault, std::uint16_t code) const {
-    std::string name{to_string(fault)};
-    if (code != 0) {
-      if constexpr (requires { loop_.drive(id_).fault_text(code); })
-        name += fmt::format(" (error code {:04X}h: {})", code, loop_.drive(id_).fault_text(code));
-      else
-        name += fmt::format(" (error code {:04X}h)", code);
+  // Nothing is enabled before the drives of all axes are set up.
+  std::string why_not_enabled() const {
+    if (configured()) return "not enabled: the drive of another axis was not set up in time";
+    const auto& drive = loop_.drive(id_);
+    const auto status = drive.setup_status();
+    using Status = std::remove_cv_t<decltype(status)>;
+    std::string text = "drive was not set up in time";
+    bool says_more = true;
+    if constexpr (requires { Status::in_progress; }) says_more = status != Status::in_progress;
+    if (says_more) text += fmt::format(": {}", to_string(status));
+    if constexpr (requires { drive.setup_object(); }) {
+      const auto object = drive.setup_object();
+      if (object.index != 0) text += fmt::format(" (at object {:04X}h:{:02X})", object.index, object.subindex);
     }
+    return text + code_text(drive.last_error_code());
+  }
+
+  std::string code_text(std::uint16_t code) const {
+    if (code == 0) return {};
+    if constexpr (requires { loop_.drive(id_).fault_text(code); })
+      return fmt::format(" (error code {:04X}h: {})", code, loop_.drive(id_).fault_text(code));
+    else
+      return fmt::format(" (error code {:04X}h)", code);
+  }
+
+  std::string fault_text(firmware::AxisFault fault, std::uint16_t code) const {
+    std::string name = std::string{to_string(fault)} + code_text(code);
     if (fault == firmware::AxisFault::drive_unusable)
       name += fmt::format(": {}", to_string(loop_.drive(id_).setup_status()));
     if constexpr (requires { loop_.controller(id_).seen_friction_N(); }) {

@@ -62,11 +62,19 @@ class ExperimentOnBus {
     now_ += period_;
   }
   bool commission() {
-    const hal::Time give_up = hal::Time{} + std::chrono::seconds{10} + 1000 * period_;
+    const config::Homing& homing = axis_.drive->homing;
+    const hal::Time give_up = hal::Time{} + 2 * loop_.time_to_set_up(*id_) + homing.timeout;
     loop_.request_enable(*id_);
-    while (!status().running && status().fault == firmware::AxisFault::none && now_ < give_up) step();
-    mechanism_.axis->release(hal::seconds(network_.bus().now()));
+    while (!status().running && status().fault == firmware::AxisFault::none && now_ < give_up) {
+      step();
+      if (status().feedback.state == hal::DriveState::homing && !config::begins_at_home(homing)) release();
+    }
+    release();
     return status().running;
+  }
+  // The brake opens, for a drive that seeks its home earlier.
+  void release() {
+    if (!mechanism_.axis->released()) mechanism_.axis->release(hal::seconds(network_.bus().now()));
   }
   void move(const ExperimentProgress& progress) {
     note();

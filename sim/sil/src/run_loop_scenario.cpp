@@ -65,19 +65,31 @@ class LoopRun {
     return std::ranges::all_of(axes_, [&](const Axis& axis) { return (axis.*holds)(); });
   }
 
-  // Sets the drives up over the bus, enables them together, and opens the brakes with the first command. False: no axis
-  // runs.
-  bool commission() {
-    // Setting up takes some hundred periods, and a drive some time of its own.
-    const hal::Time give_up = hal::Time{} + std::chrono::seconds{10} + 1000 * period_;
-    const auto settled = [](const Axis& axis) { return axis.running() || axis.faulted(); };
-    bool enabled = false;
-    while (!(enabled && std::ranges::all_of(axes_, settled)) && now_ < give_up) {
-      if (!enabled && all(&Axis::configured)) {
-        for (Axis& axis : axes_) axis.enable();
-        enabled = true;
-      }
+  // Steps until the condition holds, or for as long as the set-up of a drive and its way home may take.
+  void wait_for(const auto& condition) {
+    hal::Duration patience{};
+    for (const Axis& axis : axes_) patience = std::max(patience, axis.patience());
+    for (const hal::Time begin = now_; !condition() && now_ - begin < patience;) {
       step();
+      for (Axis& axis : axes_) axis.release_to_seek_home(hal::seconds(network_.bus().now()));
+    }
+  }
+
+  void enable_those(const auto& chosen) {
+    for (Axis& axis : axes_)
+      if (chosen(axis)) axis.enable();
+    wait_for([&] {
+      return std::ranges::none_of(axes_, [&](const Axis& a) { return chosen(a) && !a.running() && !a.faulted(); });
+    });
+  }
+
+  // Sets the drives up over the bus, has those move that seek their home, enables the others together, and opens the
+  // brakes with the first command. False: no axis runs.
+  bool commission() {
+    wait_for([this] { return all(&Axis::configured); });
+    if (all(&Axis::configured)) {
+      enable_those([](const Axis& axis) { return axis.seeks_home(); });
+      enable_those([](const Axis& axis) { return !axis.seeks_home(); });
     }
     release_ = stepped_at();
     for (Axis& axis : axes_) axis.release(hal::seconds(network_.bus().now()));

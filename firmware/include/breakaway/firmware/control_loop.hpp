@@ -146,6 +146,9 @@ class ControlLoop {
     return true;
   }
 
+  // Returns how long the set-up of an axis' drive may take, where the axis is wanted, before that is a fault.
+  hal::Duration time_to_set_up(AxisId id) const noexcept { return time_to_set_up(drive(id)); }
+
   // Sets the target as an encoder count, which is exact at any distance from zero, in any scalar type. May be called at
   // any time.
   void set_target_counts(AxisId id, std::int32_t counts) noexcept {
