@@ -363,6 +363,22 @@ TEST_F(ControlLoopTest, TakesAReferenceOnlyForAnAxisThatIsSeenWithoutForce) {
   EXPECT_EQ(probe.reference, 7);
 }
 
+// The axis of a drive that is set up anew may move on meanwhile, and its newest sample says nothing of where it is.
+TEST_F(ControlLoopTest, TakesNoReferenceWhileNoSampleSaysWhereTheAxisIs) {
+  enable();
+  probe.feedback.state = hal::DriveState::configuring;
+  now += 1400us;
+  loop.step(now);
+  EXPECT_TRUE(loop.set_reference_counts(axis, 7));
+  now += 200us;
+  loop.step(now);
+  EXPECT_FALSE(loop.set_reference_counts(axis, 8));
+  EXPECT_EQ(probe.reference, 7);
+  probe.feedback.state = hal::DriveState::disabled;
+  step();
+  EXPECT_TRUE(loop.set_reference_counts(axis, 8));
+}
+
 TEST_F(ControlLoopTest, NamesADriveThatIsInFaultBeforeItEverRan) {
   probe.feedback.state = hal::DriveState::fault;
   probe.feedback.fault_code = 0x3210;

@@ -120,10 +120,12 @@ class ControlLoop {
   }
 
   // The axis stands at this encoder count: for an incremental encoder whose drive booted anew, and for a zero of its
-  // own. Returns false, and does nothing, while the axis may have force or no sample came.
+  // own. Returns false, and does nothing, while the axis may have force, and where no sample came or none comes any
+  // more: since the newest one the axis may have moved.
   bool set_reference_counts(AxisId id, std::int32_t counts) noexcept {
     Axis* const a = find(id);
     if (a == nullptr || may_have_force(a->status.feedback) || !a->status.feedback.ever_valid) return false;
+    if (a->supervisor.is_stale(a->status.feedback, a->controlled_at)) return false;
     a->drive.set_reference_counts(counts);
     return true;
   }
@@ -222,6 +224,7 @@ class ControlLoop {
     Scalar last_error_m{};
     std::int32_t target_counts = 0;
     bool another_master = false;
+    hal::Time controlled_at{};                   // by the newest step
     std::optional<hal::Time> unfulfilled_since;  // it is wanted and does not run
     hal::Time enabling_since{};
     std::int32_t reset_periods = 0;              // that the drive still has to leave its fault
@@ -323,6 +326,7 @@ class ControlLoop {
     const hal::DriveFeedback<Scalar> feedback = a.drive.feedback();
     const bool was_running = a.status.running;
     a.status.feedback = feedback;
+    a.controlled_at = now;
     a.status.output = {};
     a.status.running = supervise(a, feedback, was_running, now);
     if (!a.status.running) return;

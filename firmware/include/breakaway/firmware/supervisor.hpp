@@ -247,7 +247,7 @@ class Supervisor {
                     bool against_a_stop = false) noexcept {
     check_idle(health, now);
     latch(health.emergency_code != 0 ? AxisFault::emergency : AxisFault::none, health.emergency_code, now);
-    if (now - feedback.sample_time > limits_.feedback_timeout) latch(AxisFault::feedback_stale, 0, now);
+    if (is_stale(feedback, now)) latch(AxisFault::feedback_stale, 0, now);
     if (!(std::abs(feedback.force_N) <= limits_.force_N)) latch(AxisFault::force_limit, 0, now);
     if (feedback.fresh) watch_homing_motion(feedback, against_a_stop, now);
   }
@@ -270,6 +270,11 @@ class Supervisor {
     allowed_error_m_ = AxisLimits<Scalar>::unlimited;
   }
 
+  // The newest position is too old to say where the axis is now.
+  bool is_stale(const hal::DriveFeedback<Scalar>& feedback, hal::Time now) const noexcept {
+    return now - feedback.sample_time > limits_.feedback_timeout;
+  }
+
   AxisFault fault() const noexcept { return fault_; }
   hal::Time fault_time() const noexcept { return fault_time_; }
   std::uint16_t fault_code() const noexcept { return fault_code_; }
@@ -284,7 +289,7 @@ class Supervisor {
     if (f.faulty || f.state == hal::DriveState::fault) return AxisFault::drive_fault;
     if (health.heartbeat_lost) return AxisFault::heartbeat_lost;
     if (f.state != hal::DriveState::enabled) return AxisFault::drive_left_enabled;
-    if (f.ever_valid && now - f.sample_time > limits_.feedback_timeout) return AxisFault::feedback_stale;
+    if (f.ever_valid && is_stale(f, now)) return AxisFault::feedback_stale;
     if (health.on_its_way && rested_samples_ == 0 && now - progress_time_ > limits_.progress_timeout)
       return AxisFault::target_not_reached;
     if (f.fresh) return measured_violation(f, health);
