@@ -10,6 +10,7 @@ BusListener::BusListener(const config::Node& node) : node_id_{node.loop->node_id
   for (const config::Axis& axis : node.axes)
     axes_.push_back({.told = {.axis = node.axes.size() > 1 ? axis.name : std::string{}},
                      .position_counts = {},
+                     .heard_at = {},
                      .drive_id = axis.drive->node_id,
                      .invert = axis.drive->invert_direction,
                      .resolution_m = axis.drive->encoder_resolution_m,
@@ -52,6 +53,7 @@ std::optional<Sample> BusListener::on_frame(const hal::ReceivedFrame& received) 
     const auto heard = cia402::overheard_feedback(frame, axis.drive_id, axis.invert);
     if (!heard) continue;
     axis.position_counts = heard->position_counts;
+    axis.heard_at = received.time;
     axis.told.time_s = hal::seconds(received.time);
     axis.told.position_m = heard->position_counts * axis.resolution_m;
     axis.told.reported_N = heard->torque_per_mille * axis.force_quantum_N;

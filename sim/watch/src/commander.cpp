@@ -13,6 +13,8 @@ namespace {
 // What was heard longer ago than this is past.
 constexpr hal::Duration recent = std::chrono::seconds{1};
 
+bool is_recent(const std::optional<hal::Time>& at, hal::Time now) { return at && now - *at <= recent; }
+
 // Two commands in one period of the node would be one to it.
 hal::Duration interval_of(const config::Loop& loop) {
   constexpr hal::Duration longest = std::chrono::milliseconds{100};
@@ -41,7 +43,7 @@ std::string Commander::obey(const Command& command, hal::Time now) {
   page_is_seen(now);
   switch (command.action) {
     case Action::enable:
-      return enable(command.axis);
+      return enable(command.axis, now);
     case Action::target:
       return set_target(command.axis, command.target_m);
     case Action::reset:
@@ -58,10 +60,9 @@ std::string Commander::obey(const Command& command, hal::Time now) {
 }
 
 std::string Commander::why_deaf(hal::Time now) const {
-  const auto is_recent = [&](const std::optional<hal::Time>& at) { return at && now - *at <= recent; };
-  if (is_recent(listener_.heard_commander_at()))
+  if (is_recent(listener_.heard_commander_at(), now))
     return "another commander speaks on the bus; end it before this one begins";
-  if (!is_recent(listener_.heard_node_at()))
+  if (!is_recent(listener_.heard_node_at(), now))
     return fmt::format(
         "no status of node {} is heard: is it running, does [loop] node_id say its number, and is it one "
         "that others command (an image; not breakaway-node)?",
@@ -69,11 +70,14 @@ std::string Commander::why_deaf(hal::Time now) const {
   return {};
 }
 
-std::string Commander::enable(std::size_t place) {
+std::string Commander::enable(std::size_t place, hal::Time now) {
   Axis& axis = axes_[place];
   if (const auto fault = listener_.fault(place); fault && *fault != firmware::AxisFault::none)
     return fmt::format("it has the fault \"{}\"; reset it first", to_string(*fault));
   if (axis.said.enable || axis.wanted) return "it is enabled already";
+  if (!is_recent(listener_.heard_drive_at(place), now))
+    return "its drive is not heard any more, and where the axis stands is not known: is it on, and does the node set "
+           "it up?";
   axis.said.target_counts = *listener_.position_counts(place);
   axis.reset_since.reset();
   axis.said.reset_fault = false;

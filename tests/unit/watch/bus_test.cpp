@@ -36,7 +36,7 @@ class WatchedNode : public ::testing::Test {
 
   WatchedNode() {
     for (std::size_t i = 0; i < mechanisms_.size(); ++i) {
-      network_.add_drive(*scenario_.worlds[i].drive, mechanisms_[i].seen_by_drive());
+      drives_.push_back(&network_.add_drive(*scenario_.worlds[i].drive, mechanisms_[i].seen_by_drive()));
       mechanisms_[i].axis->release(0);
     }
     run(500ms);
@@ -74,6 +74,7 @@ class WatchedNode : public ::testing::Test {
   config::AnyNode<float> flashed_ = config::certified(scenario_.node, config::examine(scenario_.node));
   std::vector<sil::AxisMechanism> mechanisms_ = sil::axis_mechanisms(scenario_);
   sil::SimulatedNetwork network_{virtual_bus::VirtualBusConfig{}};
+  std::vector<drive_emulator::DriveEmulator*> drives_;
   firmware::ControlNode<Port, config::AnyNode<float>> node_{network_.controller_port(), flashed_};
   Port& page_port_ = network_.add_port();
   BusListener listener_{scenario_.node};
@@ -96,6 +97,20 @@ TEST_F(WatchedNode, IsSeenWithoutAWordFromThePage) {
     EXPECT_LT(sample.bus_load, 0.9);
     EXPECT_TRUE(std::isnan(sample.target_m)) << "nobody has said one yet";
   }
+}
+
+// Somebody may have moved it meanwhile, and it would go back.
+TEST_F(WatchedNode, AnAxisWhoseDriveIsNotHeardIsNotEnabledToWhereItStoodBefore) {
+  drives_[0]->power_off(now_);
+  run(1500ms);
+  EXPECT_NE(asked(Action::enable).find("not heard any more"), std::string::npos);
+  EXPECT_EQ(asked(Action::enable, 1), "") << "the other one is heard";
+  run(500ms);
+  EXPECT_TRUE(is_enabled(1));
+  drives_[0]->power_on(now_);
+  run(3s);
+  EXPECT_FALSE(is_enabled());
+  EXPECT_EQ(asked(Action::enable), "");
 }
 
 TEST_F(WatchedNode, AnAxisThatIsEnabledStaysWhereItIsAndThenGoesToItsTarget) {

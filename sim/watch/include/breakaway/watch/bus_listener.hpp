@@ -34,6 +34,9 @@ class BusListener {
   // Where the axis stands, once its drive was heard.
   std::optional<std::int32_t> position_counts(std::size_t place) const { return axes_[place].position_counts; }
 
+  // When its drive was last heard to say so; nothing: never.
+  std::optional<hal::Time> heard_drive_at(std::size_t place) const { return axes_[place].heard_at; }
+
   // When the node last told of itself; nothing: never.
   std::optional<hal::Time> heard_node_at() const { return heard_node_at_; }
 
@@ -51,6 +54,7 @@ class BusListener {
   struct Axis {
     Sample told;  // what is known of it until now
     std::optional<std::int32_t> position_counts;
+    std::optional<hal::Time> heard_at;
     std::uint8_t drive_id = 0;
     bool invert = false;
     double resolution_m = 0, force_quantum_N = 0;

@@ -3,7 +3,8 @@
 // It says nothing until the operator first asks for something, and nothing while another commander speaks. From then on
 // it repeats its commands, of the axes that were asked for, several times in LoopConfig::command_timeout:
 //
-//   enable   the axis is to hold where it stands: "not enabled" with its position as target, and then "enabled"
+//   enable   the axis is to hold where it stands, as its drive still says: "not enabled" with its position as target,
+//            and then "enabled"
 //   target   of an enabled axis, within the limits of its file, and of axes that push each other near where they hold
 //   stop     "not enabled"
 //   reset    "not enabled", and the reset until the node shows no fault, for two seconds at most
@@ -59,7 +60,7 @@ class Commander {
     std::optional<hal::Time> reset_since{};
   };
 
-  std::string enable(std::size_t place);
+  std::string enable(std::size_t place, hal::Time now);
   std::string set_target(std::size_t place, double target_m);
   std::string far_problem(std::size_t place, double target_m) const;
   std::string why_deaf(hal::Time now) const;
