@@ -257,7 +257,7 @@ config::AnyNode<float> slow_node(const std::string& mass_kg, const std::string& 
   return certified_node("[loop]\nperiod_s = 0.01\n[bus]\nbit_rate = 1_000_000\n[plant]\nmass_kg = " + mass_kg + R"(
 [friction]
 lower_N = 0.1
-upper_N = 0.12
+upper_N = 0.15
 [limits]
 position_m = 100
 speed_m_s = 20
