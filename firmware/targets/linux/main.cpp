@@ -34,7 +34,7 @@ namespace {
 constexpr const char* examples =
     "Example: breakaway-node --can can0 sim/scenarios/can_axis.toml --target 0.25\n"
     "         breakaway-node --can can0 axis.toml --identify --csv run.csv\n"
-    "SIGINT or SIGTERM stops the axes and ends the node; SIGUSR1 acknowledges faults.\n"
+    "SIGINT, SIGTERM or SIGHUP stops the axes and ends the node; SIGUSR1 acknowledges faults.\n"
     "\n"
     "Exit codes: 0 ended as asked, every axis stopped; 1 a fault, no confirmed stop, --duration ended off the target,\n"
     "or a log or standard output that was not written whole; 2 bad input, nothing moved (one line on standard error\n"

@@ -15,10 +15,17 @@
 namespace breakaway::linux_node {
 namespace {
 
+// A signal that is blocked would wait here even if it is ignored, as nohup has it for SIGHUP.
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 sigset_t operator_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set, signal);
+  if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
   return set;
 }
 
@@ -102,7 +109,7 @@ void Reporter::take_signals() {
   const sigset_t signals = operator_signals();
   constexpr timespec patience{.tv_sec = 0, .tv_nsec = 20'000'000};
   const int signal = sigtimedwait(&signals, nullptr, &patience);
-  if (signal == SIGINT || signal == SIGTERM) telemetry_.stop = true;
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) telemetry_.stop = true;
   if (signal == SIGUSR1) telemetry_.reset = true;
 }
 

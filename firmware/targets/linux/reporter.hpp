@@ -20,8 +20,8 @@ namespace breakaway::linux_node {
 
 class Reporter {
  public:
-  // From here on SIGINT, SIGTERM and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another thread,
-  // and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
+  // From here on SIGINT, SIGTERM, SIGHUP and SIGUSR1 arrive as wishes in `telemetry`. Call it before there is another
+  // thread, and before the caller takes a real-time priority. Throws InputError: a log cannot be written.
   Reporter(const Options& options, Telemetry& telemetry, const Configuration& configuration, ServiceManager& manager);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;

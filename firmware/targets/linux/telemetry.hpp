@@ -50,7 +50,7 @@ struct Telemetry {
   hal::SharedRing<Record, 16384> records;                             // two seconds and more at 1 kHz
   std::atomic<std::uint64_t> lost{0};                                 // records that the ring had no room for
   std::atomic<std::uint64_t> csv_unwritten{0}, candump_unwritten{0};  // records that these logs lack at the end
-  std::atomic<bool> stop{false};                                      // the operator's: SIGINT, SIGTERM
+  std::atomic<bool> stop{false};                                      // the operator's: SIGINT, SIGTERM, SIGHUP
   std::atomic<bool> reset{false};                                     // SIGUSR1
   std::atomic<bool> finished{false};                                  // the control thread's: nothing more comes
   std::atomic<bool> ready{false};                                     // the control thread's: what it is for has begun

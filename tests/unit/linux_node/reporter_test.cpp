@@ -82,6 +82,23 @@ TEST_F(ReporterTest, ObeysASignalWhileNobodyReadsALog) {
   close(reader);
 }
 
+TEST_F(ReporterTest, StopsWhenItsTerminalIsGone) {
+  start();
+  kill(getpid(), SIGHUP);
+  EXPECT_TRUE(comes_true([this] { return telemetry_.stop.load(); }));
+}
+
+// Of two signals that wait the one with the lower number, SIGHUP, is taken first.
+TEST_F(ReporterTest, GoesOnWithoutATerminalUnderNohup) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  start();
+  kill(getpid(), SIGHUP);
+  kill(getpid(), SIGUSR1);
+  EXPECT_TRUE(comes_true([this] { return telemetry_.reset.load(); }));
+  EXPECT_FALSE(telemetry_.stop);
+  std::signal(SIGHUP, before);
+}
+
 TEST_F(ReporterTest, CountsWhatAFullDiskDoesNotTake) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   options_.csv = "/dev/full";
