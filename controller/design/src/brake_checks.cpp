@@ -24,7 +24,7 @@ constexpr double steps_of_a_move = 4;  // of the force within the least friction
 
 // What it takes instead is found by designs of other classes, which need no such search themselves: add_ways.
 constexpr const char* tolerance_above_floor = "tolerance_above_floor";
-constexpr const char* kicks_are_few = "kicks_are_few";
+constexpr const char* few_kicks = "kicks_are_few";
 
 // What the fine stage aims at is not promised, so that it may be asked for only where what is promised will do.
 Check tolerance_check(const AxisDesign& axis, const BrakedDesign<float>& design) {
@@ -74,7 +74,7 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   const double from_m = kicks_begin_m(design);
   const int most = most_kicks(c, design, from_m, std::max(axis.position_tolerance_m, design.least_tolerance_m));
   const bool end = most > 0 || axis.position_tolerance_m >= from_m;
-  checks.push_back(below(kicks_are_few, "after so many kicks the law stops by name",
+  checks.push_back(below(few_kicks, "after so many kicks the law stops by name",
                          end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
                          "the kicks that may be needed from " + brief(from_m) +
                              " m, where brake and kicks take over, against what the law allows",
@@ -258,7 +258,7 @@ constexpr Remedy fewer_kicks[] = {
 std::string ways_to_few_kicks(const AxisDesign& axis, const std::vector<Check>& checks) {
   const auto is_mended = [&](const AxisDesign& other) {
     const std::vector<Check> now = checks_of(other, design_braked_kicks<float>(*other.braked));
-    return holds(now, kicks_are_few) &&
+    return holds(now, few_kicks) &&
            std::ranges::all_of(checks, [&](const Check& check) { return !check.holds || holds(now, check.name); });
   };
   std::string ways;
@@ -282,7 +282,7 @@ void add_ways(std::vector<Check>& checks, const AxisDesign& axis, const BrakedDe
   for (Check& check : checks)
     if (!check.holds && check.name == tolerance_above_floor) check.reason += ways_of(axis, design, checks);
   for (Check& check : checks)
-    if (!check.holds && check.name == kicks_are_few) check.reason += ways_to_few_kicks(axis, checks);
+    if (!check.holds && check.name == few_kicks) check.reason += ways_to_few_kicks(axis, checks);
   first->reason += by_less_lag(axis);
 }
 
