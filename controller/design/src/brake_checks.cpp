@@ -133,14 +133,26 @@ std::vector<Check> checks_of_spring_load(const AxisDesign& axis, const BrakedDes
             Equality::holds)};
 }
 
+// An axis of which all is known, at its least friction, can do with less.
+bool knowledge_lets_move(const BrakedClass& c) {
+  BrakedClass known = c;
+  known.friction.upper_N = known.friction.lower_N;
+  for (Interval* interval : {&known.mass_kg, &known.force_gain})
+    interval->least = interval->most = (interval->least + interval->most) / 2;
+  return least_acceleration_m_s2(known) <= c.move->acceleration_m_s2;
+}
+
 // What a move asks for must be possible for every axis of the class.
 std::vector<Check> checks_of_move(const BrakedClass& c, const BrakedDesign<float>& design) {
   const MoveRequest& move = *c.move;
+  const double least_m_s2 = least_acceleration_m_s2(c);
   std::vector<Check> checks{
       below("move_can_be_made", "the least force that breaks the axis away, and friction with the brake that stops it",
-            least_acceleration_m_s2(c), move.acceleration_m_s2,
+            least_m_s2, move.acceleration_m_s2,
             "the acceleration that some axis of the class takes at least against [move] acceleration_m_s2",
-            "raise it, or know friction, mass and force gain better", Equality::holds)};
+            "raise it to " + brief(rounded_up(least_m_s2, 3)) +
+                (knowledge_lets_move(c) ? ", or know friction, mass and force gain better" : ""),
+            Equality::holds)};
   if (!design.possible()) return checks;
   const std::string tested = "tested, not proved: what is seen of the speed, and how soon a force follows";
   const std::string tested_of_moves = "tested, not proved: what sufficed for all of many moves";

@@ -488,6 +488,24 @@ TEST(DesignReport, CountsUnderTheCoastPdWithTheStepsOfTheForce) {
   EXPECT_GE(stepped.pd->kicks_s, smooth.pd->kicks_s);
 }
 
+// Under a brake of nine tenths of the least friction even that takes 4.75 m/s2 of a kilogram.
+TEST(DesignReport, OffersToKnowMoreOfAMoveOnlyWhereThatMayDo) {
+  AxisDesign moved = moved_example();
+  const auto reason = [&](double acceleration_m_s2) {
+    moved.braked->move->acceleration_m_s2 = acceleration_m_s2;
+    const DesignReport report = design_axis(moved);
+    const Check* const check = find(report, "move_can_be_made");
+    return check->holds ? std::string{} : check->reason;
+  };
+  EXPECT_NE(reason(5.5).find("; raise it to "), std::string::npos) << reason(5.5);
+  EXPECT_NE(reason(5.5).find("know friction"), std::string::npos) << reason(5.5);
+  const std::string slow = reason(4);
+  EXPECT_EQ(slow.find("know friction"), std::string::npos) << slow;
+  const double told_m_s2 = std::stod(slow.substr(slow.find("raise it to ") + 12));
+  EXPECT_EQ(reason(told_m_s2), "");
+  EXPECT_NE(reason(0.98 * told_m_s2), "");
+}
+
 // What a drive or a load makes impossible is named alone: the rest would be of a design that there is not.
 TEST(DesignReport, SaysNoMoreOfMoveAndSpringThanThereIsOfADesign) {
   AxisDesign weak = moved_example();
