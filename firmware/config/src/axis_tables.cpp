@@ -265,10 +265,12 @@ void check_limits(const Section& section, const Axis& axis, const Node& node) {
 void check_move(const Section& section, const Axis& axis) {
   const Move& move = *axis.move;
   constexpr double margin = 1.01;  // of the speed, which the supervisor takes from two readings
-  if (axis.limits.speed_m_s < margin * move.speed_m_s) {
+  const double least_m_s = margin * move.speed_m_s;
+  if (axis.limits.speed_m_s < least_m_s) {
     const auto [asked, limit] = compared(move.speed_m_s, axis.limits.speed_m_s);
     section.fail("speed_m_s",
-                 fmt::format("is {}, and [limits] speed_m_s is {}, less than 1 % above; raise that", asked, limit));
+                 fmt::format("is {}, and [limits] speed_m_s is {}, which must be 1 % above; raise that to {}", asked,
+                             limit, brief(rounded_up(least_m_s, 6))));
   }
   const double room_m = axis.limits.position_max_m - axis.limits.position_min_m;
   if (move.distance_m > room_m) {
