@@ -343,6 +343,8 @@ constexpr CounterExample counter_examples[] = {
     {80206512, Start::as_far_as_told, "the same: 30 mm too far"},
     {80215505, Start::as_far_as_told, "the same"},
     {80233518, Start::as_far_as_told, "the same, and later than said on its way back"},
+    {91075966, Start::as_drawn, "held further away than said: from beyond its table kicks do not lead on any further"},
+    {91080090, Start::as_drawn, "the same"},
     {5134012, Start::slow, "stands where a sample is lost, which 100,000 periods of approach do three times"},
 };
 

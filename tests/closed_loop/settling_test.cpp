@@ -63,6 +63,26 @@ TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
   }
 }
 
+// With a tolerance at the floor, between one count and two, the last kicks show by no count.
+TEST(BrakedAxis, NeedsAsFewKicksToItsFloor) {
+  auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+  axis.node.axes[0].uncertainty = {};
+  axis.node.axes[0].controller.position_tolerance_m = 1.63e-6;
+  ASSERT_TRUE(config::examine(axis.node).front().certified);
+  ASSERT_LT(1.63e-6, 1.01 * config::examine(axis.node).front().braked->floor_m) << "hardly more than its floor";
+  const double inside_s[] = {1.16, 0.14, 0.065};
+  const auto rows = study::run_study(axis, three_starts(100));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    SCOPED_TRACE(rows[i].start.position_m);
+    for (const auto& run : rows[i].runs) {
+      EXPECT_TRUE(run.settled) << run.law;
+      EXPECT_LE(std::abs(run.final_error_m), 1.63e-6 + 0.5e-6) << run.law;
+      EXPECT_LE(run.kicks, 8U) << run.law;
+    }
+    EXPECT_LE(worst_time_inside_s(rows[i]), inside_s[i]);
+  }
+}
+
 // Between two kicks the axis rests within so wide a tolerance, and further away than it is certified to end.
 TEST(BrakedAxis, HasNotSettledBeforeTheLawHoldsHoweverWideTheToleranceIsThatIsJudged) {
   auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");

@@ -144,6 +144,7 @@ law::BrakedKicks<Real> numbers(const BrakedClass& axes, const KickClass& kicks, 
           .patient_periods = {},
           .settling_periods = counted(settling),
           .fine_floor_m = {},
+          .sure = {},
           .spring = spring<Real>(axes, kicks),
           .approach = detail::braked_approach<Real>(axes, kicks),
           .table = {}};
@@ -223,6 +224,7 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   design.kicks.least_seen_N = static_cast<Real>(builder.seen_N().least);
   design.kicks.most_seen_N = static_cast<Real>(builder.seen_N().most);
   const Interval range = builder.range_m();
+  design.kicks.sure = builder.sure_travel(range);
   design.floor_m = range.least;
   design.reach_m = range.most;
   design.aim_lost = builder.aim_lost();

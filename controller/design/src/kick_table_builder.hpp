@@ -89,17 +89,29 @@ class KickTableBuilder {
       };
       seen = {std::min(seen.least, friction_N(p.most_m)), std::max(seen.most, friction_N(p.least_m))};
     };
-    for (std::size_t i = 0; i < table_.count; ++i) {
-      if (table_.list) note(pulse(static_cast<double>(table_.entries[i].a0)));
-      for (int j = 0; j <= samples && !table_.list; ++j) {
-        const double left = Table::root_at(table_.first + static_cast<std::uint32_t>(i));
-        const double right = Table::root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
-        const double s = left + (right - left) * j / samples;
-        note(pulse(s * s));
-      }
-    }
+    for_each_place([&](double distance_m) { note(pulse(distance_m)); });
     const double more = 0.01 * (seen.most - seen.least + kicks_.most_friction_N());
     return {seen.least - more, seen.most + more};
+  }
+
+  // A line below what kicks travel at least, as steep as the counts just outside the least tolerance let it be: there a
+  // reading says least, because the axis may be half a count nearer or further. range: of range_m().
+  law::SureTravel<Real> sure_travel(const Interval& range) const {
+    constexpr double rounding = 1e-6, kept = 0.999;
+    const double q = axes_.encoder_resolution_m, step_m = q / sure_places;
+    const double first_m = std::ceil(range.least / q * (1 - rounding)) * q;
+    const double places = std::min(std::floor((range.most - first_m) / step_m), double{sure_counts * sure_places});
+    if (axes_.spring_load || axes_.presliding_stiffness_N_per_m > 0 || !(places >= 1)) return {};
+    const double most_m = first_m + places * step_m;
+    const auto travel_m = [&](double y) { return pulse(y * (1 - rounding)).least_m; };
+    const double at_first_m = travel_m(first_m);
+    double slope = std::min(1.0, (least_travel_beyond_m(most_m) - at_first_m) / (most_m - first_m));
+    for (int i = 1; i <= places; ++i)
+      slope = std::min(slope, (travel_m(first_m + i * step_m) - at_first_m) / (i * step_m));
+    if (!(slope > 0)) return {};
+    double from_m = first_m - at_first_m / slope;
+    for (double y = range.least; y < first_m; y += step_m) from_m = std::max(from_m, y - travel_m(y) / slope);
+    return {static_cast<Real>(kept * slope), static_cast<Real>(from_m), static_cast<Real>(most_m)};
   }
 
   // What the controller does at this distance.
@@ -111,6 +123,33 @@ class KickTableBuilder {
  private:
   static constexpr int samples = 32;               // of an interval
   static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
+  static constexpr int sure_counts = 64;           // beyond the least tolerance, where kicks are sure to lead further
+  static constexpr int sure_places = 4;            // of a count: a target need not be a whole one
+
+  // Of all entries, from one end of each to the other, which is where the next begins but for its pulse.
+  template <class Visitor>
+  void for_each_place(const Visitor& visit) const {
+    for (std::size_t i = 0; i < table_.count; ++i) {
+      if (table_.list) visit(static_cast<double>(table_.entries[i].a0));
+      for (int j = 0; j <= samples && !table_.list; ++j) {
+        const double left = Table::root_at(table_.first + static_cast<std::uint32_t>(i));
+        const double right = Table::root_at(table_.first + static_cast<std::uint32_t>(i) + 1);
+        const double s = left + (right - left) * j / samples;
+        visit(s * s);
+      }
+    }
+  }
+
+  // From this distance on, at the end of the table and beyond it as well. Between two places a pulse is no weaker than
+  // at the nearer one.
+  double least_travel_beyond_m(double distance_m) const {
+    double least_m = pulse(std::numeric_limits<Real>::max()).least_m, nearer_m = 0;
+    for_each_place([&](double y) {
+      if (y > distance_m) least_m = std::min({least_m, pulse(nearer_m).least_m, pulse(y).least_m});
+      nearer_m = y;
+    });
+    return least_m;
+  }
 
   RealPulse real(double force_N, int periods, int cut_periods) const {
     const double force = kicks_.rounded_down_N(force_N);

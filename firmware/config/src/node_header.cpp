@@ -128,8 +128,9 @@ std::string promised_reading(const Node& node, const Axis& axis, const design::D
   if (report.braked && report.braked->fine_stage)
     return "at rest its reading is within fine_floor_m of its target, and position_tolerance_m, which is less, is only "
            "aimed at";
+  if (report.braked) return "at rest it is within position_tolerance_m, and what a reading may be off, of its target";
   std::string reading = "at rest its reading is within position_tolerance_m of its target";
-  if (!report.braked && !report.work)
+  if (!report.work)
     reading += ", the true error at most " + brief_up(tolerance_m(node, axis) + reading_error_m(axis)) + " m";
   return reading;
 }

@@ -281,6 +281,65 @@ TEST(BrakedKicks, AreAsManyAsPromisedForWhoeverReadsAtHisWorst) {
   }
 }
 
+// Of readings that are whole counts, near the floor and up to the reach.
+void expect_sure_travel(const BrakedClass& c) {
+  const auto design = design_braked_kicks<float>(c);
+  ASSERT_TRUE(design.possible());
+  const law::SureTravel<float>& sure = design.kicks.sure;
+  const double q = c.encoder_resolution_m, first = std::ceil(design.floor_m / q * (1 - 1e-6));
+  for (double count = first; count * q < 1.5 * design.reach_m;
+       count = std::ceil(count * (count < 2000 ? 1 : 1.01) + 1)) {
+    const auto y = static_cast<float>(count * q);
+    const law::Pulse<float> p = design.kicks.table.pulse(y);
+    const double force_N = std::floor(std::min(static_cast<double>(p.force_N), c.max_force_N) / c.force_step_N + 1e-6);
+    const double least_m = least_travel_m(c, force_N * c.force_step_N, p.periods, p.cut_periods);
+    ASSERT_LE(static_cast<double>(sure.from(y)), least_m) << count << " counts";
+  }
+}
+
+TEST(BrakedKicks, TravelAtLeastWhatIsSure) {
+  int known = 0;
+  for (const double lag_s : {0.0, 1e-4, 2e-3}) {
+    for (const double step_N : {0.025, 0.5, 3.0}) {
+      for (const double count_m : {1e-9, 1e-6, 7e-6, 1e-4}) {
+        for (const double share : {0.0, 0.1}) {
+          BrakedClass c = example(1e-3, 0, step_N);
+          c.lag_s = {0.8 * lag_s, 1.2 * lag_s};
+          c.mass_kg = {1 - share, 1 + share};
+          c.force_gain = {1 - share / 2, 1 + share / 2};
+          c.encoder_resolution_m = count_m;
+          SCOPED_TRACE(testing::Message() << "lag " << lag_s << " s, step " << step_N << " N, count " << count_m
+                                          << " m, mass off by " << share);
+          expect_sure_travel(c);
+          if (design_braked_kicks<float>(c).kicks.sure.share > 0) ++known;
+        }
+      }
+    }
+  }
+  EXPECT_GT(known, 36) << "of 72 classes";
+}
+
+// The strongest pulse goes no further than the force of the drive and the longest pulse let it, however far away the
+// axis is: that is seven counts here.
+TEST(BrakedKicks, TravelAtLeastWhatIsSureAtTheEndOfTheirTable) {
+  BrakedClass c = example(1e-3, 0, 0.2547);
+  c.mass_kg = {7683.74, 7683.74};
+  c.friction = {1.13103, 1.13216};
+  c.max_force_N = 22.7247;
+  c.encoder_resolution_m = 2.18345e-4;
+  ASSERT_LT(design_braked_kicks<float>(c).reach_m, 8 * c.encoder_resolution_m);
+  expect_sure_travel(c);
+}
+
+// An axis behind springs gives back what it took.
+TEST(BrakedKicks, AreSureOfNothingWhereFrictionBends) {
+  BrakedClass c = example();
+  c.encoder_resolution_m = 1e-6;
+  EXPECT_GT(design_braked_kicks<float>(c).kicks.sure.share, 0);
+  c.presliding_stiffness_N_per_m = 1e6;
+  EXPECT_EQ(design_braked_kicks<float>(c).kicks.sure.share, 0);
+}
+
 // The time of a kick is at least that of its periods, and grows with the distance.
 TEST(BindingLimit, IsWhatTheLeastToleranceWouldBeLeastWithHalfOf) {
   BrakedClass coarse = example();

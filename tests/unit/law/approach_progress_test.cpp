@@ -11,21 +11,22 @@ namespace {
 
 constexpr double one_period_s = 1e-3;
 
-BrakedKicks<double> kicks_of_spans() {
+// An axis hardly gets on below a millimetre a second.
+ApproachProgress<double> progress_of_spans() {
   BrakedKicks<double> k;
   k.patient_periods = 20;
-  k.approach.switch_speed_m_s = 0.064;  // an axis hardly gets on below a millimetre a second
-  return k;
+  k.approach.switch_speed_m_s = 0.064;
+  ApproachProgress<double> progress{k, 1, one_period_s};
+  progress.restart();
+  return progress;
 }
 
 // Periods until an axis with this place in period k is taken for stuck; 0: never in a second.
 template <class Place>
 int periods_until_stuck(const Place& place_m) {
-  const BrakedKicks<double> k = kicks_of_spans();
-  ApproachProgress<double> progress;
-  progress.restart();
+  ApproachProgress<double> progress = progress_of_spans();
   for (int n = 1; n <= 1000; ++n)
-    if (progress.hardly_gets_on(place_m(n * one_period_s), k, 1, one_period_s)) return n;
+    if (progress.hardly_gets_on(place_m(n * one_period_s))) return n;
   return 0;
 }
 
@@ -68,14 +69,11 @@ TEST(ApproachProgress, AnAxisThatComesAndGoesIsFound) {
 }
 
 TEST(ApproachProgress, AfterARestartASpanIsHeldAgainstNoneBefore) {
-  const BrakedKicks<double> k = kicks_of_spans();
-  ApproachProgress<double> progress;
+  ApproachProgress<double> progress = progress_of_spans();
+  for (int n = 1; n <= 39; ++n) EXPECT_FALSE(progress.hardly_gets_on(-0.1 + 0.5 * n * one_period_s));
   progress.restart();
-  for (int n = 1; n <= 39; ++n)
-    EXPECT_FALSE(progress.hardly_gets_on(-0.1 + 0.5 * n * one_period_s, k, 1, one_period_s));
-  progress.restart();
-  for (int n = 1; n <= 39; ++n) EXPECT_FALSE(progress.hardly_gets_on(0.1, k, 1, one_period_s)) << n;
-  EXPECT_TRUE(progress.hardly_gets_on(0.1, k, 1, one_period_s));
+  for (int n = 1; n <= 39; ++n) EXPECT_FALSE(progress.hardly_gets_on(0.1)) << n;
+  EXPECT_TRUE(progress.hardly_gets_on(0.1));
 }
 
 }  // namespace

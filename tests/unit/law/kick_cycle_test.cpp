@@ -47,6 +47,19 @@ TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
   }
 }
 
+TEST(BrakedKicks, AreNotUsableWithATravelThatIsNotSure) {
+  using Sure = SureTravel<float>;
+  const BrakedKicks<float> sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  for (float Sure::*const number : {&Sure::share, &Sure::from_m, &Sure::most_m}) {
+    BrakedKicks<float> spoiled = sound;
+    spoiled.sure.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+  BrakedKicks<float> spoiled = sound;
+  spoiled.sure.share = 1.01F;
+  EXPECT_FALSE(are_usable(spoiled)) << "no kick is sure to go further than it aims";
+}
+
 TEST(ForceInterval, HoldsTheForceOfEveryLagBetweenItsBounds) {
   std::mt19937_64 random{1};
   std::uniform_real_distribution<> share{0, 1};

@@ -87,6 +87,71 @@ TEST(KickJudge, AccusesNoAxisThatHasArrived) {
   EXPECT_EQ(axis.controller().mode(), Mode::hold);
 }
 
+// Kicks of an axis that reads this, until it is held or ends by name, or is kicked so often.
+int kicks_at(Scripted& axis, float reading_m, int most = 1000) {
+  int kicks = 0;
+  for (int i = 0; i < 50'000 && kicks < most; ++i) {
+    const ControlOutput<float> out = axis.show(reading_m);
+    if (out.kicked) ++kicks;
+    if (out.mode == Mode::hold || out.mode == Mode::fault) break;
+  }
+  return kicks;
+}
+
+// It may be 2.5 um away, and within a tolerance of 1.55 um a reading promises 2.05 um.
+TEST(KickJudge, KnowsHowFarKicksAreSureToHaveLedAnAxisThatShowsNoneOfThem) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  const float sure_m = axis.kicks().sure.from(2e-6F);
+  ASSERT_GT(2 * sure_m, 0.45e-6F);
+  ASSERT_LT(sure_m, 0.45e-6F);
+  EXPECT_EQ(kicks_at(axis, -2e-6F), 2);
+  EXPECT_EQ(axis.controller().mode(), Mode::hold);
+}
+
+TEST(KickJudge, KnowsNothingOfKicksToAnotherTarget) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  EXPECT_EQ(kicks_at(axis, -2e-6F, 1), 1);
+  axis.controller().shift_target(2e-6F);
+  EXPECT_EQ(kicks_at(axis, -2e-6F), 2);
+}
+
+TEST(KickJudge, BelievesAReadingThatContradictsWhatIsKnown) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  EXPECT_EQ(kicks_at(axis, -2e-6F, 1), 1);
+  EXPECT_EQ(kicks_at(axis, -3e-6F, 1), 1) << "it may be 3.5 um away, whatever the last kick did";
+  EXPECT_EQ(kicks_at(axis, -2e-6F), 2);
+  EXPECT_EQ(axis.controller().mode(), Mode::hold);
+}
+
+// The other side of the target is no nearer for it.
+TEST(KickJudge, KnowsNothingOnTheOtherSideOfTheTarget) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  EXPECT_EQ(kicks_at(axis, -2e-6F, 1), 1);
+  EXPECT_EQ(kicks_at(axis, 2e-6F), 2);
+}
+
+TEST(KickJudge, KnowsNothingOfKicksThatALoweredLimitMakesWeaker) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  axis.controller().limit_force(4.6F);
+  EXPECT_EQ(kicks_at(axis, -2e-6F), KickJudge<float>::most_kicks);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::jammed);
+}
+
+TEST(KickJudge, KnowsNothingOfAKickThatIsMadeWeakerOnItsWay) {
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  EXPECT_EQ(kicks_at(axis, -2e-6F, 1), 1);
+  axis.controller().limit_force(40);
+  EXPECT_EQ(kicks_at(axis, -2e-6F), 2) << "as many as without the first";
+  EXPECT_EQ(axis.controller().mode(), Mode::hold);
+}
+
+// A reading that is further off than half a count beyond the tolerance is no end, whatever is known.
+TEST(KickJudge, KeepsToTheTolerance) {
+  Scripted axis{0, braked_axis(1.65e-6F)};
+  EXPECT_EQ(kicks_at(axis, -3e-6F), KickJudge<float>::most_kicks);
+  EXPECT_EQ(axis.controller().mode(), Mode::fault);
+}
+
 TEST(KickJudge, NamesAnAxisThatDoesNotMove) {
   Scripted axis{0};
   for (int i = 0; i < 20'000 && axis.controller().fault() == ControlFault::none; ++i) axis.show(-1e-4F);

@@ -6,10 +6,10 @@
 
 namespace breakaway::law::testing {
 
-inline AxisParameters<float> braked_axis() {
+inline AxisParameters<float> braked_axis(float tolerance_m = 2.2e-6F) {
   auto p = sampled_axis<float>();
   p.coast = Coast::brake;
-  p.position_tolerance_m = 2.2e-6F;
+  p.position_tolerance_m = tolerance_m;
   return p;
 }
 
@@ -18,8 +18,9 @@ inline const K3Table<float> no_k3{};
 // An axis that shows a position and records what it is told.
 class Scripted {
  public:
-  explicit Scripted(double lag_s)
-      : kicks_{design::design_braked_kicks<float>(breakaway::testing::axes_of_the_scenes(lag_s)).kicks} {}
+  explicit Scripted(double lag_s, const AxisParameters<float>& parameters = braked_axis())
+      : kicks_{design::design_braked_kicks<float>(breakaway::testing::axes_of_the_scenes(lag_s)).kicks},
+        controller_{parameters, no_k3, kicks_} {}
   ControlOutput<float> show(float position_m) {
     const ControlOutput<float> out = controller_.update({position_m});
     expect_nothing_with_a_fault(controller_, out);
@@ -38,7 +39,7 @@ class Scripted {
 
  private:
   BrakedKicks<float> kicks_;
-  AxisController<float> controller_{braked_axis(), no_k3, kicks_};
+  AxisController<float> controller_;
 };
 
 }  // namespace breakaway::law::testing

@@ -56,7 +56,7 @@ enum breakaway_mode {
   BREAKAWAY_APPROACH = 0, /* on its way, until it is certified at rest for the first time */
   BREAKAWAY_KICK = 1,     /* a pulse is under way */
   BREAKAWAY_COAST = 2,    /* after a pulse, not yet certified at rest */
-  BREAKAWAY_HOLD = 3,     /* certified at rest within the tolerance */
+  BREAKAWAY_HOLD = 3,     /* certified at rest, as near as the tolerance promises */
   BREAKAWAY_FAULT = 4     /* no force until breakaway_law_..._reset() */
 };
 /* "approach", "kick" and so on; "unknown mode" for any other number. */

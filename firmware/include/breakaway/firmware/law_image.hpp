@@ -18,7 +18,7 @@
 namespace breakaway::firmware {
 
 inline constexpr std::array<std::uint8_t, 4> law_image_magic{'b', 'r', 'k', 'L'};
-inline constexpr std::uint8_t law_image_version = 2;
+inline constexpr std::uint8_t law_image_version = 3;
 inline constexpr std::size_t law_image_header_bytes = 8;
 inline constexpr std::size_t law_image_checksum_bytes = 4;
 

@@ -178,6 +178,11 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("patient_periods", kicks.patient_periods, "");
   visit.value("settling_periods", kicks.settling_periods, "");
   visit.value("fine_floor_m", kicks.fine_floor_m, "m, 0: no fine stage");
+  visit.group("sure", [&] {
+    visit.value("share", kicks.sure.share, "0: nothing is sure");
+    visit.value("from_m", kicks.sure.from_m, "m");
+    visit.value("most_m", kicks.sure.most_m, "m");
+  });
   visit.group("spring", [&] {
     visit.value("reach_m", kicks.spring.reach_m, "m, 0: friction holds at once");
     visit.value("most_N", kicks.spring.most_N, "N");

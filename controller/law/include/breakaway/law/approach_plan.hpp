@@ -46,19 +46,18 @@ class ApproachPlan {
         speed_limit_m_s_{a.move.are_asked_for() ? std::min(max_speed_m_s, a.move.speed_m_s) : max_speed_m_s},
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
-        near_m_s2_{std::min(a.gentle_m_s2, a.hard_m_s2)},
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
         turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.1) * a.switch_speed_m_s)
                                             : a.standing_m_s},
         passed_m_{-2 * a.switch_distance_m},
-        move_{move_plan()},
-        latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {}
+        latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {
+    plan_curves();
+  }
 
   // The drive gives this share of the force that the plan was made for: far away it brakes as much less.
   [[gnu::cold]] void limit_force(Scalar share) noexcept {
     hard_m_s2_ *= std::max(share, Scalar(1e-3));
-    near_m_s2_ = std::min(a_->gentle_m_s2, hard_m_s2_);
-    move_ = move_plan();
+    plan_curves();
     go_at_most(max_speed_m_s_);
   }
 
@@ -166,8 +165,13 @@ class ApproachPlan {
   static constexpr Scalar least_speed = 8;     // of a move, as a multiple of that at which the brake takes over
   static constexpr Scalar longest_wait = 1e9;  // in periods
 
-  MovePlan<Scalar> move_plan() const noexcept {
-    return {a_->move, {a_->switch_distance_m, a_->switch_speed_m_s, near_m_s2_}, hard_m_s2_, period_s_};
+  // Near the target a weak drive is not sure to have the deceleration of brake and friction everywhere.
+  [[gnu::cold]] void plan_curves() noexcept {
+    const Scalar near_m_s2 = std::min(a_->gentle_m_s2, hard_m_s2_), w1 = a_->switch_speed_m_s;
+    far_ = curve(hard_m_s2_);
+    near_ = curve(near_m_s2);
+    hard_brake_m_ = w1 * w1 / (2 * hard_m_s2_);
+    move_ = {a_->move, {a_->switch_distance_m, w1, near_m_s2}, hard_m_s2_, period_s_};
   }
 
   void go_at_most(Scalar speed_m_s) noexcept {
@@ -176,9 +180,8 @@ class ApproachPlan {
   }
 
   Scalar down_the_curves(Scalar least_m_s2) const noexcept {
-    const Scalar hard = hard_m_s2_, w1 = a_->switch_speed_m_s;
-    const Scalar far = onto_curve(hard, distance_ - a_->switch_distance_m + w1 * w1 / (2 * hard));
-    const Scalar near = onto_curve(near_m_s2_, distance_);
+    const Scalar far = onto_curve(far_, distance_ - a_->switch_distance_m + hard_brake_m_);
+    const Scalar near = onto_curve(near_, distance_);
     const Scalar allowed = (max_speed_m_s_ - speed_) / a_->response_s;
     return std::min(std::max({far, near, least_m_s2}), allowed);
   }
@@ -303,11 +306,19 @@ class ApproachPlan {
     distance_ = -x * direction_ - a_->short_of_target_m;
   }
 
-  Scalar onto_curve(Scalar deceleration, Scalar distance_m) const noexcept {
-    const Scalar R = a_->response_s, step = deceleration * R;
-    const Scalar under_root = step * step + 4 * deceleration * (2 * distance_m - speed_ * R);
+  // What onto_curve() needs of a deceleration d, worked out beforehand: d R, its square, and 4 d.
+  struct Curve {
+    Scalar step{}, square{}, four{};
+  };
+  Curve curve(Scalar deceleration) const noexcept {
+    const Scalar step = deceleration * a_->response_s;
+    return {step, step * step, 4 * deceleration};
+  }
+  Scalar onto_curve(const Curve& c, Scalar distance_m) const noexcept {
+    const Scalar R = a_->response_s;
+    const Scalar under_root = c.square + c.four * (2 * distance_m - speed_ * R);
     if (!(under_root >= 0)) return -std::numeric_limits<Scalar>::max();
-    return (std::sqrt(under_root) - (2 * speed_ + step)) / (2 * R);
+    return (std::sqrt(under_root) - (2 * speed_ + c.step)) / (2 * R);
   }
 
   const BrakedApproach<Scalar>* a_ = nullptr;
@@ -317,7 +328,8 @@ class ApproachPlan {
   Scalar speed_limit_m_s_{};
   Scalar max_speed_m_s_{};  // of this approach
   Scalar hard_m_s2_{};      // deceleration far away
-  Scalar near_m_s2_{};      // and near; a weak drive is not sure to have that of brake and friction everywhere
+  Scalar hard_brake_m_{};   // in which it stops the axis from the speed at which the brake takes over
+  Curve far_{}, near_{};
   Scalar half_per_gentle_{};
   Scalar turning_m_s_{};  // an axis that is seen with more speed, either way, is sure to go that way
   Scalar passed_m_{};     // and one that is nearer to its target has passed it

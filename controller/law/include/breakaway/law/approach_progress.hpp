@@ -18,6 +18,12 @@ namespace breakaway::law {
 template <class Scalar>
 class ApproachProgress {
  public:
+  ApproachProgress() noexcept = default;
+  ApproachProgress(const BrakedKicks<Scalar>& kicks, Scalar max_speed_m_s, Scalar period_s) noexcept
+      : slow_m_{std::min(kicks.approach.switch_speed_m_s, max_speed_m_s) / 64 * period_s *
+                static_cast<Scalar>(kicks.patient_periods)},
+        span_periods_{kicks.patient_periods} {}
+
   // The first span says nothing yet.
   void restart() noexcept {
     periods_ = 0;
@@ -28,23 +34,24 @@ class ApproachProgress {
   void shift_origin(Scalar shift_m) noexcept { mark_m_ -= shift_m; }
 
   // To be called once a period of an approach, with the newest position error.
-  bool hardly_gets_on(Scalar x, const BrakedKicks<Scalar>& kicks, Scalar max_speed_m_s, Scalar period_s) noexcept {
+  bool hardly_gets_on(Scalar x) noexcept {
     if (periods_ == 0) mark_m_ = x;
-    if (++periods_ < kicks.patient_periods) return false;
+    if (++periods_ < span_periods_) return false;
     periods_ = 0;
-    const Scalar speed_m_s = std::min(kicks.approach.switch_speed_m_s, max_speed_m_s) / 64;
     const Scalar side = mark_m_ < 0 ? Scalar{-1} : Scalar{1};
     const Scalar way_m = (mark_m_ - x) * side;
     const bool gains = side != last_side_ || way_m > last_way_m_;
     last_side_ = side;
     last_way_m_ = way_m;
-    return !gains && std::abs(way_m) < speed_m_s * period_s * static_cast<Scalar>(kicks.patient_periods);
+    return !gains && std::abs(way_m) < slow_m_;
   }
 
  private:
+  Scalar slow_m_{};      // that a span leads on at least
   Scalar mark_m_{};      // where the approach was when this span began,
   Scalar last_way_m_{};  // and how far it had come in the one before,
   Scalar last_side_{};   // which began on this side of the target; 0: there was none
+  std::int32_t span_periods_ = 1;
   std::int32_t periods_ = 0;
 };
 

@@ -56,7 +56,10 @@ class AxisController {
     if (p_.coast != Parts::coast) return;
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
-    if constexpr (!Parts::by_work) spring_ = {kicks.spring, p_.encoder_resolution_m};
+    if constexpr (!Parts::by_work) {
+      spring_ = {kicks.spring, p_.encoder_resolution_m};
+      progress_ = {kicks, p_.max_approach_speed_m_s, p_.period_s};
+    }
     if constexpr (Parts::by_work) cycle_.set_period(p_.period_s);
     fine_ = {kicks, p_};
     plan_ = {kicks.approach, p_.period_s, p_.max_approach_speed_m_s, p_.latency_periods};
@@ -118,6 +121,7 @@ class AxisController {
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
     p_.max_force_N = left_N;
     if (braked_ != nullptr) cycle_.limit_force(left_N);
+    judge_.forget_last();  // which may have been weakened on its way
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.
@@ -204,6 +208,7 @@ class AxisController {
 
   // One period of the coast "brake".
   ControlOutput<Scalar> flow_braked(Scalar x) noexcept {
+    expect_kick();
     cycle_.see(x);
     before_m_ = newest_m_;
     newest_m_ = x;
@@ -282,7 +287,7 @@ class AxisController {
     if constexpr (Parts::by_work) {
       return false;
     } else {
-      return progress_.hardly_gets_on(x, *braked_, p_.max_approach_speed_m_s, p_.period_s);
+      return progress_.hardly_gets_on(x);
     }
   }
 
@@ -308,6 +313,12 @@ class AxisController {
     return give(cycle_.whole_steps(force_N + braked_->force_step_N / 2));
   }
 
+  void expect_kick() noexcept {
+    if constexpr (!Parts::by_work) {
+      if (judge_.expects()) judge_.expect(p_, cycle_, fine_);
+    }
+  }
+
   ControlFault judge_kick(Scalar x) noexcept {
     if constexpr (Parts::by_work)
       return judge_.judge_work(p_, x);
@@ -324,7 +335,7 @@ class AxisController {
       cycle_.set_free();
       return finish_on_spring(x);
     }
-    if (std::abs(x) <= fine_.tolerance_m()) {
+    if (is_near_enough(x)) {
       mode_ = Mode::hold;
       held_ = 0;
       cycle_.release(0);
@@ -334,6 +345,15 @@ class AxisController {
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
     // moved may have passed it only.
     return approach_again(!plan_.began_in_motion());
+  }
+
+  // By its reading; or because the kicks before are sure to have led the axis as near as such a reading promises,
+  // though it shows up to half a count more.
+  bool is_near_enough(Scalar x) const noexcept {
+    const Scalar error_m = std::abs(x), tolerance_m = fine_.tolerance_m();
+    if constexpr (Parts::by_work) return error_m <= tolerance_m;
+    const Scalar promised_m = tolerance_m + p_.encoder_resolution_m / 2;
+    return error_m <= tolerance_m || (error_m <= promised_m && judge_.at_most_m() <= promised_m);
   }
 
   [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> approach_again(bool slowly) noexcept {
@@ -358,6 +378,7 @@ class AxisController {
   }
 
   ControlOutput<Scalar> braked_without_sample() noexcept {
+    expect_kick();
     if constexpr (Parts::by_work) cycle_.skip();
     if (mode_ == Mode::approach) return approach_to_brake(newest_m_, Reading::lost);
     return give(cycle_.whole_steps(last_force_N_ + braked_->force_step_N / 2));

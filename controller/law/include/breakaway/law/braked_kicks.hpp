@@ -56,6 +56,19 @@ struct FrictionSpring {
   }
 };
 
+// How far a kick from a reading outside the tolerance is sure to lead an axis on: a line below what the pulses of the
+// table travel at least.
+template <class Scalar>
+struct SureTravel {
+  Scalar share{};   // 0: nothing is sure
+  Scalar from_m{};  // where the line is at nothing
+  Scalar most_m{};  // from further away a kick is sure of no more than from here
+
+  constexpr Scalar from(Scalar reading_m) const noexcept { return share * (std::min(reading_m, most_m) - from_m); }
+  // Written so that a NaN is refused.
+  constexpr bool is_usable() const noexcept { return share >= 0 && share <= 1 && from_m <= most_m; }
+};
+
 template <class Scalar>
 struct BrakedKicks {
   Scalar brake_N{};          // b: with the largest force gain it is below the least friction
@@ -76,6 +89,7 @@ struct BrakedKicks {
   std::uint16_t patient_periods = 0;   // the same under any force: a proof of nothing, but there is no more to wait for
   std::uint16_t settling_periods = 0;  // in which the slowest current loop follows a change
   Scalar fine_floor_m{};               // below it FineStage kicks; 0: the table does everywhere
+  SureTravel<Scalar> sure{};
   FrictionSpring<Scalar> spring{};
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
@@ -103,6 +117,15 @@ constexpr Scalar friction_seen_N(Scalar mass_kg, Scalar force_N, Scalar brake_N,
   return both_N * gain / (2 * mass_kg * travel_m + gain) - brake_N;
 }
 
+// The other way round: the travel under this friction, which must be more than -brake_N; less than nothing where the
+// force is too weak for it.
+template <class Scalar>
+constexpr Scalar travel_seen_m(Scalar mass_kg, Scalar force_N, Scalar brake_N, Scalar pulse_s,
+                               Scalar friction_N) noexcept {
+  const Scalar gain = (force_N + brake_N) * pulse_s * pulse_s;
+  return gain * (force_N - friction_N) / (2 * mass_kg * (friction_N + brake_N));
+}
+
 // Says whether the numbers can be those of an axis; written so that a NaN is refused.
 template <class Scalar>
 [[gnu::cold]] constexpr bool are_usable(const BrakedKicks<Scalar>& k) noexcept {
@@ -116,8 +139,8 @@ template <class Scalar>
                         a.switch_speed_m_s > 0 && a.switch_distance_m > 0 && a.short_of_target_m >= 0 &&
                         a.response_s > 0 && a.lag_s >= 0 && a.correction > 0 && a.correction <= 1 &&
                         a.standing_m_s >= 0 && a.move.are_usable();
-  return lags && forces && waits && approach && k.spring.is_usable(a.friction_N) && k.fine_floor_m >= 0 &&
-         k.coast_per_N > 0 && k.table.is_usable();
+  return lags && forces && waits && approach && k.sure.is_usable() && k.spring.is_usable(a.friction_N) &&
+         k.fine_floor_m >= 0 && k.coast_per_N > 0 && k.table.is_usable();
 }
 
 }  // namespace breakaway::law

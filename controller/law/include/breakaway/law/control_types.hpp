@@ -22,7 +22,8 @@ enum class Mode : std::uint8_t {
   approach,  // since the last target change, never certified at rest: damping k21
   kick,      // a pulse is under way
   coast,     // after a pulse, not yet certified at rest: damping k22
-  hold,      // certified at rest with |x| <= position_tolerance_m
+  hold,      // certified at rest with |x| <= position_tolerance_m, or under the brake where kicks are sure to have led
+             // there
   fault,     // latched until reset(): no force
 };
 

@@ -109,7 +109,7 @@ class KickCycle {
     pulse_periods_ = std::max(pulse.periods, std::uint8_t{1});
     cut_periods_ = kicks_->fast_lag > 0 ? pulse.cut_periods : std::uint8_t{0};
     either_way_ = driven_back_ = false;
-    expect_rest_within(pulse_periods_ + cut_periods_ + longest_coast());
+    overdue_in_ = longest;  // until it brakes
     if (kicks_->slow_lag > 0)
       enter(Phase::preload, kicks_->patient_periods + kicks_->settling_periods);
     else
@@ -122,8 +122,7 @@ class KickCycle {
     either_way_ = true;
     furthest_m_ = anchor_m_ * direction;
     calm_ = 0;
-    expect_rest_within(within_range(longest_periods));
-    enter(Phase::brake, within_range(longest_periods));
+    enter_brake(within_range(longest_periods));
   }
 
   // Takes every force off an axis that has stopped after these periods at the latest.
@@ -213,6 +212,11 @@ class KickCycle {
     if (phase == Phase::pulse || phase == Phase::brake) still_ = calm_ = 0;
   }
 
+  void enter_brake(std::int32_t longest_periods) noexcept {
+    expect_rest_within(longest_periods);
+    enter(Phase::brake, longest_periods);
+  }
+
   // The brake must not drive the axis back.
   void watch_direction(Scalar position_m) noexcept {
     const Scalar along_m = position_m * direction_;
@@ -292,9 +296,9 @@ class KickCycle {
     if (phase_ == Phase::preload && --left_ <= 0)
       enter(Phase::pulse, pulse_periods_);
     else if (phase_ == Phase::pulse && --left_ == 0)
-      enter(cut_periods_ > 0 ? Phase::cut : Phase::brake, cut_periods_ > 0 ? cut_periods_ : longest_coast());
+      cut_periods_ > 0 ? enter(Phase::cut, cut_periods_) : enter_brake(longest_coast());
     else if (phase_ == Phase::cut && --left_ == 0)
-      enter(Phase::brake, longest_coast());
+      enter_brake(longest_coast());
     else if (phase_ == Phase::brake && (left_ == 0 || --left_ == 0))
       take_brake_off();
     if (overdue_in_ > 0) --overdue_in_;

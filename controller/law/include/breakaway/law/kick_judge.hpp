@@ -4,6 +4,7 @@
 // kicks do not is not what was stated; one kick may be disturbed, but not a few, so each fault takes a number of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -40,12 +41,37 @@ class KickJudge {
     futile_ = growing_ = 0;
   }
   // The axis moves for another reason before it rests again.
-  void forget_last() noexcept { awaiting_result_ = false; }
+  void forget_last() noexcept { awaiting_result_ = expects_ = false; }
 
   void kicked(Scalar from_m) noexcept {
     ++kicks_;
     kicked_from_m_ = from_m;
-    awaiting_result_ = true;
+    awaiting_result_ = expects_ = true;
+  }
+
+  // Under the brake a kick has begun of which expect() has not been asked yet. That is for the period after it began,
+  // which has less to do than its own.
+  bool expects() const noexcept { return expects_; }
+
+  // How far the kick that began leads an axis that is as told; where friction bends, the force was not enough or the
+  // fine stage chose it, nothing is known of that. Two readings are off by a count together, and may be by another for
+  // noise.
+  [[gnu::noinline]] void expect(const Parameters& p, const KickCycle<Scalar>& cycle,
+                                const FineStage<Scalar>& fine) noexcept {
+    const BrakedKicks<Scalar>& told = cycle.kicks();
+    expects_ = false;
+    least_travel_m_ = -largest;
+    most_travel_m_ = led_to_m_ = largest;
+    if (cycle.pulse_limited() || fine.kicked() || !told.kicks_show_friction()) return;
+    const Scalar sure_m = told.sure.from(std::abs(kicked_from_m_));
+    if (sure_m > 0) led_to_m_ = at_most_m_ - sure_m;
+    const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
+    const auto travel_m = [&](Scalar friction_N) {
+      return travel_seen_m(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, friction_N);
+    };
+    least_travel_m_ = travel_m(told.most_seen_N) - 2 * unseen_m_;
+    if (told.least_seen_N > -told.brake_N)
+      most_travel_m_ = std::max(travel_m(told.least_seen_N), Scalar{0}) + 2 * unseen_m_;
   }
 
   // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
@@ -67,6 +93,7 @@ class KickJudge {
   // The same under the brake, where the travel of the table's kicks is compared with what was told as well.
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>& cycle,
                      const FineStage<Scalar>& fine) noexcept {
+    note_distance(x);
     return judge<true>(p, x, &cycle, &fine);
   }
 
@@ -75,6 +102,10 @@ class KickJudge {
     const ControlFault proved = judge<false>(p, x, nullptr, nullptr);
     return proved == ControlFault::none && futile_ >= most_futile_works ? ControlFault::jammed : proved;
   }
+
+  // Under the brake, as far away as the axis that rests may be: by its reading, and by the kicks before, which each are
+  // sure to have led it nearer whether that shows or not.
+  Scalar at_most_m() const noexcept { return at_most_m_; }
 
   std::uint32_t kicks() const noexcept { return kicks_; }
   // In a row, and without a count of motion.
@@ -89,6 +120,13 @@ class KickJudge {
   static constexpr std::uint8_t most_futile_works = 8;
   static constexpr std::uint8_t growing_limit = 8;  // kicks in a row that made the error larger
 
+  // A reading that is further away than what is known contradicts it, and is all that is known then.
+  void note_distance(Scalar x) noexcept {
+    const Scalar read_m = std::abs(x) + unseen_m_ / 2;
+    const bool is_led = awaiting_result_ && x * kicked_from_m_ > 0;
+    at_most_m_ = is_led && led_to_m_ < read_m && led_to_m_ >= read_m - unseen_m_ ? led_to_m_ : read_m;
+  }
+
   template <bool all_count>
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>* cycle,
                      const FineStage<Scalar>* fine) noexcept {
@@ -98,9 +136,8 @@ class KickJudge {
     const Scalar error_m = std::abs(x);
     Scalar lawful_m = std::abs(kicked_from_m_) + p.position_tolerance_m + unseen_m_;
     if (fine != nullptr && fine->kicked()) lawful_m += fine->beyond_m();
-    if (cycle != nullptr && (!fine->kicked() || cycle->driven_back()))
-      compare_with_told(p, *cycle, *fine, (x - kicked_from_m_) * cycle->direction(), error_m);
     const bool moved = std::abs(x - kicked_from_m_) > unseen_m_ / 2;
+    if (cycle != nullptr) compare_with_told(p, *cycle, *fine, (x - kicked_from_m_) * cycle->direction(), error_m);
     const bool grew = error_m > lawful_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
@@ -129,20 +166,17 @@ class KickJudge {
       accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
   }
 
-  // Unless friction bends. Two readings are off by a count together, and may be by another for noise.
+  // A kick that was not seen to lead on says nothing of friction.
   void compare_with_told(const Parameters& p, const KickCycle<Scalar>& cycle, const FineStage<Scalar>& fine,
                          Scalar travel_m, Scalar error_m) noexcept {
     const BrakedKicks<Scalar>& told = cycle.kicks();
-    if (!told.kicks_show_friction()) return;
-    if (cycle.driven_back()) return contradict(fine, told.brake_N, error_m);
-    if (!(travel_m > unseen_m_ / 2) || cycle.pulse_limited()) return;
-    const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
-    const auto seen_N = [&](Scalar d) {
-      return friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, d);
-    };
-    const Scalar unsure_m = 2 * unseen_m_;
-    const bool less = travel_m > unsure_m && seen_N(travel_m - unsure_m) < told.least_seen_N;
-    if (less || seen_N(travel_m + unsure_m) > told.most_seen_N) contradict(fine, seen_N(travel_m), error_m);
+    if (cycle.driven_back()) {
+      if (told.kicks_show_friction()) contradict(fine, told.brake_N, error_m);
+    } else if (travel_m > unseen_m_ / 2 && (travel_m < least_travel_m_ || travel_m > most_travel_m_)) {
+      const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
+      contradict(fine, friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, travel_m),
+                 error_m);
+    }
   }
   void contradict(const FineStage<Scalar>& fine, Scalar seen_N, Scalar error_m) noexcept {
     seen_friction_N_ = seen_N > 0 ? seen_N : Scalar{0};  // less than none: mass or force gain are off as well
@@ -157,6 +191,10 @@ class KickJudge {
   Scalar unseen_m_{};
   Scalar least_error_m_ = largest;  // at which the axis rested since the target moved
   Scalar kicked_from_m_{};
+  Scalar at_most_m_{};
+  Scalar led_to_m_ = largest;         // at most, by the last kick,
+  Scalar least_travel_m_ = -largest;  // and between these two bounds
+  Scalar most_travel_m_ = largest;
   Scalar seen_friction_N_{};
   std::uint32_t kicks_ = 0;
   ControlFault proved_ = ControlFault::none;
@@ -167,6 +205,7 @@ class KickJudge {
   std::uint8_t far_ends_ = 0;
   bool moved_since_least_ = false;
   bool awaiting_result_ = false;
+  bool expects_ = false;
 };
 
 }  // namespace breakaway::law
