@@ -55,6 +55,26 @@ TEST(ShapedMove, GoesAsFarAsItPlansAndKeepsItsLimits) {
   }
 }
 
+// A plan that waited would be left behind by the way of a period each time, and its force be missing in the swing.
+TEST(ShapedMove, GoesOnByItsPlanWhereReadingsAreLost) {
+  auto approach = design::design_work_kicks<double>(belt()).kicks.approach;
+  approach.stiffness_N_per_m = approach.damping_Ns_per_m = approach.friction_N = 0;
+  for (const int one_of : {2, 7, 40}) {
+    ShapedMove<double> move{approach, 1e-3, 10, 1};
+    double x = -0.4, v = 0;
+    for (int k = 0;; ++k) {
+      const Reading reading = k % one_of == 1 ? Reading::lost : Reading::there;
+      if (move.see(x, 0, 0, reading)) break;
+      const bool asked = reading == Reading::there || move.reckons();
+      const double a = asked ? move.force_N() / approach.mass_kg : 0;
+      x += (v + a * 0.5e-3) * 1e-3;
+      v += a * 1e-3;
+    }
+    EXPECT_NEAR(x, -approach.short_of_target_m, 1e-12) << one_of;
+    EXPECT_NEAR(v, 0, 1e-12) << one_of;
+  }
+}
+
 // As fast as two periods of its acceleration, and as a hundredth of one.
 TEST(ShapedMove, IsNoFasterThanItMayWhereAPeriodOfItsAccelerationAlreadyIs) {
   auto approach = design::design_work_kicks<float>(belt()).kicks.approach;

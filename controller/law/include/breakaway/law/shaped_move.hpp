@@ -49,8 +49,9 @@ class ShapedMove {
   void wait() noexcept {}
   void retarget(Scalar /*shift_m*/) noexcept { primed_ = false; }
 
-  // Takes the newest position error and returns true when the plan is over. Where the reading is lost nothing counts as
-  // changed, and the last force is to go on.
+  // Takes the newest position error and returns true when the plan is over. Where the reading is lost the axis is taken
+  // to go on as it was seen to, and so does the plan: one that waited would be left behind by a period's way. Only a
+  // reading ends it.
   bool see(Scalar x, Scalar /*force_N*/, Scalar /*command_N*/, Reading reading = Reading::there) noexcept {
     if (reading == Reading::lost) {
       skip();
@@ -79,7 +80,7 @@ class ShapedMove {
            a_->damping_Ns_per_m * (speed_m_s - v);
   }
 
-  bool reckons() const noexcept { return false; }
+  bool reckons() const noexcept { return primed_; }
   bool turned_often() const noexcept { return false; }
   Scalar heading() const noexcept { return direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_m_s_; }
@@ -94,8 +95,9 @@ class ShapedMove {
 
   void skip() noexcept {
     if (!primed_) return;
+    planning_ = false;
     if (seen_ < most_periods) ++seen_;
-    remember(newest_m_);
+    remember(newest_m_ + velocity_m_s_ * period_s_);
   }
 
   void begin(Scalar x) noexcept {
