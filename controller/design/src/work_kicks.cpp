@@ -243,14 +243,14 @@ class WorkTable {
   bool fits(std::uint32_t high, int n) const {
     return at(high, 0, n) >= axis_.least_N(n) * (1 - 1e-9) && at(high, 1, n) <= axis_.axes.max_force_N;
   }
-  // Of the distance, that the kick takes away at least.
-  double least_share(std::uint32_t high, int n) const {
+  // Of the distance, that the kick takes away at least. What is less than asked for is not followed further.
+  double least_share(std::uint32_t high, int n, double asked) const {
     double least = infinite;
     for (const double t : {0.0, 0.999}) {
       const double s = Table::root_at(high) + t * (Table::root_at(high + 1) - Table::root_at(high));
       const double command_N = at(high, t, n) - axis_.axes.force_step_N;
-      least = std::min(least, axis_.least_travel_m(s * s, command_N, n, enough_share * s * s) / (s * s));
-      if (least < enough_share) return least;
+      least = std::min(least, axis_.least_travel_m(s * s, command_N, n, asked * s * s) / (s * s));
+      if (least < asked) return least;
     }
     return least;
   }
@@ -258,12 +258,12 @@ class WorkTable {
   // Whole swings as few as the force allows, or else, near the floor, what gets on best.
   std::optional<int> periods(std::uint32_t high) const {
     for (int n = swing_; n <= longest_pulse_periods; n += swing_)
-      if (fits(high, n) && least_share(high, n) >= good_share) return n;
+      if (fits(high, n) && least_share(high, n, good_share) >= good_share) return n;
     std::optional<int> best;
     double most = enough_share;
     const auto consider = [&](int n) {
       if (!fits(high, n)) return;
-      const double share = least_share(high, n);
+      const double share = least_share(high, n, most);
       if (share > most) most = share, best = n;
     };
     const int stride = std::max(1, swing_ / 6);
