@@ -17,11 +17,19 @@ std::optional<design::MoveRequest> move_request(const Axis& axis) {
                              axis.move->acceleration_m_s2, axis.move->jerk_m_s3};
 }
 
+// Of the mass that is told, which may be off from the truth, each side has the share that is stated. Friction that
+// drifts leaves its bounds on either side.
 std::optional<design::SpringLoad> spring_load(const Axis& axis) {
   std::optional<design::SpringLoad> load = axis.surroundings.load;
   if (!load || !(load->load_friction.lower_N > 0)) return {};  // the second is refused
-  load->motor_kg = truth_of(axis).mass_kg;
-  load->motor_friction = truth_of(axis).bounds;
+  const double told = axis.mass_kg / mass_of_all_kg(axis), drift = axis.surroundings.drift;
+  const auto drifting = [&](const law::FrictionBounds<double>& f) {
+    return law::FrictionBounds<double>{f.lower_N * (1 - drift), f.upper_N * (1 + drift)};
+  };
+  load->motor_kg = told * truth_of(axis).mass_kg;
+  load->load_kg *= told;
+  load->motor_friction = drifting(truth_of(axis).bounds);
+  load->load_friction = drifting(load->load_friction);
   load->gap_m = axis.surroundings.gap_m;
   return load;
 }

@@ -81,6 +81,37 @@ TEST(Certificate, OfTheCoastWorkRefusesAToleranceThatNoKickReaches) {
   EXPECT_NE(asked(1.01 * reach_m).find("kicks_reach_the_tolerance"), std::string::npos) << asked(1.01 * reach_m);
 }
 
+// What is told of the mass is what is certified, and not what the simulation knows: each side has its share of it.
+TEST(Certificate, OfALoadIsForTheMassThatIsTold) {
+  const std::string friction = ", friction_lower_N = 1.2, friction_upper_N = 2.1";
+  const auto load_of = [](const std::string& text) {
+    const Node node = parse_node(text, "axis.toml");
+    return *braked_class(node, node.axes[0]).spring_load;
+  };
+  for (const std::string& text : {by_work(with_load("3.4e4", friction)), with_load("2e8", friction)}) {
+    const std::string heavier = with(with(text, "mass_kg = 1\n", "mass_kg = 1.05\n"), "mass = 0.02", "mass = 0.06");
+    EXPECT_DOUBLE_EQ(load_of(heavier).motor_kg, 1.05 * 0.4);
+    EXPECT_DOUBLE_EQ(load_of(heavier).load_kg, 1.05 * 0.6);
+    EXPECT_DOUBLE_EQ(load_of(text).motor_kg, 0.4);
+  }
+}
+
+// Each side has bounds of its own, which friction that drifts leaves though both together stay within what is told.
+TEST(Certificate, OfALoadTakesInThatTheFrictionOfEitherSideDrifts) {
+  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const std::string wide = with(with(belt, "friction_lower_N = 2.5\n", "friction_lower_N = 1.7\n"),
+                                "friction_upper_N = 4.5\n", "friction_upper_N = 6\n");
+  EXPECT_EQ(why_not(wide), "");
+  expect_refused(more("[plant]", "drift = { share = 0.3, period_s = 3 }", wide), "friction_is_known");
+  const std::string drifting = more("[plant]", "drift = { share = 0.1, period_s = 3 }", wide);
+  const Node node = parse_node(drifting, "axis.toml");
+  const design::SpringLoad load = *braked_class(node, node.axes[0]).spring_load;
+  EXPECT_DOUBLE_EQ(load.motor_friction.lower_N, 0.9 * 1.3);
+  EXPECT_DOUBLE_EQ(load.motor_friction.upper_N, 1.1 * 2.4);
+  EXPECT_DOUBLE_EQ(load.load_friction.lower_N, 0.9 * 1.2);
+  EXPECT_DOUBLE_EQ(load.load_friction.upper_N, 1.1 * 2.1);
+}
+
 // Its approach counts its periods, and a float holds its plan, over so much only.
 TEST(Certificate, OfTheCoastWorkRefusesTargetsThatAreTooFarAway) {
   const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
