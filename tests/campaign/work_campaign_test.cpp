@@ -83,7 +83,7 @@ design::DesignReport report_by_work(const BrakedClass& c, double tolerance_m, do
 
 struct Tally {
   long runs = 0, settled = 0, named = 0;
-  double beyond_counts = 0;
+  double beyond_counts = 0, passed = 0, fastest = 0;  // passed, fastest: of what is stated of the approach
   std::vector<double> times_s{}, kicks{};
 
   double median_s() {
@@ -96,8 +96,8 @@ struct Tally {
   void print(const char* name) {
     std::printf(
         "%s: %ld runs, %ld settled, %ld ended by name, median %.3f s, longest %.3f s, at most %.0f kicks, beyond "
-        "%.2f counts at most\n",
-        name, runs, settled, named, median_s(), longest_s(), most_kicks(), beyond_counts);
+        "%.2f counts at most; approaches up to %.2f of the way beyond and %.2f of the speed that are stated\n",
+        name, runs, settled, named, median_s(), longest_s(), most_kicks(), beyond_counts, passed, fastest);
   }
 };
 
@@ -151,6 +151,12 @@ RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, 
   if (end.held) tally.times_s.push_back(end.time_s);
   EXPECT_TRUE(end.held || end.ends_by_name()) << where << " never ends, error " << end.error_m;
   EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
+  const double passed = end.approach_beyond_m / design::approach_beyond_m(c, design, max_approach_speed_m_s);
+  const double fastest = end.approach_m_s / design::approach_peak_m_s(c, design, max_approach_speed_m_s);
+  tally.passed = std::max(tally.passed, passed);
+  tally.fastest = std::max(tally.fastest, fastest);
+  EXPECT_LE(passed, 1) << where;
+  EXPECT_LE(fastest, 1) << where;
   if (end.held) {
     EXPECT_LE(std::fabs(end.error_m), tolerance_m * (1 + 1e-6) + q / 2) << where;
     EXPECT_LE(std::fabs(other_side_m - end.error_m), design.unseen_m * (1 + 1e-6)) << where;

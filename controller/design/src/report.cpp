@@ -206,7 +206,8 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::op
   // A class for which no kicks are possible has no figures to state, and nothing is certified of it.
   if (axis.braked)
     return report.braked ? conditions_of_brake(axis, *braked, *report.braked) : std::vector<std::string>{};
-  if (axis.work && axis.work->spring_load) return detail::conditions_of_work(axis);
+  if (axis.work && axis.work->spring_load)
+    return report.work ? detail::conditions_of_work(axis, *report.work) : std::vector<std::string>{};
   const bool purely_dry = axis.smooth_friction_slope_Ns_per_m == 0;
   std::vector<std::string> conditions{
       "friction stays between " + brief(axis.friction.lower_N) + " N and " + brief(axis.friction.upper_N) +

@@ -120,17 +120,19 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
                 .rest_s = design.kicks.still_periods * c.period_s,
                 .peak_speed_m_s = design.peak_speed_m_s,
                 .table_bytes = design.table_bytes,
+                .approach_beyond_m = approach_beyond_m(c, design, axis.max_approach_speed_m_s),
+                .approach_peak_m_s = approach_peak_m_s(c, design, axis.max_approach_speed_m_s),
                 .promise = {}};
   const bool on_load = c.spring_load->encoder_on_load;
   const std::string read = on_load ? "load" : "motor", unread = on_load ? "motor" : "load";
-  p.promise = "at rest the true error of the " + read + " is at most " + brief(p.error_m) +
-              " m, no kick leads it more than " + brief(p.beyond_m) + " m beyond the target, and the " + unread +
-              " may rest " + brief(p.unseen_m) + " m from where the " + read + " says; a target may be set " +
+  p.promise = "at rest the true error of the " + read + " is at most " + brief_up(p.error_m) +
+              " m, no kick leads it more than " + brief_up(p.beyond_m) + " m beyond the target, and the " + unread +
+              " may rest " + brief_up(p.unseen_m) + " m from where the " + read + " says; a target may be set " +
               brief(p.farthest_m) + " m away";
   return p;
 }
 
-std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
+std::vector<std::string> conditions_of_work(const AxisDesign& axis, const WorkPromise& promise) {
   const BrakedClass& c = *axis.work;
   const SpringLoad& load = *c.spring_load;
   const auto bounds = [](const law::FrictionBounds<double>& f) {
@@ -140,8 +142,11 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
                                   ? ""
                                   : "that the spring never pushes the motor on harder in a pulse than it can at "
                                     "rest, which the meter counts with, ";
-  const std::string tested = "tested, not proved: that the axis settles within the kicks that it may have, " + metered +
-                             "and that the approach ends near the target";
+  std::string tested = "tested, not proved: that the axis settles within the kicks that it may have, " + metered +
+                       "and that the approach ends near the target, and goes no further than " +
+                       brief_up(promise.approach_beyond_m) + " m beyond it";
+  if (std::isfinite(promise.approach_peak_m_s))
+    tested += ", nor faster than " + brief_up(promise.approach_peak_m_s) + " m/s";
   // A load that has not moved pulls by no more than its greatest friction, of which each swing of the motor loses 2 A1.
   const double pull_N = load.load_friction.upper_N - 2 * (load.motor_friction.lower_N - c.load_N);
   const double back_m = std::max(pull_N, 0.0) / load.stiffness_N_per_m + load.gap_m;
@@ -157,7 +162,7 @@ std::vector<std::string> conditions_of_work(const AxisDesign& axis) {
       "a force beside the drive's acts on the motor and is at most " + brief(c.load_N) + " N either way",
       std::string{"a reading is off by half a count at most, and no command is lost; a sample that is lost costs a "} +
           "period, and of a hundred no more than one is",
-      "the axis rests when it is enabled, at least " + brief(back_m) +
+      "the axis rests when it is enabled, at least " + (back_m > 0 ? brief_up(back_m) : brief(back_m)) +
           " m inside its position limits: so far the motor may swing back before the load breaks away",
       "a target is no further away when it is set than the promise says",
       std::string{"friction that is at its least at rest and rises with speed, or falls again and again while the "} +

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -297,33 +298,56 @@ class WorkTable {
   Table table_{};
 };
 
-// The force of the feedback at the angular frequency w of a swing, in phase with the speed of the side that is read: a
-// reading is as late as the latency, the hold of a force and the spans of place and speed make it. The load swings
-// against the motor, m1/m2 as far. What pushes along the motor's speed lets the swing grow, and the damping of the
-// joint takes from it.
+// The force of the feedback for each metre of the side that is read, in a motion as e^(s t): a reading is as late as
+// the latency and the spans of place and speed make it, and a force is held for a period, behind the current loop.
 template <class Real>
-double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, double w) {
-  const BrakedClass& c = axis.axes;
-  const double T = c.period_s, late_s = (c.latency_periods + 0.5) * T + c.lag_s.most;
-  const double half_span_s = static_cast<double>(a.speed_periods) * T / 2, half_span = w * half_span_s;
-  const double half_mean_s = static_cast<double>(a.mean_periods) * T / 2;
-  const double stiffness = static_cast<double>(a.stiffness_N_per_m) * std::cos(w * half_mean_s);
-  const double damping = static_cast<double>(a.damping_Ns_per_m) * std::sin(half_span) / half_span;
-  const double motor_kg = axis.load.motor_kg, load_kg = axis.load.load_kg, reduced_kg = motor_kg * load_kg / axis.M;
-  const double of_motor = axis.load.encoder_on_load ? -motor_kg / load_kg : 1;
-  const double along = of_motor * (stiffness * std::sin(w * (late_s + half_mean_s)) / w -
-                                   damping * std::cos(w * (late_s + half_span_s)));
-  const double strongest = along > 0 ? c.force_gain.most / axis.lighter : c.force_gain.least / axis.heavier;
-  return along * strongest * load_kg / axis.M / (2 * motor_kg * w) -
-         axis.load.damping_Ns_per_m / (2 * axis.heavier * reduced_kg * w);
+std::complex<double> feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a,
+                                      std::complex<double> s) {
+  const double T = c.period_s, span_s = a.speed_periods * T, mean_s = a.mean_periods * T;
+  const auto place = static_cast<double>(a.stiffness_N_per_m) * (1.0 + std::exp(-s * mean_s)) / 2.0;
+  const auto speed = static_cast<double>(a.damping_Ns_per_m) * (1.0 - std::exp(-s * span_s)) / span_s;
+  const auto held = (1.0 - std::exp(-s * T)) / (s * T);
+  return (place + speed) * std::exp(-s * (c.latency_periods * T)) * held / (1.0 + s * c.lag_s.most);
 }
 
+// By which share a swing of the joint grows in a radian of it at the worst, whose masses are so many times as heavy.
+// The root of the loop is followed from the free swing on, as the feedback grows to what it is: one that is no small
+// force beside the spring's shifts the swing, and with it how late a reading is; and one that is limited acts as a
+// share of it. To the first order of the feedback it is to be kept as well.
+template <class Real>
+double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, double stiffness_N_per_m, double gain,
+                       double heavier) {
+  using Complex = std::complex<double>;
+  constexpr int shares = 8, corrections = 4;
+  const double m1 = heavier * axis.load.motor_kg, m2 = heavier * axis.load.load_kg;
+  const double w = std::sqrt(stiffness_N_per_m * (1 / m1 + 1 / m2)), h = 1e-6 * w;
+  const auto loop = [&](Complex s, double share) {
+    const Complex joint = axis.load.damping_Ns_per_m * s + stiffness_N_per_m;
+    const Complex free = m1 * m2 * s * s * s * s + (m1 + m2) * joint * s * s;
+    const Complex read = axis.load.encoder_on_load ? joint : m2 * s * s + joint;
+    return free + share * gain * feedback_N_per_m(axis.axes, a, s) * read;
+  };
+  const auto slope = [&](Complex s, double share) { return (loop(s + h, share) - loop(s - h, share)) / (2 * h); };
+  Complex root{0, w};
+  double growth = -(loop(root, 1) / slope(root, 0)).real() / w;
+  for (int i = 1; i <= shares; ++i) {
+    const double share = static_cast<double>(i) / shares;
+    for (int j = 0; j < corrections; ++j) root -= loop(root, share) / slope(root, share);
+    growth = std::max(growth, root.real() / std::abs(root.imag()));
+  }
+  return std::isfinite(root.real() / root.imag()) ? growth : infinite;
+}
+
+// At any stiffness of the class, which is not looked at further once it grows by more than is allowed.
 template <class Real>
 double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
-  const double w = 2 * pi * axis.load.resonance_Hz();
+  const Interval gain = axis.axes.force_gain;
   double worst = -infinite;
-  for (double stiffer = 1; stiffer <= most_stiffer; stiffer *= 1.05)
-    worst = std::max(worst, growth_of_swing(axis, a, w * std::sqrt(stiffer)));
+  for (double stiffer = 1; stiffer <= most_stiffer && worst <= most_swing_growth; stiffer *= 1.05) {
+    const double K = stiffer * axis.K;
+    worst = std::max({worst, growth_of_swing(axis, a, K, gain.most, axis.lighter),
+                      growth_of_swing(axis, a, K, gain.least, axis.heavier)});
+  }
   return worst;
 }
 
@@ -375,7 +399,51 @@ law::ShapedApproach<Real> approach_of(const Jointed& axis, int swing_periods) {
   return a;
 }
 
+// What leads an approach off its plan, by the feedback of its second order, which is damped critically if readings were
+// not late: a force D leads it D/k off, and changes its speed by 2/e D/(M w) at most, whenever it begins and ends.
+// Mass and gain that are off in the plan's acceleration, whose two parts undo each other, change the speed by no more
+// than twice what they are off of the speed that is planned. Once the plan is over, friction alone stops what is left.
+struct OffPlan {
+  template <class Real>
+  OffPlan(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s) {
+    const BrakedClass& c = axis.axes;
+    const Interval gain = c.force_gain;
+    const double k = gain.least * static_cast<double>(a.stiffness_N_per_m), w = std::sqrt(k / axis.M);
+    const double planned_m_s2 = std::min(static_cast<double>(a.acceleration_m_s2), max_speed_m_s / c.period_s);
+    const double unknown = std::max(gain.most - axis.lighter, axis.heavier - gain.least);
+    const double fed_N = static_cast<double>(a.friction_N);
+    const double rubbed_N = std::max(gain.most * fed_N - axis.g, axis.B1 + axis.B2 - gain.least * fed_N);
+    const double pushed_N = axis.M * planned_m_s2 * unknown, turned_m_s = 2 * unknown * max_speed_m_s;
+    const double speed_m_s =
+        late * (std::min(2 / std::numbers::e * pushed_N / (axis.M * w), turned_m_s) + rubbed_N / (axis.M * w));
+    const double off_m = late * (std::min(pushed_N / k, turned_m_s / w) + rubbed_N / k);
+    // While the spring holds what speeds the other side up and rubs there, and swings about that.
+    const double swung_N = std::max(axis.load.motor_kg, axis.load.load_kg) * planned_m_s2 + axis.B1 + axis.B2;
+    const double swung_m = 2 * swung_N / axis.K;
+    // Across the gap the force of the plan moves one side alone.
+    const double alone_N = axis.M * planned_m_s2 + axis.B1 + axis.B2;
+    const double across_m_s = std::sqrt(2 * alone_N * axis.G / std::min(axis.load.motor_kg, axis.load.load_kg));
+    beyond_m = off_m + axis.heavier * axis.M * speed_m_s * speed_m_s / (2 * axis.g) + swung_m + axis.G;
+    faster_m_s = late * (speed_m_s + swung_m * 2 * pi * axis.load.resonance_Hz() + across_m_s);
+  }
+
+  double beyond_m, faster_m_s;
+
+ private:
+  static constexpr double late = 1.5;  // by which it is more where readings are: tested
+};
+
 }  // namespace
+
+template <class Real>
+double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
+  return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.faster_m_s;
+}
+
+template <class Real>
+double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
+  return OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.beyond_m;
+}
 
 template <class Real>
 WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
@@ -432,5 +500,9 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
 
 template WorkDesign<float> design_work_kicks(const BrakedClass&);
 template WorkDesign<double> design_work_kicks(const BrakedClass&);
+template double approach_peak_m_s(const BrakedClass&, const WorkDesign<float>&, double);
+template double approach_peak_m_s(const BrakedClass&, const WorkDesign<double>&, double);
+template double approach_beyond_m(const BrakedClass&, const WorkDesign<float>&, double);
+template double approach_beyond_m(const BrakedClass&, const WorkDesign<double>&, double);
 
 }  // namespace breakaway::design

@@ -39,6 +39,7 @@ struct Approach {
 };
 Approach approach_of(const design::DesignReport& report) {
   if (report.braked) return {report.braked->approach_beyond_m, report.braked->approach_peak_m_s};
+  if (report.work) return {report.work->approach_beyond_m, report.work->approach_peak_m_s};
   if (report.pd) return {report.pd->beyond_m, report.pd->approach_peak_m_s};
   return {};
 }

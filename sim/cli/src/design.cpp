@@ -40,7 +40,7 @@ double at_most(double value, int digits = 4) {
 }
 double at_least(double value) { return value > 0 && std::isfinite(value) ? rounded_down(value, 4) : value; }
 
-void print_overshoot(const design::BrakedPromise& p) {
+void print_overshoot(const auto& p) {
   fmt::print("overshoot             at most {:g} m by a kick, and {:g} m by an approach (tested){}\n",
              at_most(p.beyond_m), at_most(p.approach_beyond_m),
              std::isfinite(p.approach_peak_m_s)
@@ -74,7 +74,9 @@ void print_promise(const design::WorkPromise& p, bool certified) {
       "where "
       "the other says\n",
       at_least(p.resonance_Hz), at_most(p.spring_m), at_most(p.unseen_m));
-  if (certified) fmt::print("                      {}\n", p.promise);
+  if (!certified) return;
+  fmt::print("                      {}\n", p.promise);
+  print_overshoot(p);
 }
 
 void print_promise(const design::PdPromise& p) {

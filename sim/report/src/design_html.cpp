@@ -125,6 +125,9 @@ std::string work_results_table(const design::WorkPromise& promise) {
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Kicked from within", 1e3 * promise.hand_over_m, "mm");
   table.quantity("Approached from within", promise.farthest_m, "m");
+  table.at_most("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
+  if (std::isfinite(promise.approach_peak_m_s))
+    table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
   table.quantity("Largest speed of the motor by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is seen after", 1e3 * promise.rest_s, "ms");
   table.row("Kick table", fmt::format("{} bytes", promise.table_bytes));

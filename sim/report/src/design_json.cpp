@@ -78,6 +78,8 @@ void write_promise(format::JsonWriter& json, const design::WorkPromise& promise)
   json.member("rest_s", promise.rest_s);
   json.member("peak_speed_m_s", promise.peak_speed_m_s);
   json.member("table_bytes", promise.table_bytes);
+  json.member("approach_beyond_m", promise.approach_beyond_m);
+  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
 }
 
 void write_report(format::JsonWriter& json, const DesignReport& report) {

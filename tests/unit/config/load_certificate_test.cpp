@@ -112,9 +112,31 @@ TEST(Certificate, OfALoadTakesInThatTheFrictionOfEitherSideDrifts) {
   EXPECT_DOUBLE_EQ(load.load_friction.upper_N, 1.1 * 2.1);
 }
 
+// An approach passes its target, and goes faster than it is planned.
+TEST(Certificate, OfTheCoastWorkAsksLimitsForRoomForApproaches) {
+  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const design::WorkPromise promise = *examine(parse_node(belt, "axis.toml")).front().work;
+  EXPECT_GT(promise.approach_beyond_m, 0);
+  EXPECT_GT(promise.approach_peak_m_s, 5);
+  const auto said_of = [](const std::string& text) { return refusal([&] { static_cast<void>(why_not(text)); }); };
+  const auto with_target = [&](double share) {
+    return with(belt, "target_m = 0\n",
+                joined({"target_m = ", std::to_string(1 - share * promise.approach_beyond_m), "\n"}));
+  };
+  EXPECT_EQ(said_of(with_target(1.01)), "");
+  EXPECT_NE(said_of(with_target(0.99)).find("outside the [limits] of position"), std::string::npos);
+  const auto followed = [&](double share) {
+    return with(belt, "following_error_m = 2\n",
+                joined({"following_error_m = ", std::to_string(share * promise.approach_beyond_m), "\n"}));
+  };
+  EXPECT_EQ(said_of(followed(1.01)), "");
+  EXPECT_NE(said_of(followed(0.99)).find("following_error_m"), std::string::npos);
+}
+
 // Its approach counts its periods, and a float holds its plan, over so much only.
 TEST(Certificate, OfTheCoastWorkRefusesTargetsThatAreTooFarAway) {
-  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const std::string belt = with(by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1")),
+                                "encoder_resolution_m = 1e-6", "encoder_resolution_m = 2e-6");
   const double most_m = examine(parse_node(belt, "axis.toml")).front().work->farthest_m;
   const auto said_of = [](const std::string& text) { return refusal([&] { static_cast<void>(why_not(text)); }); };
   const auto between_limits = [&](double room_m) {

@@ -10,6 +10,7 @@
 
 #include "../../../controller/design/src/work_checks.hpp"
 #include "../law/belt_fixture.hpp"
+#include "breakaway/law/shaped_move.hpp"
 
 namespace breakaway::design {
 namespace {
@@ -69,6 +70,56 @@ TEST(WorkChecks, EndAtWhatNothingCanBeSaidBeyond) {
     EXPECT_EQ(failed, row.checks) << row.what;
     EXPECT_NE(last.find(row.said), std::string::npos) << row.what << ": " << last;
   }
+}
+
+// Two masses without friction, the side that is read led by the feedback of an approach: how large the swing is after
+// these periods, of what it was.
+double swing_after(const BrakedClass& c, const law::ShapedApproach<double>& approach, double stiffer, int periods) {
+  constexpr int steps = 200;
+  const SpringLoad& load = *c.spring_load;
+  const double K = stiffer * load.stiffness_N_per_m, h = c.period_s / steps;
+  law::ShapedApproach<double> led = approach;
+  led.friction_N = 0;
+  law::ShapedMove<double> move{led, c.period_s, 10, 0};
+  double x1 = 1e-4 * load.load_kg, x2 = -1e-4 * load.motor_kg, v1 = 0, v2 = 0, given_N = 0;
+  const double first_m = std::abs(x1 - x2);
+  double last_m = 0;
+  for (int k = 0; k < periods; ++k) {
+    static_cast<void>(move.see(load.encoder_on_load ? x2 : x1, 0, 0));
+    const double force_N = c.force_gain.most * move.force_N();
+    for (int i = 0; i < steps; ++i) {
+      given_N += c.lag_s.most > 0 ? (force_N - given_N) * (1 - std::exp(-h / c.lag_s.most)) : force_N - given_N;
+      v1 += h * (given_N - K * (x1 - x2)) / load.motor_kg;
+      v2 += h * K * (x1 - x2) / load.load_kg;
+      x1 += h * v1;
+      x2 += h * v2;
+      if (k >= periods - 10) last_m = std::max(last_m, std::abs(x1 - x2));
+    }
+  }
+  return last_m / first_m;
+}
+
+// A feedback that is no small force beside the spring's shifts the swing: to the first order this one let none grow,
+// and in the loop it drove each to e times as much in four of it.
+TEST(WorkDesign, LetsNoSwingGrowInTheLoopAsItRuns) {
+  BrakedClass c = belt();
+  c.period_s = 2e-3;
+  c.latency_periods = 0;
+  c.lag_s = {1.5e-4, 1.5e-4};
+  c.force_gain = {0.957, 1.043};
+  c.mass_kg = {12.9, 12.9};
+  c.max_force_N = 258;
+  c.friction = {14.4, 19.1};
+  c.spring_load = SpringLoad{.motor_kg = 9.29,
+                             .load_kg = 3.61,
+                             .stiffness_N_per_m = 1.313e6,
+                             .motor_friction = {7.2, 9.55},
+                             .load_friction = {7.2, 9.55},
+                             .encoder_on_load = true};
+  const auto design = design_work_kicks<double>(c);
+  EXPECT_LE(design.swing_growth, most_swing_growth);
+  for (const double stiffer : {1.0, 1.2, 1.5, 2.0, most_stiffer})
+    EXPECT_LT(swing_after(c, design.kicks.approach, stiffer, 100), 1.5) << stiffer;
 }
 
 // Where the mass is known to a hair, the force gain alone decides how far a metered pulse goes at least.

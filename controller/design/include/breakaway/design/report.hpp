@@ -81,7 +81,9 @@ struct WorkPromise {
   double rest_s;             // without a count of motion, that proves rest
   double peak_speed_m_s;     // of the motor, which no kick exceeds
   std::size_t table_bytes;
-  std::string promise;  // the above in a sentence
+  double approach_beyond_m;  // that an approach may go past its target, tested
+  double approach_peak_m_s;  // that it may reach where its speed is limited, tested; else infinite
+  std::string promise;       // the above in a sentence
 };
 
 // What a certificate of the coast "pd" says in figures, for an axis with a period. All of it is tested. Where nothing

@@ -56,4 +56,11 @@ struct WorkDesign {
 template <class Real>
 WorkDesign<Real> design_work_kicks(const BrakedClass& axes);
 
+// The speed that an approach may reach which is to go no faster than this, [m/s], and how far it may go beyond its
+// target, [m], of a design that is possible(): tested, not proved.
+template <class Real>
+double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s);
+template <class Real>
+double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s);
+
 }  // namespace breakaway::design
