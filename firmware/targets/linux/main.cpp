@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <iostream>
 #include <limits>
 #include <memory>
 #include <span>
@@ -71,7 +72,8 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(seconds);
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
   app.add_flag("--readonly", o.readonly, "Listen and show; send nothing");
-  app.add_flag("!--no-realtime", o.realtime, "Run without real-time priority: for trials, not for machines");
+  app.add_flag_callback(
+      "--no-realtime", [&o] { o.realtime = false; }, "Run without real-time priority: for trials, not for machines");
   app.add_flag("--identify", o.identify,
                "Find mass, friction and latency of an axis by an experiment; the file need not be certified");
   app.add_option("--axis", o.axis, "The name of the axis to identify, where the file has several");
@@ -183,7 +185,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return linux_node::run(options);
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    const int code = app.exit(help);
+    if (std::cout.flush()) return code;
+    linux_node::say("standard output: cannot be written");
+    return linux_node::failed;
   } catch (const CLI::ParseError& error) {
     return linux_node::refuse(fmt::format("{} (breakaway-node --help tells more)", error.what()));
   } catch (const InputError& error) {
