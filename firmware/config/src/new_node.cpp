@@ -17,6 +17,7 @@
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/input/numbers.hpp"
+#include "breakaway/law/kick_judge.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -272,6 +273,25 @@ void require_longer_move(const KnownAxis& known, const design::DesignReport& rep
       known.longest_move_m, rounded_up(report.braked->least_tolerance_m, 4))};
 }
 
+// The least of two digits that the law comes to by as many kicks as it has. Where friction may be many times its least,
+// the last kicks before the least tolerance lead on by so little that they are too many.
+double promised_tolerance_m(const KnownAxis& known, const NewNode& made) {
+  const design::BrakedClass axes = braked_class(made.node, made.node.axes.front());
+  const auto design = design::design_braked_kicks<float>(axes);
+  const double from_m = design::kicks_begin_m(design);
+  double tolerance_m = rounded_up(design.least_tolerance_m, 2);
+  const auto kicks_do = [&] {
+    const int kicks = design::most_kicks(axes, design, from_m, tolerance_m);
+    return tolerance_m >= from_m || (kicks > 0 && kicks <= law::KickJudge<float>::most_kicks);
+  };
+  while (!kicks_do()) {
+    const double wider_m = rounded_up(1.05 * tolerance_m, 2);
+    if (wider_m >= known.longest_move_m) break;
+    tolerance_m = wider_m;
+  }
+  return tolerance_m;
+}
+
 // There is no file yet to look into.
 void require_certified(const NewNode& made) {
   if (made.report.certified) return;
@@ -307,7 +327,7 @@ NewNode new_node(const KnownAxis& known) {
   chosen.travel_m = std::max(travel_m(known), rounded_up(known.longest_move_m + wide.approach_beyond_m, 2));
   require_counted(known, chosen.travel_m);
   require_seen_to_move(known, chosen.travel_m, wide.farthest_m);
-  chosen.tolerance_m = rounded_up(wide.least_tolerance_m, 2);
+  chosen.tolerance_m = promised_tolerance_m(known, first);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
   chosen.speed_limit_m_s = rounded_up(2 * std::max(chosen.approach_speed_m_s, wide.peak_speed_m_s), 2);
   chosen.duration_s = 60;

@@ -154,6 +154,18 @@ TEST(NewNode, AllowsTheSpeedThatIsCertifiedWhateverTheMoveLetsTheAxisReach) {
   }
 }
 
+// With friction of up to twenty times its least the kicks to the least tolerance are more than the law has.
+TEST(NewNode, WidensTheToleranceToWhereTheKicksAreFew) {
+  const KnownAxis wide_bounds{12, 15, 280, 5e-7, 1000, 2000, 0.4};
+  NewNode made;
+  EXPECT_EQ(refusal([&] { made = new_node(wide_bounds); }), "");
+  ASSERT_TRUE(made.report.certified);
+  const double tolerance_m = made.node.axes.front().controller.position_tolerance_m;
+  EXPECT_GT(tolerance_m, 1.5 * made.report.braked->least_tolerance_m);
+  EXPECT_LE(tolerance_m, 1.2e-3);
+  EXPECT_GT(made.report.braked->most_kicks, 115) << "no wider than that takes";
+}
+
 // Masses of 50 g to 200 kg, bounds a quarter to 0.95 apart, drives of twice to twenty times the friction.
 TEST(NewNode, CertifiesARandomAxisOrSaysInOneSentenceWhatForbidsIt) {
   std::mt19937_64 bits{14};
