@@ -19,9 +19,14 @@ Apps subcommands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
+// Those of no group are for the command itself, and --help does not show them either.
+std::vector<const CLI::Option*> shown_options(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
+}
+
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
+  for (const CLI::Option* option : shown_options(app)) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     for (const std::string& name : option->get_snames()) names.push_back("-" + name);
   }
@@ -52,7 +57,7 @@ std::string roff(const std::string& text) {
 
 std::string man_options(const CLI::App& app) {
   std::string text;
-  for (const CLI::Option* option : app.get_options())
+  for (const CLI::Option* option : shown_options(app))
     text += fmt::format(".TP\n.B {}\n{}\n", roff(option->get_name(true, true)), roff(option->get_description()));
   return text;
 }

@@ -139,7 +139,7 @@ void add_tradeoff(CLI::App& app, int& exit_code) {
   add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway tradeoff sim/scenarios/can_axis.toml --accuracy 1e-5 --picture own.svg\n"
-                  "Example: breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
+                  "         breakaway tradeoff --page sim/TRADEOFF.md --picture sim/tradeoff.svg\n"
                   "Instructions are counted where valgrind is installed; without it costs are ratios of times.\n"} +
       exit_codes);
   files.then([options, &exit_code] {

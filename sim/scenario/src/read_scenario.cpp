@@ -347,7 +347,7 @@ Scenario only_axis(const Scenario& scenario, const std::string& name) {
   const auto found = std::ranges::find(axes, name, &Axis::name);
   if (found == axes.end()) {
     std::string names;
-    for (const Axis& axis : axes) names += (names.empty() ? "" : ", ") + axis.name;
+    for (const Axis& axis : axes) names += (names.empty() ? "\"" : ", \"") + axis.name + "\"";
     throw InputError{fmt::format("has no axis \"{}\"; it has {}", name, names)}.in_file(scenario.node.file);
   }
   if (scenario.machine && axes.size() > 1)

@@ -91,6 +91,7 @@ TEST_F(Command, CompletesSubcommandsAndTheirOptions) {
   EXPECT_EQ(completed("sim", 1), "simulate\n");
   EXPECT_EQ(completed("design --re", 2), "--report\n");
   EXPECT_EQ(completed("help stu", 2), "study\n");
+  EXPECT_EQ(completed("tradeoff --w", 2), "\n") << "what the command calls itself with is no option for people";
 }
 
 TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
