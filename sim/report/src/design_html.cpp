@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "breakaway/format/html_page.hpp"
 #include "breakaway/format/length_text.hpp"
@@ -139,15 +140,39 @@ std::string results_of_coast(const design::DesignReport& report) {
   return report.work ? work_results_table(*report.work) : results_table(report);
 }
 
-const std::string legend =
-    "<section><h2>How to read this</h2><p>The axis slides towards its target under a PD law and sticks short of it, "
-    "because of dry friction. While it rests within the maximal stick set, it is kicked: an impulse is chosen so that "
-    "under the least friction it would come to rest exactly on the target; under more friction it stops short, but "
-    "nearer than before. The checks prove that this cannot fail for any friction within the bounds, also when friction "
-    "varies with position, speed and time.</p><p>[I]: N. van de Wouw and R. I. Leine, <i>Impulsive Control of "
-    "Mechanical Motion Systems with Uncertain Friction</i>. [A]: by the same authors, <i>Stability Properties of "
-    "Equilibrium Sets of Controlled Linear Mechanical Systems with Dry Friction</i>. Numbers in parentheses are "
-    "equations of [I] unless said otherwise.</p></section>\n";
+// How an axis comes to its target under each coast, and on what that rests: what is signed claims no more.
+constexpr std::string_view coast_pd =
+    "<p>The axis slides towards its target under a PD law and sticks short of it, because of dry friction. While it "
+    "rests within the maximal stick set, it is kicked: an impulse is chosen so that under the least friction it would "
+    "come to rest exactly on the target; under more friction it stops short, but nearer than before. Of the ideal law, "
+    "with impulses, [I] proves that this cannot fail for any friction within the bounds, also when friction varies "
+    "with position, speed and time. Of a sampled loop it is tested.</p>";
+constexpr std::string_view coast_brake =
+    "<p>Coast \"brake\": the axis is led near its target within its limits of force and speed. From rest it is kicked "
+    "by a pulse of force out of a table, after which a constant force below the least friction brakes it (none, where "
+    "friction bends before it slides). The table is made so that under the least friction, with everything off by what "
+    "is stated, a kick of the table ends on the target at most, but for half a count; under more friction the axis "
+    "stops short, but nearer than before. The conditions say what of this is tested, not proved.</p>";
+constexpr std::string_view coast_work =
+    "<p>Coast \"work\": the axis is led near its target so that its load does not swing on. From rest it is kicked by "
+    "a pulse that does no more work than friction is sure to take on the way to the target, so that neither the motor "
+    "nor its load gets beyond by more than is said. The conditions say what of this is tested, not proved.</p>";
+constexpr std::string_view sources =
+    "<p>[I]: N. van de Wouw and R. I. Leine, <i>Impulsive Control of Mechanical Motion Systems with Uncertain "
+    "Friction</i>. [A]: by the same authors, <i>Stability Properties of Equilibrium Sets of Controlled Linear "
+    "Mechanical Systems with Dry Friction</i>. Numbers in parentheses are equations of [I] unless said otherwise.</p>";
+
+bool has_gains_of_its_law(const DesignedAxis& axis) { return !axis.design.braked && !axis.design.work; }
+
+std::string legend(const std::vector<DesignedAxis>& axes) {
+  std::string text = "<section><h2>How to read this</h2>";
+  if (std::ranges::any_of(axes, has_gains_of_its_law)) text += coast_pd;
+  if (std::ranges::any_of(axes, [](const DesignedAxis& axis) { return axis.design.braked.has_value(); }))
+    text += coast_brake;
+  if (std::ranges::any_of(axes, [](const DesignedAxis& axis) { return axis.design.work.has_value(); }))
+    text += coast_work;
+  return text.append(sources).append("</section>\n");
+}
 
 // `prefix` names the axis in headings, where there are several.
 std::string axis_sections(const DesignedAxis& axis, const std::string& source, const std::string& prefix) {
@@ -159,8 +184,11 @@ std::string axis_sections(const DesignedAxis& axis, const std::string& source, c
           prefix, axis_table(axis.design, source), results_of_coast(axis.report)) +
       checks(axis.report, true, prefix + "Checks that the certificate needs",
              "The margin is positive when a check holds, in the unit of what is compared.") +
-      checks(axis.report, false, prefix + "For information",
-             "Sufficient conditions of the paper; the exact ones are above.");
+      checks(
+          axis.report, false, prefix + "For information",
+          has_gains_of_its_law(axis)
+              ? "Sufficient conditions of the paper; the exact ones are above."
+              : "What the coast \"pd\" would ask for, with the gains k₁, k₂₁ and k₂₂, which this axis does not use.");
   for (const Picture& picture : draw_design_pictures(axis.design, axis.report))
     sections += format::html_section(prefix + picture.title, picture.svg, picture.caption);
   return sections;
@@ -173,7 +201,7 @@ std::string design_html(const std::string& title, const std::string& source, con
   for (const DesignedAxis& axis : axes)
     sections += axis_sections(axis, source, axes.size() == 1 ? std::string{} : axis.name + ": ");
   const bool certified = std::ranges::all_of(axes, &DesignReport::certified, &DesignedAxis::report);
-  return format::html_page(title, certified, certified ? "certified" : "not certified", sections + legend);
+  return format::html_page(title, certified, certified ? "certified" : "not certified", sections + legend(axes));
 }
 
 }  // namespace breakaway::report

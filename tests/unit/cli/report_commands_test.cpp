@@ -11,6 +11,27 @@
 namespace breakaway::testing {
 namespace {
 
+// What is signed explains the coast of the axis, and calls no more proved than is.
+TEST_F(Command, ExplainsInAReportToSignTheCoastOfItsAxis) {
+  const std::string pd = "under a PD law", brake = "Coast \"brake\"", work = "Coast \"work\"";
+  const std::string unused = "which this axis does not use";
+  const auto page = [&](const std::string& file) {
+    EXPECT_EQ(run("design " + file + " --report " + path("signed.html")).exit_code, 0) << file;
+    return content(path("signed.html"));
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::string of_pd = page(scenarios + "can_axis.toml"), of_brake = page(scenarios + "braked_axis.toml");
+  const std::string of_work = page(scenarios + "belt_axis.toml");
+  EXPECT_TRUE(has(of_pd, pd) && has(of_pd, "Of a sampled loop it is tested"));
+  EXPECT_FALSE(has(of_pd, brake) || has(of_pd, work) || has(of_pd, unused) || has(of_pd, "The checks prove"));
+  EXPECT_TRUE(has(of_brake, brake) && has(of_brake, unused));
+  EXPECT_FALSE(has(of_brake, pd) || has(of_brake, work));
+  EXPECT_TRUE(has(of_work, work) && has(of_work, unused));
+  EXPECT_FALSE(has(of_work, pd) || has(of_work, brake));
+}
+
 TEST_F(Command, DrawsTheKicksOfTheCoastBrake) {
   const Ended ended = run("design " + scenarios + "braked_axis.toml --report " + path("braked.html"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
