@@ -54,7 +54,7 @@ Picture friction_over_place(const Identification& found) {
   const std::string commands = format::plot_style + all_samples(found) +
                                fmt::format(
                                    "set xlabel 'position [m]'\nset ylabel 'friction [N]'\nset yrange [0:{:.6g}]\n"
-                                   "set key width -6\n",
+                                   "set key width -3\n",
                                    1.1 * found.bounds_N.most) +
                                plot_samples(found, 1);
   return {
@@ -70,7 +70,7 @@ Picture friction_over_speed(const Identification& found) {
   const std::string commands = format::plot_style + all_samples(found) +
                                fmt::format(
                                    "set xlabel 'speed [m/s]'\nset ylabel 'friction [N]'\n"
-                                   "set yrange [0:{:.6g}]\nset xrange [0:*]\nset key width -6\n",
+                                   "set yrange [0:{:.6g}]\nset xrange [0:*]\nset key width -3\n",
                                    1.1 * found.bounds_N.most) +
                                plot_samples(found, 3);
   return {"Friction over the speed", "The same points. A rise towards rest is what makes an axis stick.",
