@@ -59,9 +59,9 @@ Picture friction_over_place(const Identification& found) {
                                plot_samples(found, 1);
   return {
       "Friction over the place",
-      fmt::format("Each point is what friction was once: from a parabola through the positions while it slid, from "
-                  "the force of a slow ramp where it broke away. The bounds are those of the file, {:g} % beyond the "
-                  "least and the greatest of all points.",
+      fmt::format("Each point is the middle of what friction may have been once: from a parabola through the positions "
+                  "while it slid, from the force of a slow ramp where it broke away. The bounds are those of the file, "
+                  "{:g} % beyond the least and the greatest that it may have been.",
                   100 * found.margins.friction),
       format::draw_svg("friction", format::width_px, 380, commands)};
 }
