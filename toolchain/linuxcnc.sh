@@ -3,9 +3,7 @@
 set -euo pipefail
 source "$(dirname -- "${BASH_SOURCE[0]}")/setup.sh"
 
-minute=false
-[[ ${1:-} != --minute ]] || { minute=true && shift; }
-if [[ ${1:-} == --help || $# -gt 0 ]]; then
+usage() {
   cat <<'HELP'
 Usage: toolchain/linuxcnc.sh [--minute]
 
@@ -15,8 +13,16 @@ build/linuxcnc (or in BREAKAWAY_BUILD), installs the component into LinuxCNC's f
   --minute  instead runs the example for 60 s in its thread of 1 kHz, on the real-time kernel of toolchain/guest.sh and in its
             virtual time, and requires that no period is missed
 HELP
-  [[ ${1:-} == --help ]] && exit 0 || exit 2
-fi
+}
+
+minute=false
+for argument in "$@"; do
+  case $argument in
+    -h | --help) usage && exit 0 ;;
+    --minute) minute=true ;;
+    *) die "unknown argument '$argument'; see --help" ;;
+  esac
+done
 ((EUID == 0)) || die "LinuxCNC loads modules from a folder of root's: run this as root, in a container for example"
 require_packages test linuxcnc
 

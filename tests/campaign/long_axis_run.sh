@@ -2,8 +2,8 @@
 # A long campaign over random axes, in lumps of 500 that a second call does not repeat.
 set -euo pipefail
 
-if [[ $# -ne 3 ]]; then
-  cat >&2 <<'HELP'
+usage() {
+  cat <<'HELP'
 Usage: tests/campaign/long_axis_run.sh FIRST COUNT DIRECTORY
 
 Runs the axes of COUNT numbers from FIRST under the coast "brake", a fifth of them from far away as well, 20 of each 500
@@ -15,6 +15,11 @@ on. BREAKAWAY_BUILD names the build directory (build/release).
 
 Example: nice -n 19 tests/campaign/long_axis_run.sh 0 100000 /tmp/axes
 HELP
+}
+
+[[ ${1:-} != --help ]] || { usage && exit 0; }
+if [[ $# -ne 3 ]]; then
+  usage >&2
   exit 2
 fi
 first=$1 count=$2 directory=$3

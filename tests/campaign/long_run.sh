@@ -16,6 +16,7 @@ Example: tests/campaign/long_run.sh 0 100000 /tmp/campaign event-driven
 HELP
 }
 
+[[ ${1:-} != --help ]] || { usage && exit 0; }
 if [[ $# -lt 3 || $# -gt 4 ]]; then
   usage >&2
   exit 2
