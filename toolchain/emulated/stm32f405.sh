@@ -2,7 +2,11 @@
 
 scenario=can_axis
 
-prove_images() { prove 65536 16384 "$images"/*.elf "$tests"/{replay_*,lockstep}.elf; }
+prove_images() {
+  prove 65536 16384 "$images"/*.elf "$tests"/{replay_*,lockstep}.elf
+  # Each further axis takes some 5 KiB of code with its constants, and 3 KiB of RAM.
+  python3 -B toolchain/check_image.py "$tests/two_axes.elf" --code 73728 --ram 16384
+}
 
 # emulate <image> <counting> [QEMU option...]
 emulate() {
