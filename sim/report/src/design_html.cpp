@@ -42,9 +42,13 @@ std::string axis_table(const AxisDesign& axis, const std::string& source) {
   table.quantity("Moving mass", axis.mass_kg, "kg");
   table.row("Dry friction", fmt::format("{:g} to {:g} N", axis.friction.lower_N, axis.friction.upper_N));
   table.quantity("Slope of smooth friction at rest", axis.smooth_friction_slope_Ns_per_m, "N s/m");
-  table.quantity("Stiffness k₁", axis.stiffness_N_per_m, "N/m");
-  table.quantity("Approach damping k₂₁", axis.approach_damping_Ns_per_m, "N s/m");
-  table.quantity("Kick damping k₂₂", axis.kick_damping_Ns_per_m, "N s/m");
+  if (axis.braked || axis.work) {
+    table.row("Coast", axis.work ? "work" : "brake");
+  } else {
+    table.quantity("Stiffness k₁", axis.stiffness_N_per_m, "N/m");
+    table.quantity("Approach damping k₂₁", axis.approach_damping_Ns_per_m, "N s/m");
+    table.quantity("Kick damping k₂₂", axis.kick_damping_Ns_per_m, "N s/m");
+  }
   table.quantity("Largest force", axis.max_force_N, "N");
   table.quantity("Control period", 1e3 * axis.period_s, "ms");
   table.row("Latency", fmt::format("{} × control period", axis.latency_ticks));

@@ -54,6 +54,9 @@ void add_run(HtmlTable& table, const Result& r) {
 
 void add_gains(HtmlTable& table, const config::Axis& axis, bool coupled) {
   if (const auto& gains = axis.controller.impulsive) {
+    // The other coasts use none of these gains.
+    if (gains->coast != law::Coast::pd && !coupled)
+      return table.row("Coast", gains->coast == law::Coast::brake ? "brake" : "work");
     const double critical = 2 * std::sqrt(gains->stiffness_N_per_m * axis.mass_kg);
     table.quantity("Stiffness k₁", gains->stiffness_N_per_m, "N/m");
     table.row("Approach damping k₂₁", fmt::format("{:g} N s/m (ζ = {:.3g})", gains->approach_damping_Ns_per_m,

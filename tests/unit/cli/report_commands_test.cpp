@@ -30,6 +30,12 @@ TEST_F(Command, ExplainsInAReportToSignTheCoastOfItsAxis) {
   EXPECT_FALSE(has(of_brake, pd) || has(of_brake, work));
   EXPECT_TRUE(has(of_work, work) && has(of_work, unused));
   EXPECT_FALSE(has(of_work, pd) || has(of_work, brake));
+  EXPECT_TRUE(has(of_pd, "Kick damping"));
+  EXPECT_FALSE(has(of_brake, "Kick damping") || has(of_work, "Kick damping"));
+  ASSERT_EQ(run("simulate " + scenarios + "braked_axis.toml --report " + path("run.html")).exit_code, 0);
+  const std::string of_run = content(path("run.html"));
+  EXPECT_TRUE(has(of_run, "Coast"));
+  EXPECT_FALSE(has(of_run, "Kick damping"));
 }
 
 TEST_F(Command, DrawsTheKicksOfTheCoastBrake) {
