@@ -43,7 +43,7 @@ inline CLI::Validator number_validator(bool positive, const char* expects) {
   return {[=](std::string& text) -> std::string {
             double value = std::numeric_limits<double>::quiet_NaN();
             if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && (!positive || value > 0)) return "";
-            return text + " is not " + expects;
+            return (text.empty() ? "nothing" : text) + " is not " + expects;
           },
           ""};
 }

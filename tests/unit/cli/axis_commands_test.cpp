@@ -275,7 +275,7 @@ TEST_F(Command, RefusesAxesThatContradictOneAnother) {
     expect_refused(command + with("period_s = 0.001", "period_s = 0.0005"), {"axis.toml", "bus", "us", "period"});
   }
   expect_refused("study " + scenarios + "three_axes.toml", {"--axis"});
-  expect_refused("study --axis z " + scenarios + "three_axes.toml", {"\"z\"", "gantry, slide, table"});
+  expect_refused("study --axis z " + scenarios + "three_axes.toml", {"\"z\"", "\"gantry\", \"slide\", \"table\""});
 }
 
 // What a node could not run or would stop on is refused before it is certified, with --header and without.
