@@ -25,13 +25,6 @@ double accuracy_m(const Node& node, const Axis& axis) {
                    "[controller] position_tolerance_m is missing: say which accuracy the axis shall reach"};
 }
 
-// The drive gives force in steps; of what the law may ask for, it gives the whole steps.
-double granted_N(const Axis& axis, double force_N) {
-  if (!axis.drive || !(force_N < unlimited)) return force_N;
-  const double step_N = force_step_N(axis), steps = force_N / step_N;
-  return std::abs(steps - std::round(steps)) < 1e-6 ? force_N : std::floor(steps) * step_N;
-}
-
 // Of a move, or from one end of the travel to the other. Where moves end together, each waits for the slowest.
 double longest_way_m(const Node& node, const Axis& axis) {
   if (node.axes.size() > 1 && node.loop && node.loop->moves_end == firmware::MovesEnd::together) return 0;

@@ -67,6 +67,12 @@ double force_step_N(const Axis& axis) {
   return std::max(max_force_N(axis), quantum_N) / 1000;
 }
 
+double granted_N(const Axis& axis, double force_N) {
+  if (!axis.drive || !(force_N < unlimited)) return force_N;
+  const double step_N = force_step_N(axis), steps = force_N / step_N;
+  return std::abs(steps - std::round(steps)) < 1e-6 ? force_N : std::floor(steps) * step_N;
+}
+
 double feedforward_N(const Axis& axis) {
   if (!axis.controller.impulsive || !axis.drive) return 0;
   const double step_N = force_step_N(axis);

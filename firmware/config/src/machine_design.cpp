@@ -10,7 +10,9 @@
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/design/coordinator.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/stability/dense.hpp"
+#include "outside_class.hpp"
 
 namespace breakaway::config {
 namespace {
@@ -33,6 +35,19 @@ double farthest_target_m(const Axis& axis) {
   for (const TargetChange& change : axis.controller.targets)
     farthest_m = std::max(farthest_m, std::abs(change.position_m));
   return farthest_m;
+}
+
+double room_m(const Axis& axis, double target_m) {
+  return std::min(axis.limits.position_max_m - target_m, target_m - axis.limits.position_min_m);
+}
+
+// Of its targets.
+double nearest_to_a_limit_m(const Axis& axis) {
+  double nearest_m = axis.controller.target_m;
+  for (const TargetChange& change : axis.controller.targets) {
+    if (room_m(axis, change.position_m) < room_m(axis, nearest_m)) nearest_m = change.position_m;
+  }
+  return nearest_m;
 }
 
 // The targets of the file that are not near the one before.
@@ -85,6 +100,30 @@ std::string too_slow_a_limit(const Node& node, const stability::MachineCertifica
   return {};
 }
 
+// Nor on its way past a target: V is at most start_J in the approach, and what the release adds is in the box.
+std::string too_near_a_limit(const Node& node, const stability::MachineCertificate& certificate) {
+  const stability::SampledApproach approach = sampled_approach(node);
+  const Eigen::MatrixXd closed =
+      node.coupling->stiffness + Eigen::MatrixXd{approach.position_gain_N_per_m.asDiagonal()};
+  const VectorXd reach_m = (2 * certificate.sampled.start_J * stability::dense::inverse(closed).diagonal()).cwiseSqrt();
+  for (std::size_t i = 0; i < certificate.axes.size(); ++i) {
+    const Axis& axis = node.axes[i];
+    const double away_m = std::max(reach_m[static_cast<Index>(i)], certificate.axes[i].box_m);
+    if (axis.limits.following_error_m < away_m)
+      return fmt::format(
+          "axis {}: [limits] following_error_m is {:g}, and an approach may take it {:g} m from its target; raise it "
+          "to that, or lower start_m",
+          axis.name, axis.limits.following_error_m, rounded_up(away_m, 3));
+    const auto target_m = nearest_to_a_limit_m(axis);
+    if (room_m(axis, target_m) >= away_m) continue;
+    return fmt::format(
+        "axis {}: [limits] of position are {:g} m from its target at {:g} m, and an approach may take it {:g} m from "
+        "there; widen them, or lower start_m",
+        axis.name, room_m(axis, target_m), target_m, rounded_up(away_m, 3));
+  }
+  return {};
+}
+
 // No axis has force before all of them run, so that friction must hold the machine where an approach may begin.
 std::string moves_at_start(const Node& node) {
   const stability::CoupledAxes axes = coupled_axes(node);
@@ -110,6 +149,8 @@ std::string outside_theorem(const Node& node) {
     return "[bus] delay_max_s is above delay_min_s, so that a kick may be longer than its periods; make them equal";
   for (const Axis& axis : node.axes) {
     if (std::string also = uncertified(axis); !also.empty()) return also;
+    if (const std::string late = late_answer(node, axis); !late.empty())
+      return fmt::format("axis {}: {}", axis.name, late);
     if (std::string far = too_far_a_target(node, axis); !far.empty()) return far;
     const Uncertainty& u = axis.uncertainty;
     if (lag_s(axis) != lag_s(node.axes.front()))
@@ -155,7 +196,7 @@ stability::CoupledAxes coupled_axes(const Node& node) {
   a.friction_upper_N = of_axes(node, [](const Axis& axis) { return axis.friction.bounds.upper_N; });
   a.brake_N = VectorXd::Zero(c.mass.rows());
   a.force_step_N = of_axes(node, [](const Axis& axis) { return force_step_N(axis); });
-  a.max_force_N = of_axes(node, [](const Axis& axis) { return max_force_N(axis); });
+  a.max_force_N = of_axes(node, [](const Axis& axis) { return granted_N(axis, max_force_N(axis)); });
   a.period_s = node.period_s();
   a.lag_s = lag_s(node.axes.front());
   return a;
@@ -182,6 +223,7 @@ stability::MachineCertificate examine_machine(const Node& node) try {
   std::string outside = outside_theorem(node);
   if (outside.empty()) outside = moves_at_start(node);
   if (outside.empty() && certificate.certified) outside = too_slow_a_limit(node, certificate);
+  if (outside.empty() && certificate.certified) outside = too_near_a_limit(node, certificate);
   if (!outside.empty()) {
     certificate.certified = false;
     certificate.reason = outside;
@@ -215,6 +257,7 @@ std::vector<std::string> machine_conditions(const Node& node) {
                                    c.range_m < unlimited ? fmt::format(", {:g} m around the targets", c.range_m) : ""));
   conditions.push_back("springs, dampers and loads are those of [coupling], and the mechanism is rigid but for them");
   conditions.push_back(fmt::format("each target is given at rest, {:g} m away at most", c.start_m));
+  conditions.emplace_back("a target is a whole count, to which the loop rounds every other");
   conditions.push_back(
       fmt::format("every drive gives the force that is commanded, in whole periods, behind a current "
                   "loop of {:g} s, all at one instant",

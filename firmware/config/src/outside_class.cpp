@@ -254,13 +254,7 @@ class Outside {
             node_.period_s(), answered_s);
       return;
     }
-    const auto needed_us =
-        canopen::bus_budget(static_cast<unsigned>(node_.axes.size()), node_.loop->period, *node_.bit_rate).needed_us;
-    const double delay_s = answer_delay_s(node_, axis_);
-    if (delay_s + 1e-6 * needed_us > node_.period_s() * (1 + rounding))
-      add("[bus] and [drive] delay a reading by {:.6g} s beside the {} us of its frames, so that it comes too late for "
-          "its period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
-          delay_s, needed_us);
+    if (std::string late = late_answer(node_, axis_); !late.empty()) all_.push_back(std::move(late));
   }
 
   const Node& node_;
@@ -270,6 +264,17 @@ class Outside {
 };
 
 }  // namespace
+
+std::string late_answer(const Node& node, const Axis& axis) {
+  const auto needed_us =
+      canopen::bus_budget(static_cast<unsigned>(node.axes.size()), node.loop->period, *node.bit_rate).needed_us;
+  const double delay_s = answer_delay_s(node, axis);
+  if (!(delay_s + 1e-6 * needed_us > node.period_s() * (1 + rounding))) return {};
+  return fmt::format(
+      "[bus] and [drive] delay a reading by {:.6g} s beside the {} us of its frames, so that it comes too late for its "
+      "period; lower delay_max_s or tpdo_delay_max_s, or take a longer period_s",
+      delay_s, needed_us);
+}
 
 std::vector<std::string> outside_class(const Node& node, const Axis& axis) { return Outside{node, axis}.sentences(); }
 

@@ -12,4 +12,8 @@ namespace breakaway::config {
 // with its remedy. Empty: nothing.
 std::vector<std::string> outside_class(const Node& node, const Axis& axis);
 
+// Says that the answer of a drive with SYNC comes too late for the period of its sample; nothing where it does not.
+// Requires node.loop and its bit_rate.
+std::string late_answer(const Node& node, const Axis& axis);
+
 }  // namespace breakaway::config

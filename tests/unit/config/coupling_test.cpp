@@ -86,6 +86,9 @@ TEST(Coupling, WhatTheTheoremDoesNotTakeInIsRefusedInASentence) {
           .find("from 0 m to 0.1 m at once"),
       std::string::npos);
   EXPECT_NE(reason("[loop]", "[bus]\nloss_probability = 0.1\n[loop]").find("loss_probability"), std::string::npos);
+  const std::string drive = "encoder_resolution_m = 1e-6";
+  EXPECT_NE(reason(drive, drive + "\ntpdo_delay_max_s = 0.9e-3").find("axis left: [bus] and [drive] delay a reading"),
+            std::string::npos);
 }
 
 TEST(Coupling, WhatDoesNotFitTheBusIsToldWithTheNameOfTheFileOnce) {
@@ -106,6 +109,7 @@ TEST(Coupling, IsFlashedAsOneMachineUnderOneChecksum) {
     EXPECT_NE(header.find("FlashedMachine<float, 2> node"), std::string::npos) << name;
     EXPECT_NE(header.find("#include \"breakaway/firmware/flashed_machine.hpp\""), std::string::npos) << name;
     EXPECT_NE(header.find("// - each target is given at rest"), std::string::npos) << name;
+    EXPECT_NE(header.find("// - a target is a whole count"), std::string::npos) << name;
   }
 }
 

@@ -15,6 +15,8 @@ namespace breakaway::config {
 double max_force_N(const Axis& axis);
 // The step in which the drive of the axis can be commanded force. Requires axis.drive.
 double force_step_N(const Axis& axis);
+// The drive gives force in steps; of what the law may ask for, it gives the whole steps.
+double granted_N(const Axis& axis, double force_N);
 // What of the most is given against a known force on the axis, in whole steps of the drive, and what that leaves the
 // law.
 double feedforward_N(const Axis& axis);
