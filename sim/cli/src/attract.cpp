@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "breakaway/format/gnuplot.hpp"
@@ -34,13 +35,17 @@ struct AttractCommand {
 // What is proved takes a while.
 study::Attraction find(const AttractCommand& options, const scenario::MachineScenario& s) {
   const std::array<int, 2> plane = read_plane(options.plane, static_cast<int>(s.machine.coordinates()));
-  Progress progress{"proving", options.progress};
-  progress.say("the theorem's conditions");
+  std::optional<Progress> progress{std::in_place, "proving", options.progress};
+  progress->say("the theorem's conditions");
   return study::find_attraction(s, {.plane = plane,
                                     .half_width = options.window,
                                     .depth = options.depth,
                                     .threads = options.threads,
-                                    .progress = [&](double share) { progress.tell(share); }});
+                                    .progress = [&](study::RegionStage stage, double share) {
+                                      if (stage == study::RegionStage::following && share == 0)
+                                        progress.emplace("following what is not proved", options.progress);
+                                      progress->tell(share);
+                                    }});
 }
 
 void print_region(const study::CertifiedRegion& region, const report::Regions& sections) {

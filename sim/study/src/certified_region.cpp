@@ -102,11 +102,37 @@ std::vector<Cell> quartered(const std::vector<Cell>& cells) {
 template <int N, int M>
 using Provers = std::vector<std::unique_ptr<CellProver<N, M>>>;  // one for each thread
 
+// Tells the share of the work of the centres that are followed: a round takes about as much as any other, and one in
+// which a motion may take four times as much as before stands for two.
+class RoundProgress {
+ public:
+  RoundProgress(const RegionProgress& progress, double before, double work, std::size_t cells)
+      : progress_{progress},
+        before_{share(before)},
+        of_round_{share(work) - before_},
+        cells_{static_cast<double>(cells)} {}
+
+  void cell_done() {
+    if (progress_) progress_(RegionStage::following, before_ + of_round_ * static_cast<double>(++done_) / cells_);
+  }
+
+ private:
+  static double share(double work) {
+    return std::log2(work / least_work_of_a_motion) / std::log2(most_work_of_a_centre / least_work_of_a_motion);
+  }
+
+  const RegionProgress& progress_;
+  double before_, of_round_, cells_;
+  std::atomic<std::size_t> done_ = 0;
+};
+
 template <int N, int M>
-void follow(const std::vector<Cell*>& cells, const Provers<N, M>& provers, const hybrid::Budget& budget) {
+void follow(const std::vector<Cell*>& cells, const Provers<N, M>& provers, const hybrid::Budget& budget,
+            RoundProgress& done) {
   in_parallel(cells.size(), static_cast<int>(provers.size()), 1, [&](int thread) {
-    return [&cells, &budget, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
+    return [&cells, &budget, &done, &prover = *provers[static_cast<std::size_t>(thread)]](std::size_t i) {
       prover.prove(*cells[i], true, budget);
+      done.cell_done();
     };
   });
 }
@@ -114,16 +140,18 @@ void follow(const std::vector<Cell*>& cells, const Provers<N, M>& provers, const
 // A cell whose motion was given up counts by its centre as all others do, as far as the work reaches: motions that end
 // early leave theirs to the others. Returns how many were simulated.
 template <int N, int M>
-std::size_t decide_given_up(std::vector<Cell>& cells, const Provers<N, M>& provers) {
+std::size_t decide_given_up(std::vector<Cell>& cells, const Provers<N, M>& provers, const RegionProgress& progress) {
   std::vector<Cell*> left;
   for (Cell& cell : cells)
     if (cell.simulated == Fate::pending) left.push_back(&cell);
+  if (progress && !left.empty()) progress(RegionStage::following, 0);
   std::size_t motions = 0;
   for (double before = least_work_of_a_motion; !left.empty();) {
     const double work = std::min(work_of_the_given_up / static_cast<double>(left.size()), most_work_of_a_centre);
     if (work < 2 * before) break;
+    RoundProgress done{progress, before, work, left.size()};
     before = work;
-    follow<N, M>(left, provers, hybrid::Budget{work});
+    follow<N, M>(left, provers, hybrid::Budget{work}, done);
     motions += left.size();
     std::erase_if(left, [](const Cell* cell) { return cell->simulated != Fate::pending; });
   }
@@ -142,7 +170,8 @@ class LevelProgress {
         cells_{static_cast<double>(cells)} {}
 
   void cell_done() {
-    if (progress_) progress_((before_ + of_level_ * static_cast<double>(++done_) / cells_) / all_);
+    if (progress_)
+      progress_(RegionStage::proving, (before_ + of_level_ * static_cast<double>(++done_) / cells_) / all_);
   }
 
  private:
@@ -185,7 +214,7 @@ CertifiedRegion grow(const stability::LinearMachine<>& machine, const RegionBoun
     }
     open = quartered(unproved);
   }
-  motions += decide_given_up<N, M>(proved, provers);
+  motions += decide_given_up<N, M>(proved, provers, progress);
   return {window, std::move(proved), motions};
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 #include "../sil/two_masses.hpp"
 #include "../stability/random_systems.hpp"
@@ -186,8 +187,8 @@ TEST(CertifiedRegion, CountsWhatIsUndecidedAmongWhatMayBeAttracted) {
 }
 
 // A mass that gains energy beside one that loses it, fifteen orders of magnitude apart: what is certified is too small
-// for any cell, each motion has thousands of events, and the search ends nevertheless.
-TEST(CertifiedRegion, EndsWhereNothingCanBeProved) {
+// for any cell, and each motion has thousands of events.
+scenario::MachineScenario endless() {
   stability::LinearMachine<> machine;
   machine.mass = Eigen::Vector2d{1e3, 1e-12}.asDiagonal();
   machine.damping = Eigen::Vector2d{1e4, -1e-12}.asDiagonal();
@@ -195,11 +196,34 @@ TEST(CertifiedRegion, EndsWhereNothingCanBeProved) {
   machine.directions = Eigen::Matrix2d::Identity();
   machine.friction_N = Eigen::Vector2d{1, 1e-15};
   machine.force_N = Eigen::Vector2d::Zero();
-  const CertifiedRegion region = region_of(scenario_of(machine), {1e-5, {0, 1}, 14});
+  return scenario_of(machine);
+}
+
+TEST(CertifiedRegion, EndsWhereNothingCanBeProved) {
+  const CertifiedRegion region = region_of(endless(), {1e-5, {0, 1}, 14});
   EXPECT_EQ(region.area(Fate::attracted), 0);
   EXPECT_EQ(region.proved_share(), 0);
   for (const Cell& cell : region.cells()) ASSERT_LE(cell.level, 7);
   EXPECT_LE(region.motions(), 3 * 21'845U);  // seven halvings, and what follows cells that were given up
+}
+
+// Following the motions that were given up takes longer than all that is before.
+TEST(CertifiedRegion, TellsAsWellOfTheMotionsThatItFollowsFurther) {
+  const scenario::MachineScenario s = endless();
+  std::vector<double> proving, following;
+  const auto note = [&](study::RegionStage stage, double share) {
+    (stage == study::RegionStage::proving ? proving : following).push_back(share);
+    EXPECT_TRUE(stage == study::RegionStage::following || following.empty()) << "the stages follow one another";
+  };
+  const auto region = study::certify_region(s, sil::certify(s.machine), Window{1e-5, {0, 1}, 5}, 1, note);
+  ASSERT_GT(region.motions(), 1365U);
+  EXPECT_EQ(proving.size(), 1365U);
+  EXPECT_EQ(following.size(), region.motions() - 1365 + 1);
+  EXPECT_EQ(following.front(), 0);
+  for (const auto& stage : {proving, following}) {
+    EXPECT_TRUE(std::ranges::is_sorted(stage));
+    EXPECT_LE(stage.back(), 1);
+  }
 }
 
 TEST(CertifiedRegion, IsDrawn) {

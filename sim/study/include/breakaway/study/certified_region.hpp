@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -60,9 +61,14 @@ class CertifiedRegion {
 double fitting_half_width(const stability::LinearMachine<>& machine, const stability::Attractivity& attractivity,
                           const std::array<int, 2>& plane);
 
-// Called by any thread with the share of the work that is done, 0 to 1, as far as it can be foreseen: each halving of
-// the cells takes about twice the work of the one before.
-using RegionProgress = std::function<void(double share)>;
+enum class RegionStage : std::uint8_t {
+  proving,    // cells are halved
+  following,  // motions that were given up on the way are followed further, where there are any
+};
+
+// Called by any thread with the share of a stage that is done, 0 to 1, as far as it can be foreseen: each halving of
+// the cells takes about twice the work of the one before. A stage begins with 0, before any other thread tells of it.
+using RegionProgress = std::function<void(RegionStage stage, double share)>;
 
 // Cells depend on nothing but their place: threads >= 1 do not change the result. Throws InputError where
 // nothing is certified to grow from (level_J is 0), for friction laws that vary, and when the integrator cannot take
