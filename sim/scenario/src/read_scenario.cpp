@@ -60,11 +60,13 @@ void require_sound_plant(const Node& node, const Axis& axis, const AxisWorld& wo
                     fast_rad_s, fastest_rad_s, mass_kg * fastest_rad_s * fastest_rad_s));
 }
 
-void require_possible_start(const Node& node, const Axis& axis, const AxisWorld& world) {
-  if (const std::string problem = start_problem(axis, world, world.position_m); !problem.empty())
-    throw InputError{fmt::format("{}[plant] position_m = {:g} {}",
-                                 node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ", world.position_m,
-                                 problem)}
+// An axis on a machine starts where that does.
+void require_possible_start(const Node& node, const Axis& axis, const AxisWorld& world,
+                            const std::optional<CoupledMachine>& machine) {
+  const double start_m = machine ? world.place->read.dot(machine->start.q) : world.position_m;
+  if (const std::string problem = start_problem(axis, world, start_m); !problem.empty())
+    throw InputError{fmt::format("{}{} = {:g} {}", node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ",
+                                 machine ? "what it reads of [start] q" : "[plant] position_m", start_m, problem)}
         .in_file(node.file);
 }
 
@@ -129,8 +131,8 @@ class WorldReader {
       if (node.axes[i].drive) emulate_drive(node, node.axes[i], worlds_[i]);
       if (world.plant.load) world.plant.load->coupling.gap_m = world.gap_m;
       require_sound_plant(node, node.axes[i], world);
-      require_possible_start(node, node.axes[i], world);
       world.place = place_of(node, i, s.machine);
+      require_possible_start(node, node.axes[i], world, s.machine);
       s.worlds.push_back(std::move(world));
     }
     s.scalar = scalar_type(node);
@@ -326,7 +328,7 @@ Scenario read_scenario(const std::filesystem::path& file) {
 
 std::string start_problem(const Axis& axis, const AxisWorld& world, double position_m) {
   if (std::string problem = uncounted_start(axis, position_m); !problem.empty()) return problem;
-  if (!world.place && axis.drive && begins_at_home(axis.drive->homing) &&
+  if (axis.drive && begins_at_home(axis.drive->homing) &&
       std::abs(position_m - axis.drive->homing.position_m) > axis.drive->encoder_resolution_m)
     return fmt::format(
         "is not where [drive] home says that the axis stands when it begins, home_position_m = {:g}; give both the "

@@ -66,6 +66,20 @@ TEST(CoupledMachine, StandsBehindAnAxisThatSaysWhatItPushesAndReads) {
   EXPECT_EQ(s.node.axes[0].mass_kg, 4) << "what its controller is told";
 }
 
+// Its [plant] says nothing of where it starts.
+TEST(CoupledMachine, StartsWhereItsHomeAndItsLimitsLetItStart) {
+  const auto said_of = [](const std::string& of_drive, const std::string& of_axis) {
+    const std::string text = with(sound, "encoder_resolution_m = 1e-6", "encoder_resolution_m = 1e-6\n" + of_drive);
+    return testing::refusal([&] { parse_scenario(with(text, "[run]", of_axis + "[run]"), "axis.toml"); });
+  };
+  EXPECT_EQ(said_of("home = \"here\"\nhome_position_m = -0.1\n", ""), "");
+  EXPECT_EQ(said_of("home = \"here\"\n", ""),
+            "axis.toml: what it reads of [start] q = -0.1 is not where [drive] home says that the axis stands when it "
+            "begins, home_position_m = 0; give both the same");
+  EXPECT_NE(said_of("", "[limits]\nposition_m = 0.05\n").find("is outside the [limits], -0.05 to 0.05 m"),
+            std::string::npos);
+}
+
 TEST(CoupledMachine, TakesAPlaceThatIsSharedByCoordinates) {
   const auto s = parse_scenario(with(sound, "push = 1", "push = [1, 0.6], read = 2"), "axis.toml");
   EXPECT_EQ(s.worlds[0].place->push, Eigen::Vector2d(1, 0.6));
