@@ -50,9 +50,13 @@ double nearest_to_a_limit_m(const Axis& axis) {
   return nearest_m;
 }
 
-// The targets of the file that are not near the one before.
+// The targets of the file that are not near the one before, or the first one that is not near the home.
 std::string too_far_a_target(const Node& node, const Axis& axis) {
   double from_m = axis.controller.target_m;
+  if (const Homing& homing = axis.drive->homing; homing.home != cia402::Home::none) {
+    const std::string far = way_problem(node, axis, homing.position_m, from_m);
+    if (!far.empty()) return fmt::format("axis {}: home and [controller] target_m go {}", axis.name, far);
+  }
   for (const TargetChange& change : axis.controller.targets) {
     const std::string far = way_problem(node, axis, from_m, change.position_m);
     if (!far.empty()) return fmt::format("axis {}: [controller] targets go {}", axis.name, far);

@@ -87,6 +87,10 @@ TEST(Coupling, WhatTheTheoremDoesNotTakeInIsRefusedInASentence) {
       std::string::npos);
   EXPECT_NE(reason("[loop]", "[bus]\nloss_probability = 0.1\n[loop]").find("loss_probability"), std::string::npos);
   const std::string drive = "encoder_resolution_m = 1e-6";
+  const std::string home = drive + "\nhome = \"drive\"\nhome_method = 17\nhome_position_m = ";
+  EXPECT_NE(reason(drive, home + "-0.05").find("axis left: home and [controller] target_m go from -0.05 m to 0 m"),
+            std::string::npos);
+  EXPECT_EQ(reason(drive, home + "-0.03"), "");
   EXPECT_NE(reason(drive, drive + "\ntpdo_delay_max_s = 0.9e-3").find("axis left: [bus] and [drive] delay a reading"),
             std::string::npos);
 }
