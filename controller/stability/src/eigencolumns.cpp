@@ -14,6 +14,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Multiplications, a second or two on a PC, for a basis of a machine with ever so many corners: it is valid as it is.
+constexpr double most_work = 2e9;
+
 // alpha max |lambda_i| |M^-1/2 U_i|, and alpha alone when all eigenvalues are 0: what is to be made small.
 double cost(const MatrixXd& columns, const VectorXd& values, const MatrixXd& inverse_mass, const MatrixXd& corners) {
   const double alpha = (columns.transpose() * corners).cwiseAbs().colwise().sum().maxCoeff();
@@ -26,10 +29,12 @@ double cost(const MatrixXd& columns, const VectorXd& values, const MatrixXd& inv
   return alpha * largest;
 }
 
+constexpr int samples = 24, refinements = 40;
+constexpr double costs_of_a_turn = samples + 2 * refinements + 2;
+
 // The least of f on [0, pi/2) as far as `samples` can tell, then by golden section.
 template <class Function>
 double best_angle(const Function& f) {
-  constexpr int samples = 24, refinements = 40;
   constexpr double step = std::numbers::pi / 2 / samples, golden = std::numbers::phi - 1;
   int best = 0;
   double least = f(0);
@@ -39,7 +44,8 @@ double best_angle(const Function& f) {
   double low = (best - 1) * step, high = (best + 1) * step;
   for (int i = 0; i < refinements; ++i) {
     const double left = high - golden * (high - low), right = low + golden * (high - low);
-    (f(left) < f(right) ? high : low) = f(left) < f(right) ? right : left;
+    const bool is_left = f(left) < f(right);
+    (is_left ? high : low) = is_left ? right : left;
   }
   return (low + high) / 2;
 }
@@ -68,9 +74,9 @@ MatrixXd diagonalising(MatrixXd columns, const VectorXd& values, const MatrixXd&
   return columns;
 }
 
-// Turns two columns of equal eigenvalues at a time, as long as it lowers the cost.
+// Turns two columns of equal eigenvalues at a time, as long as it lowers the cost, and so often at most.
 template <class Cost>
-MatrixXd descend(MatrixXd columns, const VectorXd& values, const Cost& cost_of) {
+MatrixXd descend(MatrixXd columns, const VectorXd& values, const Cost& cost_of, double most_turns) {
   constexpr int most_sweeps = 8;
   double least = cost_of(columns);
   bool improved = true;
@@ -78,6 +84,7 @@ MatrixXd descend(MatrixXd columns, const VectorXd& values, const Cost& cost_of) 
     improved = false;
     for (Index i = 0; i < values.size(); ++i) {
       for (Index j = i + 1; j < values.size() && values[j] == values[i]; ++j) {
+        if (--most_turns < 0) return columns;
         const double angle = best_angle([&](double a) { return cost_of(turned(columns, i, j, a)); });
         const MatrixXd better = turned(columns, i, j, angle);
         if (!(cost_of(better) < (1 - 1e-12) * least)) continue;
@@ -115,9 +122,10 @@ void turn_for_level(Eigencolumns& basis, Index unstable, const MatrixXd& inverse
   const MatrixXd columns = basis.columns.leftCols(unstable);
   if (std::adjacent_find(values.begin(), values.end()) == values.end()) return;
   const auto cost_of = [&](const MatrixXd& choice) { return cost(choice, values, inverse_mass, corners); };
+  const double most_turns = most_work / (costs_of_a_turn * static_cast<double>(corners.size() * columns.cols()));
   double least = std::numeric_limits<double>::infinity();
   for (const MatrixXd& form : {inverse_mass, MatrixXd{corners * corners.transpose()}}) {
-    const MatrixXd found = descend(diagonalising(columns, values, form), values, cost_of);
+    const MatrixXd found = descend(diagonalising(columns, values, form), values, cost_of, most_turns);
     if (const double value = cost_of(found); value < least) {
       least = value;
       basis.columns.leftCols(unstable) = found;

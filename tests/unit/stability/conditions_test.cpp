@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <random>
 #include <string>
@@ -168,6 +169,25 @@ TEST(Conditions, ChooseTheBasisOfARepeatedEigenvalue) {
     EXPECT_NEAR(a.level_J, 0.5, 1e-9);
     EXPECT_TRUE((a.eigencolumns.transpose() * a.eigencolumns).isIdentity(1e-14));
   }
+}
+
+// Ten equal axes and sixteen frictions have 11,440 corners: the best basis would take a minute to find, and any is
+// valid.
+TEST(Conditions, TakeABasisThatIsGoodEnoughWhereCornersAreMany) {
+  constexpr Eigen::Index n = 10, frictions = 16;
+  std::mt19937_64 bits{1};
+  std::normal_distribution<> normal;
+  LinearMachine<> s;
+  s.mass = MatrixXd::Identity(n, n);
+  s.damping = -0.01 * s.mass;
+  s.stiffness = 2 * s.mass;
+  s.directions = MatrixXd::NullaryExpr(n, frictions, [&] { return normal(bits); });
+  s.friction_N = VectorXd::Ones(frictions);
+  const std::clock_t begin = std::clock();
+  const Attractivity a = certify_attractivity(s);
+  EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
+  EXPECT_TRUE(a.certified);
+  EXPECT_TRUE((a.eigencolumns.transpose() * a.eigencolumns).isIdentity(1e-14));
 }
 
 // Remark 3 looks at one corner of E. Where springs couple two frictions the other way, another one is farther.
