@@ -120,7 +120,8 @@ std::size_t padding_in(const law::AxisParameters<float>& law) {
 // Of a kick table the entries that are not there count as padding.
 std::size_t padding_in(const law::BrakedKicks<float>& braked) {
   const auto& [brake, step, preload, resting, holding, fast, slow, short_lag, coast, breakaway, lost, least, most,
-               still, either_way, patient, settling, fine_floor, spring, approach, table] = braked;
+               still, either_way, patient, settling, fine_floor, sure, spring, approach, table] = braked;
+  const auto& [sure_share, from, sure_most] = sure;
   const auto& [reach, most_kept, gain, share, longest, ringing] = spring;
   const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing, move] =
       approach;
@@ -129,7 +130,8 @@ std::size_t padding_in(const law::BrakedKicks<float>& braked) {
   const auto& [a0, a1, a2, a3] = entries[0];
   const std::size_t absent = entries.size() - count;
   return padding_of(braked, brake, step, preload, resting, holding, fast, slow, short_lag, coast, breakaway, lost,
-                    least, most, still, either_way, patient, settling, fine_floor, spring, approach, table) +
+                    least, most, still, either_way, patient, settling, fine_floor, sure, spring, approach, table) +
+         padding_of(sure, sure_share, from, sure_most) +
          padding_of(spring, reach, most_kept, gain, share, longest, ringing) +
          padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing,
                     move) +

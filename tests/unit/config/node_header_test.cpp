@@ -102,7 +102,9 @@ TEST(NodeHeader, SaysOfTheReadingWhatTheToleranceHoldsAndOfTheTrueErrorWhatIsMor
       << by_pd.substr(0, 500);
   const std::string braked = braked_header(2e-6);
   EXPECT_NE(
-      braked.find("is certified: at rest its reading is within position_tolerance_m of its target, provided that"),
+      braked.find(
+          "is certified: at rest it is within position_tolerance_m, and what a reading may be off, of its target, "
+          "provided that"),
       std::string::npos)
       << braked.substr(0, 500);
   EXPECT_NE(braked.find("the true error is at most 2.5e-06 m"), std::string::npos);

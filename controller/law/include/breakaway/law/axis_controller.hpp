@@ -120,8 +120,9 @@ class AxisController {
     if (!(left_N < p_.max_force_N)) return;
     if (braked_ != nullptr) plan_.limit_force(left_N / p_.max_force_N);
     p_.max_force_N = left_N;
-    if (braked_ != nullptr) cycle_.limit_force(left_N);
-    judge_.forget_last();  // which may have been weakened on its way
+    if (braked_ == nullptr) return;
+    cycle_.limit_force(left_N);
+    judge_.expect_nothing();  // of a kick that is made weaker on its way
   }
 
   // Leaves the fault mode and forgets all history; the next update starts a new approach.

@@ -59,9 +59,7 @@ class KickJudge {
   [[gnu::noinline]] void expect(const Parameters& p, const KickCycle<Scalar>& cycle,
                                 const FineStage<Scalar>& fine) noexcept {
     const BrakedKicks<Scalar>& told = cycle.kicks();
-    expects_ = false;
-    least_travel_m_ = -largest;
-    most_travel_m_ = led_to_m_ = largest;
+    expect_nothing();
     if (cycle.pulse_limited() || fine.kicked() || !told.kicks_show_friction()) return;
     const Scalar sure_m = told.sure.from(std::abs(kicked_from_m_));
     if (sure_m > 0) led_to_m_ = at_most_m_ - sure_m;
@@ -72,6 +70,12 @@ class KickJudge {
     least_travel_m_ = travel_m(told.most_seen_N) - 2 * unseen_m_;
     if (told.least_seen_N > -told.brake_N)
       most_travel_m_ = std::max(travel_m(told.least_seen_N), Scalar{0}) + 2 * unseen_m_;
+  }
+
+  void expect_nothing() noexcept {
+    expects_ = false;
+    least_travel_m_ = -largest;
+    most_travel_m_ = led_to_m_ = largest;
   }
 
   // The axis left its hold without a kick, which counts as one. Returns whether that was one too many.
