@@ -26,12 +26,12 @@ constexpr std::size_t most_bins = 24;
 constexpr int histogram_px = 280;
 
 // What a histogram shows beside its bars.
-struct Marks {
+struct HistogramMarks {
   std::string x_label;
   double tolerance = std::numeric_limits<double>::quiet_NaN();  // NaN: none
 };
 
-std::string draw(const std::string& name, const Histogram& h, const Marks& marks) {
+std::string draw(const std::string& name, const Histogram& h, const HistogramMarks& marks) {
   std::string commands = format::plot_style + "$bars << END\n";
   for (std::size_t bin = 0; bin < h.counts.size(); ++bin)
     commands += fmt::format("{:.10g} {}\n", h.middle(bin), h.counts[bin]);
