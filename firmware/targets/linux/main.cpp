@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <limits>
@@ -176,6 +177,7 @@ int refuse(const std::string& what) {
 
 int main(int argc, char** argv) {
   using namespace breakaway;
+  ::signal(SIGUSR1, SIG_IGN);  // by default it would end a node that has no faults to acknowledge yet
   linux_node::Options options;
   CLI::App app{"Controls the axes of a node over SocketCAN: the loop that is flashed, on Linux.", "breakaway-node"};
   app.set_version_flag("--version", "breakaway-node " BREAKAWAY_VERSION);

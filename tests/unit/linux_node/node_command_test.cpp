@@ -14,8 +14,8 @@ struct Ended {
   std::string said;  // on the end of the pipe
 };
 
-Ended run(const std::string& arguments) {
-  FILE* const pipe = ::popen(("'" BREAKAWAY_NODE "' " + arguments).c_str(), "r");
+Ended run_script(const std::string& script) {
+  FILE* const pipe = ::popen(script.c_str(), "r");
   if (pipe == nullptr) return {-1, "no pipe"};
   std::string said;
   std::array<char, 4096> piece{};
@@ -23,6 +23,8 @@ Ended run(const std::string& arguments) {
   const int status = ::pclose(pipe);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, said};
 }
+
+Ended run(const std::string& arguments) { return run_script("'" BREAKAWAY_NODE "' " + arguments); }
 
 TEST(NodeCommand, HelpNamesTheOptionsAsTheyAreTyped) {
   const Ended help = run("--help");
@@ -38,6 +40,17 @@ TEST(NodeCommand, SaysThatStandardOutputTookNoHelp) {
     EXPECT_EQ(ended.exit_code, 1) << asked;
     EXPECT_EQ(ended.said, "breakaway-node: standard output: cannot be written\n") << asked;
   }
+}
+
+// The pipe opens once the node has begun to read its file.
+TEST(NodeCommand, GoesOnAtAnAcknowledgementBeforeItHasReadItsFile) {
+  const std::string folder = ::testing::TempDir() + "acknowledged_early", file = folder + "/axis.toml";
+  std::filesystem::create_directories(folder);
+  const std::string script = "rm -f '" + file + "'; mkfifo '" + file + "'; '" BREAKAWAY_NODE "' --can can0 '" + file +
+                             "' 2>&1 & exec 3>'" + file + "'; kill -USR1 $!; echo no file >&3; exec 3>&-; wait $!";
+  const Ended ended = run_script(script);
+  EXPECT_EQ(ended.exit_code, 2) << ended.said;
+  EXPECT_NE(ended.said.find(file), std::string::npos) << ended.said;
 }
 
 }  // namespace
