@@ -103,7 +103,10 @@ class KickTableBuilder {
     const double places = std::min(std::floor((range.most - first_m) / step_m), double{sure_counts * sure_places});
     if (axes_.spring_load || axes_.presliding_stiffness_N_per_m > 0 || !(places >= 1)) return {};
     const double most_m = first_m + places * step_m;
-    const auto travel_m = [&](double y) { return pulse(y * (1 - rounding)).least_m; };
+    // A count may be where an interval ends, and another pulse begins.
+    const auto travel_m = [&](double y) {
+      return std::min(pulse(y * (1 - rounding)).least_m, pulse(y * (1 + rounding)).least_m);
+    };
     const double at_first_m = travel_m(first_m);
     double slope = std::min(1.0, (least_travel_beyond_m(most_m) - at_first_m) / (most_m - first_m));
     for (int i = 1; i <= places; ++i)

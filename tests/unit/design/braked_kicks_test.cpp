@@ -319,6 +319,17 @@ TEST(BrakedKicks, TravelAtLeastWhatIsSure) {
   EXPECT_GT(known, 36) << "of 72 classes";
 }
 
+// Intervals end at powers of two of their unit, and where one ends a longer pulse may begin that is less sure.
+TEST(BrakedKicks, TravelAtLeastWhatIsSureFromCountsWhereIntervalsEnd) {
+  for (int power = 10; power <= 18; ++power) {
+    BrakedClass c = example(1e-3, 0, 0.025);
+    c.lag_s = {3.2e-3, 4.8e-3};
+    c.encoder_resolution_m = std::ldexp(1.0, -power);
+    SCOPED_TRACE(testing::Message() << "count 2^-" << power << " m");
+    expect_sure_travel(c);
+  }
+}
+
 // The strongest pulse goes no further than the force of the drive and the longest pulse let it, however far away the
 // axis is: that is seven counts here.
 TEST(BrakedKicks, TravelAtLeastWhatIsSureAtTheEndOfTheirTable) {
