@@ -126,8 +126,8 @@ std::string first_line(const Node& node) {
 // and "work" say by how much.
 std::string promised_reading(const Node& node, const Axis& axis, const design::DesignReport& report) {
   if (report.braked && report.braked->fine_stage)
-    return "at rest its reading is within fine_floor_m of its target, and position_tolerance_m, which is less, is only "
-           "aimed at";
+    return "at rest it is within fine_floor_m, and what a reading may be off, of its target, and position_tolerance_m, "
+           "which is less, is only aimed at";
   if (report.braked) return "at rest it is within position_tolerance_m, and what a reading may be off, of its target";
   std::string reading = "at rest its reading is within position_tolerance_m of its target";
   if (!report.work)

@@ -112,8 +112,8 @@ TEST(NodeHeader, SaysOfTheReadingWhatTheToleranceHoldsAndOfTheTrueErrorWhatIsMor
 
 TEST(NodeHeader, PromisesNoToleranceThatIsOnlyAimedAt) {
   const std::string text = braked_header(0.6e-6);
-  EXPECT_NE(text.find("at rest its reading is within fine_floor_m of its target, and position_tolerance_m, which is "
-                      "less, is only aimed at, provided that"),
+  EXPECT_NE(text.find("at rest it is within fine_floor_m, and what a reading may be off, of its target, and "
+                      "position_tolerance_m, which is less, is only aimed at, provided that"),
             std::string::npos)
       << text.substr(0, 500);
 }
