@@ -144,8 +144,8 @@ Configuration read_configuration(const Options& options) {
     const double promised_m = std::max(tolerance_m(node, axis), fine_floor_m(c, i));
     c.axes.push_back(unplanned(axis));
     if (axis.drive->odrive) c.odrives.push_back(config::odrive_config<float>(axis));
-    // Half a count for the decimal tolerance in float.
-    c.axes.back().reached_m = promised_m + reading_error_m(axis);
+    // Held is what is within the tolerance and a reading's error of its target, and may read as much further away.
+    c.axes.back().reached_m = promised_m + 2 * reading_error_m(axis);
     if (c.timed) plan_times(c.axes.back(), axis);
   }
   plan_tour(c, node, options.targets);

@@ -87,7 +87,7 @@ TEST_F(LinuxNodeConfiguration, AxesThatPushEachOtherAreTakenAsOneMachine) {
   EXPECT_TRUE(verify(*machine).ok());
   EXPECT_EQ(c.drive(1).node_id, 2);
   EXPECT_TRUE(c.drive(1).invert_direction);
-  EXPECT_NEAR(c.axes[0].reached_m, 1.05e-5, 1e-12);
+  EXPECT_NEAR(c.axes[0].reached_m, 1.1e-5, 1e-12);
 }
 
 TEST_F(LinuxNodeConfiguration, ALoadOnASpringIsTakenUnderTheCoastWork) {
@@ -96,7 +96,7 @@ TEST_F(LinuxNodeConfiguration, ALoadOnASpringIsTakenUnderTheCoastWork) {
   ASSERT_NE(belt, nullptr);
   EXPECT_TRUE(verify(*belt).ok());
   EXPECT_TRUE(belt->axes[0].kicks.metered);
-  EXPECT_NEAR(c.axes[0].reached_m, 3.205e-4, 1e-12);
+  EXPECT_NEAR(c.axes[0].reached_m, 3.21e-4, 1e-12);
 }
 
 TEST_F(LinuxNodeConfiguration, ATourOfAMachineGoesNoFurtherAtOnceThanItIsCertifiedFor) {
@@ -117,7 +117,8 @@ TEST_F(LinuxNodeConfiguration, ACertifiedNodeIsTakenAsItWouldBeFlashed) {
   EXPECT_FLOAT_EQ(single(c).axes[0].scale().max_force_N, 50);
   EXPECT_FLOAT_EQ(single(c).axes[0].limits.position_max_m, 10);
   ASSERT_EQ(c.axes.size(), 1U);
-  EXPECT_DOUBLE_EQ(c.axes[0].reached_m, 1.8e-6 + 0.5e-6) << "half a count for the target, which is a whole one";
+  EXPECT_DOUBLE_EQ(c.axes[0].reached_m, 1.8e-6 + 1e-6)
+      << "held half a count further away, which reads half a count more";
   EXPECT_FLOAT_EQ(c.axes[0].force_per_per_mille_N, 0.025F);
   ASSERT_EQ(c.axes[0].visits.size(), 1U);
   EXPECT_EQ(c.axes[0].visits[0].counts, 0);
