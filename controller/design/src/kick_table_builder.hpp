@@ -113,7 +113,11 @@ class KickTableBuilder {
       slope = std::min(slope, (travel_m(first_m + i * step_m) - at_first_m) / (i * step_m));
     if (!(slope > 0)) return {};
     double from_m = first_m - at_first_m / slope;
-    for (double y = range.least; y < first_m; y += step_m) from_m = std::max(from_m, y - travel_m(y) / slope);
+    // From here to there a pulse is no weaker than here, unless an interval ends between. A target need be no count.
+    for (double here_m = range.least, there_m = 0; here_m < most_m; here_m = there_m) {
+      there_m = std::min(here_m + std::max(here_m - first_m, q) / sure_counts, end_of_interval_m(here_m));
+      from_m = std::max(from_m, there_m - travel_m(here_m) / slope);
+    }
     return {static_cast<Real>(kept * slope), static_cast<Real>(from_m), static_cast<Real>(most_m)};
   }
 
@@ -127,7 +131,7 @@ class KickTableBuilder {
   static constexpr int samples = 32;               // of an interval
   static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
   static constexpr int sure_counts = 64;           // beyond the least tolerance, where kicks are sure to lead further
-  static constexpr int sure_places = 4;            // of a count: a target need not be a whole one
+  static constexpr int sure_places = 4;            // of a count, which the line is as steep as
 
   // Of all entries, from one end of each to the other, which is where the next begins but for its pulse.
   template <class Visitor>
@@ -141,6 +145,12 @@ class KickTableBuilder {
         visit(s * s);
       }
     }
+  }
+
+  static double end_of_interval_m(double distance_m) {
+    const float root = std::sqrt(static_cast<float>(distance_m));
+    const double end = Table::root_at((std::bit_cast<std::uint32_t>(root) >> Table::shift) + 1);
+    return end * end;
   }
 
   // From this distance on, at the end of the table and beyond it as well. Between two places a pulse is no weaker than

@@ -281,19 +281,19 @@ TEST(BrakedKicks, AreAsManyAsPromisedForWhoeverReadsAtHisWorst) {
   }
 }
 
-// Of readings that are whole counts, near the floor and up to the reach.
-void expect_sure_travel(const BrakedClass& c) {
+// Of readings that are whole counts, near the floor and up to the reach; of others where the target is so far from one.
+void expect_sure_travel(const BrakedClass& c, double share_of_count = 0) {
   const auto design = design_braked_kicks<float>(c);
   ASSERT_TRUE(design.possible());
   const law::SureTravel<float>& sure = design.kicks.sure;
   const double q = c.encoder_resolution_m, first = std::ceil(design.floor_m / q * (1 - 1e-6));
   for (double count = first; count * q < 1.5 * design.reach_m;
        count = std::ceil(count * (count < 2000 ? 1 : 1.01) + 1)) {
-    const auto y = static_cast<float>(count * q);
+    const auto y = static_cast<float>((count + share_of_count) * q);
     const law::Pulse<float> p = design.kicks.table.pulse(y);
     const double force_N = std::floor(std::min(static_cast<double>(p.force_N), c.max_force_N) / c.force_step_N + 1e-6);
     const double least_m = least_travel_m(c, force_N * c.force_step_N, p.periods, p.cut_periods);
-    ASSERT_LE(static_cast<double>(sure.from(y)), least_m) << count << " counts";
+    ASSERT_LE(static_cast<double>(sure.from(y)), least_m) << count + share_of_count << " counts";
   }
 }
 
@@ -317,6 +317,20 @@ TEST(BrakedKicks, TravelAtLeastWhatIsSure) {
     }
   }
   EXPECT_GT(known, 36) << "of 72 classes";
+}
+
+// LinuxCNC does not round its targets to counts.
+TEST(BrakedKicks, TravelAtLeastWhatIsSureFromPlacesBetweenCounts) {
+  for (const double count_m : {1e-6, 7e-6, 3e-5}) {
+    for (const double step_N : {0.025, 0.5, 1.5}) {
+      BrakedClass c = example(1e-3, 2e-3, step_N);
+      c.encoder_resolution_m = count_m;
+      for (double share = 0.01; share < 1; share += 0.15) {
+        SCOPED_TRACE(testing::Message() << "step " << step_N << " N, count " << count_m << " m");
+        expect_sure_travel(c, share);
+      }
+    }
+  }
 }
 
 // Intervals end at powers of two of their unit, and where one ends a longer pulse may begin that is less sure.
