@@ -423,14 +423,15 @@ struct OffPlan {
     // Across the gap the force of the plan moves one side alone.
     const double alone_N = axis.M * planned_m_s2 + axis.B1 + axis.B2;
     const double across_m_s = std::sqrt(2 * alone_N * axis.G / std::min(axis.load.motor_kg, axis.load.load_kg));
-    beyond_m = off_m + axis.heavier * axis.M * speed_m_s * speed_m_s / (2 * axis.g) + swung_m + axis.G;
+    beyond_m = surely * (off_m + axis.heavier * axis.M * speed_m_s * speed_m_s / (2 * axis.g) + swung_m + axis.G);
     faster_m_s = late * (speed_m_s + swung_m * 2 * pi * axis.load.resonance_Hz() + across_m_s);
   }
 
   double beyond_m, faster_m_s;
 
  private:
-  static constexpr double late = 1.5;  // by which it is more where readings are: tested
+  static constexpr double late = 1.5;  // by which it is more where readings are: tested,
+  static constexpr double surely = 5;  // as is this, of axes that are read at their load and begin near their target
 };
 
 }  // namespace
