@@ -1,0 +1,171 @@
+#include "work_approach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace breakaway::design {
+namespace {
+
+using detail::infinite;
+using detail::Jointed;
+using std::numbers::pi;
+
+// The force of the feedback for each metre of the side that is read, in a motion as e^(s t): a reading is as late as
+// the latency and the spans of place and speed make it, and a force is held for a period, behind the current loop.
+template <class Real>
+std::complex<double> feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a,
+                                      std::complex<double> s) {
+  const double T = c.period_s, span_s = a.speed_periods * T, mean_s = a.mean_periods * T;
+  const auto place = static_cast<double>(a.stiffness_N_per_m) * (1.0 + std::exp(-s * mean_s)) / 2.0;
+  const auto speed = static_cast<double>(a.damping_Ns_per_m) * (1.0 - std::exp(-s * span_s)) / span_s;
+  const auto held = (1.0 - std::exp(-s * T)) / (s * T);
+  return (place + speed) * std::exp(-s * (c.latency_periods * T)) * held / (1.0 + s * c.lag_s.most);
+}
+
+// By which share a swing of the joint grows in a radian of it at the worst, whose masses are so many times as heavy.
+// The root of the loop is followed from the free swing on, as the feedback grows to what it is: one that is no small
+// force beside the spring's shifts the swing, and with it how late a reading is; and one that is limited acts as a
+// share of it. To the first order of the feedback it is to be kept as well.
+template <class Real>
+double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, double stiffness_N_per_m, double gain,
+                       double heavier) {
+  using Complex = std::complex<double>;
+  constexpr int shares = 8, corrections = 4;
+  const double m1 = heavier * axis.load.motor_kg, m2 = heavier * axis.load.load_kg;
+  const double w = std::sqrt(stiffness_N_per_m * (1 / m1 + 1 / m2)), h = 1e-6 * w;
+  const auto loop = [&](Complex s, double share) {
+    const Complex joint = axis.load.damping_Ns_per_m * s + stiffness_N_per_m;
+    const Complex free = m1 * m2 * s * s * s * s + (m1 + m2) * joint * s * s;
+    const Complex read = axis.load.encoder_on_load ? joint : m2 * s * s + joint;
+    return free + share * gain * feedback_N_per_m(axis.axes, a, s) * read;
+  };
+  const auto slope = [&](Complex s, double share) { return (loop(s + h, share) - loop(s - h, share)) / (2 * h); };
+  Complex root{0, w};
+  double growth = -(loop(root, 1) / slope(root, 0)).real() / w;
+  for (int i = 1; i <= shares; ++i) {
+    const double share = static_cast<double>(i) / shares;
+    for (int j = 0; j < corrections; ++j) root -= loop(root, share) / slope(root, share);
+    growth = std::max(growth, root.real() / std::abs(root.imag()));
+  }
+  return std::isfinite(root.real() / root.imag()) ? growth : infinite;
+}
+
+// Feedback over these spans, as fast as lateness and the swing allow.
+template <class Real>
+double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, law::ShapedApproach<Real>& a) {
+  const BrakedClass& c = axis.axes;
+  const bool on_load = axis.load.encoder_on_load;
+  const double w = 2 * pi * axis.load.resonance_Hz();
+  const double late_s =
+      (c.latency_periods + 1 + std::max(speed_periods, mean_periods) / 2.0) * c.period_s + c.lag_s.most;
+  // Above the resonance the motor moves alone.
+  const double alone = on_load ? 1 : axis.load.motor_kg / axis.M;
+  const double fastest = std::min(0.12 * w, 0.4 * alone / late_s);
+  a.speed_periods = static_cast<std::uint8_t>(speed_periods);
+  a.mean_periods = static_cast<std::uint8_t>(mean_periods);
+  for (double response = fastest;; response *= 0.95) {
+    a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
+    a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
+    if (detail::worst_growth_of_swing(axis, a) <= most_swing_growth) return response;
+    if (response < fastest / 20) return 0;
+  }
+}
+
+// What leads an approach off its plan, by the feedback of its second order, which is damped critically if readings were
+// not late: a force D leads it D/k off, and changes its speed by 2/e D/(M w) at most, whenever it begins and ends.
+// Mass and gain that are off in the plan's acceleration, whose two parts undo each other, change the speed by no more
+// than twice what they are off of the speed that is planned. Once the plan is over, friction alone stops what is left.
+struct OffPlan {
+  template <class Real>
+  OffPlan(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s) {
+    const BrakedClass& c = axis.axes;
+    const Interval gain = c.force_gain;
+    const double k = gain.least * static_cast<double>(a.stiffness_N_per_m), w = std::sqrt(k / axis.M);
+    const double planned_m_s2 = std::min(static_cast<double>(a.acceleration_m_s2), max_speed_m_s / c.period_s);
+    const double unknown = std::max(gain.most - axis.lighter, axis.heavier - gain.least);
+    const double fed_N = static_cast<double>(a.friction_N);
+    const double rubbed_N = std::max(gain.most * fed_N - axis.g, axis.B1 + axis.B2 - gain.least * fed_N);
+    const double pushed_N = axis.M * planned_m_s2 * unknown, turned_m_s = 2 * unknown * max_speed_m_s;
+    const double speed_m_s =
+        late * (std::min(2 / std::numbers::e * pushed_N / (axis.M * w), turned_m_s) + rubbed_N / (axis.M * w));
+    const double off_m = late * (std::min(pushed_N / k, turned_m_s / w) + rubbed_N / k);
+    // While the spring holds what speeds the other side up and rubs there, and swings about that.
+    const double swung_N = std::max(axis.load.motor_kg, axis.load.load_kg) * planned_m_s2 + axis.B1 + axis.B2;
+    const double swung_m = 2 * swung_N / axis.K;
+    // Across the gap the force of the plan moves one side alone.
+    const double alone_N = axis.M * planned_m_s2 + axis.B1 + axis.B2;
+    const double across_m_s = std::sqrt(2 * alone_N * axis.G / std::min(axis.load.motor_kg, axis.load.load_kg));
+    beyond_m = surely * (off_m + axis.heavier * axis.M * speed_m_s * speed_m_s / (2 * axis.g) + swung_m + axis.G);
+    faster_m_s = late * (speed_m_s + swung_m * 2 * pi * axis.load.resonance_Hz() + across_m_s);
+  }
+
+  double beyond_m, faster_m_s;
+
+ private:
+  static constexpr double late = 1.5;  // by which it is more where readings are: tested,
+  static constexpr double surely = 5;  // as is this, of axes that are read at their load and begin near their target
+};
+
+}  // namespace
+
+template <class Real>
+double detail::worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  const Interval gain = axis.axes.force_gain;
+  double worst = -infinite;
+  for (double stiffer = 1; stiffer <= most_stiffer && worst <= most_swing_growth; stiffer *= 1.05) {
+    const double K = stiffer * axis.K;
+    worst = std::max({worst, growth_of_swing(axis, a, K, gain.most, axis.lighter),
+                      growth_of_swing(axis, a, K, gain.least, axis.heavier)});
+  }
+  return worst;
+}
+
+template <class Real>
+law::ShapedApproach<Real> detail::work_approach(const Jointed& axis, int swing_periods) {
+  const BrakedClass& c = axis.axes;
+  const double A = axis.A1 + axis.A2, B = axis.B1 + axis.B2;
+  law::ShapedApproach<Real> a;
+  const double sure_N = c.force_gain.least * c.max_force_N - B;
+  a.mass_kg = static_cast<Real>(axis.M);
+  a.friction_N = static_cast<Real>((A + B) / 2);
+  a.acceleration_m_s2 = static_cast<Real>(0.6 * sure_N / (axis.heavier * axis.M));
+  a.swing_periods = static_cast<std::uint8_t>(std::min(swing_periods, longest_pulse_periods));
+  // Short spans damp a swing that is sampled often; over a whole period of it, it cancels.
+  const int n = std::min(swing_periods, static_cast<int>(law::ShapedMove<Real>::most_periods));
+  double response = -1;  // of the best so far: the first is taken in any case
+  for (const int speed_periods : {std::clamp(n / 8, 1, 8), n / 4, n / 2, n})
+    for (const int mean_periods : {0, n / 2}) {
+      law::ShapedApproach<Real> tried = a;
+      const double found = set_feedback(axis, std::max(speed_periods, 1), mean_periods, tried);
+      if (!(found > response)) continue;
+      response = found;
+      a = tried;
+    }
+  const double off_m = (B - A) / 2 / static_cast<double>(a.stiffness_N_per_m);
+  a.short_of_target_m = static_cast<Real>(off_m);
+  a.begin_m = static_cast<Real>(6 * off_m);
+  return a;
+}
+
+template <class Real>
+double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
+  return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.faster_m_s;
+}
+
+template <class Real>
+double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
+  return OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.beyond_m;
+}
+
+template law::ShapedApproach<float> detail::work_approach(const Jointed&, int);
+template law::ShapedApproach<double> detail::work_approach(const Jointed&, int);
+template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<float>&);
+template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<double>&);
+template double approach_peak_m_s(const BrakedClass&, const WorkDesign<float>&, double);
+template double approach_peak_m_s(const BrakedClass&, const WorkDesign<double>&, double);
+template double approach_beyond_m(const BrakedClass&, const WorkDesign<float>&, double);
+template double approach_beyond_m(const BrakedClass&, const WorkDesign<double>&, double);
+
+}  // namespace breakaway::design

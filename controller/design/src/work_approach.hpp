@@ -1,0 +1,16 @@
+// The approach before the kicks of the coast "work".
+#pragma once
+
+#include "breakaway/law/shaped_move.hpp"
+#include "jointed.hpp"
+
+namespace breakaway::design::detail {
+
+template <class Real>
+law::ShapedApproach<Real> work_approach(const Jointed& axis, int swing_periods);
+// By which share a swing of the joint grows in a radian of it under the feedback of this approach, at any stiffness of
+// the class, which is not looked at further once it grows by more than is allowed.
+template <class Real>
+double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a);
+
+}  // namespace breakaway::design::detail
