@@ -68,7 +68,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
   for (double response = fastest;; response *= 0.95) {
     a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
     a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
-    if (detail::worst_growth_of_swing(axis, a) <= most_swing_growth) return response;
+    if (detail::worst_growth_of_swing(axis, a) <= axis.most_swing_growth()) return response;
     if (response < fastest / 20) return 0;
   }
 }
@@ -94,18 +94,18 @@ struct OffPlan {
     // While the spring holds what speeds the other side up and rubs there, and swings about that.
     const double swung_N = std::max(axis.load.motor_kg, axis.load.load_kg) * planned_m_s2 + axis.B1 + axis.B2;
     const double swung_m = 2 * swung_N / axis.K;
-    // Across the gap the force of the plan moves one side alone.
+    // Across the gap the force of the plan moves one side alone, and friction takes the work of that from both.
     const double alone_N = axis.M * planned_m_s2 + axis.B1 + axis.B2;
     const double across_m_s = std::sqrt(2 * alone_N * axis.G / std::min(axis.load.motor_kg, axis.load.load_kg));
-    beyond_m = surely * (off_m + axis.heavier * axis.M * speed_m_s * speed_m_s / (2 * axis.g) + swung_m + axis.G);
+    beyond_m =
+        off_m + (axis.heavier * axis.M * speed_m_s * speed_m_s / 2 + alone_N * axis.G) / axis.g + swung_m + axis.G;
     faster_m_s = late * (speed_m_s + swung_m * 2 * pi * axis.load.resonance_Hz() + across_m_s);
   }
 
   double beyond_m, faster_m_s;
 
  private:
-  static constexpr double late = 1.5;  // by which it is more where readings are: tested,
-  static constexpr double surely = 5;  // as is this, of axes that are read at their load and begin near their target
+  static constexpr double late = 1.5;  // by which it is more where readings are: tested
 };
 
 }  // namespace
@@ -114,7 +114,7 @@ template <class Real>
 double detail::worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
   const Interval gain = axis.axes.force_gain;
   double worst = -infinite;
-  for (double stiffer = 1; stiffer <= most_stiffer && worst <= most_swing_growth; stiffer *= 1.05) {
+  for (double stiffer = 1; stiffer <= most_stiffer && worst <= axis.most_swing_growth(); stiffer *= 1.05) {
     const double K = stiffer * axis.K;
     worst = std::max({worst, growth_of_swing(axis, a, K, gain.most, axis.lighter),
                       growth_of_swing(axis, a, K, gain.least, axis.heavier)});

@@ -21,8 +21,6 @@ constexpr double least_swing_periods = 3;
 // By which the true joint may be stiffer than is told. Nothing but the approach asks: at a faster swing its feedback
 // acts too late and drives it.
 constexpr double most_stiffer = 2.5;
-// A swing of so much grows by 1.3 % in its period.
-constexpr double most_swing_growth = 0.002;
 
 template <class Real>
 struct WorkDesign {
@@ -41,8 +39,10 @@ struct WorkDesign {
   double resonance_Hz = 0;    // with the least stiffness
   double peak_speed_m_s = 0;  // of the motor, which no kick exceeds: it has no more than all the work
   // By which share the approach's feedback, which acts late, lets a swing of the joint grow in 1/(2 pi) of it, at the
-  // worst stiffness and with the least damping of the joint; negative where it falls.
+  // worst stiffness and with the least damping of the joint; negative where it falls. Across a gap an encoder on the
+  // load asks that it falls.
   double swing_growth = 0;
+  double most_swing_growth = 0;
   std::size_t table_bytes = 0;
 
   // Kicks go on where the approach ends.
