@@ -273,7 +273,7 @@ DesignReport design_axis(const AxisDesign& axis) {
   std::optional<BrakedDesign<float>> braked;
   if (axis.braked) braked = design_braked_kicks<float>(*axis.braked);
   std::optional<WorkDesign<float>> work;
-  if (axis.work && axis.work->spring_load) work = design_work_kicks<float>(*axis.work);
+  if (axis.work && axis.work->spring_load) work = design_work_kicks<float>(*axis.work, axis.max_approach_speed_m_s);
   report.checks = all_checks(axis, report, braked, work);
   for (Check& check : class_checks(axis)) report.checks.push_back(std::move(check));
   if (braked && braked->possible()) report.braked = promise(axis, *braked);

@@ -149,6 +149,20 @@ law::ShapedApproach<Real> detail::work_approach(const Jointed& axis, int swing_p
   return a;
 }
 
+// An axis that breaks away as its friction falls runs ahead of the plan, by up to twice what that changes the balance
+// by, and waits until the plan is as far ahead again. The plan has half of what it may have at least.
+template <class Real>
+double detail::longest_stop_s(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s) {
+  const BrakedClass& c = axis.axes;
+  const Interval gain = c.force_gain;
+  const double k = gain.least * static_cast<double>(a.stiffness_N_per_m), fed_N = static_cast<double>(a.friction_N);
+  const double apart_N = axis.B1 + axis.B2 - axis.g + (gain.most - gain.least) * fed_N;
+  const double ahead_m = 2 * apart_N / k + axis.unseen_m() + axis.G;
+  const double acceleration_m_s2 = static_cast<double>(a.acceleration_m_s2) / 2;
+  const double delays = a.swing_periods + std::max(a.mean_periods, a.speed_periods) + c.latency_periods;
+  return 2 * ahead_m / max_speed_m_s + std::sqrt(2 * ahead_m / acceleration_m_s2) + delays * c.period_s;
+}
+
 template <class Real>
 double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
   return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.faster_m_s;
@@ -163,6 +177,8 @@ template law::ShapedApproach<float> detail::work_approach(const Jointed&, int);
 template law::ShapedApproach<double> detail::work_approach(const Jointed&, int);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<float>&);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<double>&);
+template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<float>&, double);
+template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<double>&, double);
 template double approach_peak_m_s(const BrakedClass&, const WorkDesign<float>&, double);
 template double approach_peak_m_s(const BrakedClass&, const WorkDesign<double>&, double);
 template double approach_beyond_m(const BrakedClass&, const WorkDesign<float>&, double);

@@ -12,5 +12,8 @@ law::ShapedApproach<Real> work_approach(const Jointed& axis, int swing_periods);
 // the class, which is not looked at further once it grows by more than is allowed.
 template <class Real>
 double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a);
+// For how long friction may hold an axis, or turn it back, that its approach leads on.
+template <class Real>
+double longest_stop_s(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s);
 
 }  // namespace breakaway::design::detail

@@ -14,6 +14,9 @@ namespace {
 // What random axes were drawn from, all of which settled: tests/campaign.
 constexpr double most_ratio = 10, most_unsure = 0.1, most_lag = 0.2, least_friction_ratio = 0.4,
                  least_friction_share = 0.1;
+// In which friction may hold an axis: a node gives up one that gets no nearer for a minute, and the law counts up to
+// 65535 periods in which it looks still, with those that show it.
+constexpr double most_stop_s = 30, most_stop_periods = 64000;
 
 constexpr const char* tested_of_work = "tested, not proved: what sufficed for all of many axes with a load on a spring";
 
@@ -81,6 +84,11 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
                          "join load and motor more "
                          "stiffly, or give the motor more mass",
                          Equality::holds));
+  const double counted_s = (most_stop_periods - design.kicks.still_periods) * c.period_s;
+  checks.push_back(below("approach_gets_on", tested_of_work, design.longest_stop_s, std::min(most_stop_s, counted_s),
+                         "the time in which friction may hold an axis that its approach leads on against what is "
+                         "waited for",
+                         "raise max_approach_speed_m_s, or know friction better"));
   checks.push_back(below("kicks_get_on", "from the floor on each tried kick takes 5 % away", design.floor_m,
                          design.reach_m, "accuracy floor against the reach of a kick",
                          "use a stiffer joint, or know friction and backlash better"));

@@ -111,7 +111,7 @@ class WorkTable {
 }  // namespace
 
 template <class Real>
-WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
+WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_speed_m_s) {
   const Jointed axis{axes};
   WorkDesign<Real> d;
   const int swing = WorkTable<Real>::swing_periods(axis);
@@ -159,12 +159,14 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes) {
       std::sqrt((2 * axis.g * d.reach_m + axis.Bs * axis.Bs / axis.K) / (axis.lighter * axis.load.motor_kg));
   k.longest_coast_periods =
       static_cast<std::uint16_t>(std::min(most_Ns / axis.g / axes.period_s + k.still_periods, 15000.0));
-  k.patient_periods = static_cast<std::uint16_t>(std::min(k.still_periods + 4.0 * swing + 50, 65535.0));
+  d.longest_stop_s = detail::longest_stop_s(axis, k.approach, max_approach_speed_m_s);
+  k.patient_periods = static_cast<std::uint16_t>(
+      std::min(k.still_periods + 4.0 * swing + 50 + std::ceil(d.longest_stop_s / axes.period_s), 65535.0));
   d.table_bytes = k.table.count * (sizeof k.table.entries[0] + 2);
   return d;
 }
 
-template WorkDesign<float> design_work_kicks(const BrakedClass&);
-template WorkDesign<double> design_work_kicks(const BrakedClass&);
+template WorkDesign<float> design_work_kicks(const BrakedClass&, double);
+template WorkDesign<double> design_work_kicks(const BrakedClass&, double);
 
 }  // namespace breakaway::design

@@ -140,12 +140,17 @@ template firmware::AxisLimits<double> axis_limits(const Axis&);
 
 namespace {
 
+double approach_m_s(const Node& node, const Axis& axis) {
+  return axis_parameters<double>(node, axis).max_approach_speed_m_s;
+}
+
 template <class Real, class Kicks>
-Kicks kicks_of(const design::BrakedClass& axes) {
+Kicks kicks_of(const Node& node, const Axis& axis) {
+  const design::BrakedClass axes = braked_class(node, axis);
   if constexpr (std::is_same_v<Kicks, law::BrakedKicks<Real>>)
     return design::design_braked_kicks<Real>(axes).kicks;
   else
-    return axes.spring_load ? design::design_work_kicks<Real>(axes).kicks : Kicks{};
+    return axes.spring_load ? design::design_work_kicks<Real>(axes, approach_m_s(node, axis)).kicks : Kicks{};
 }
 
 // In which an axis may come no nearer to its target; 0 where nothing is known of it.
@@ -160,8 +165,7 @@ double without_progress_s(const Node& node, const Axis& axis) {
   const auto design = design::design_braked_kicks<float>(axes);
   if (!design.possible()) return 0;
   const double tolerance = std::max(tolerance_m(node, axis), design.least_tolerance_m);
-  const double speed_m_s = axis_parameters<double>(node, axis).max_approach_speed_m_s;
-  return design::without_progress_s(axes, design, speed_m_s, tolerance);
+  return design::without_progress_s(axes, design, approach_m_s(node, axis), tolerance);
 }
 
 // No less than what the supervisor has by itself, and as much as the certificate of a slow axis needs.
@@ -204,7 +208,7 @@ firmware::FlashedAxis<Real, Kicks> flashed_axis(const Node& node, const Axis& ax
   if (p.coast == law::Coast::pd) {
     flashed.kicks.table = pd_kicks(axis, p).table;
   } else {
-    flashed.kicks = kicks_of<Real, Kicks>(braked_class(node, axis));
+    flashed.kicks = kicks_of<Real, Kicks>(node, axis);
     if (!law::are_usable(flashed.kicks))
       throw InputError{
           fmt::format("axis {}: no kick under the coast \"{}\" is sure to move it; `breakaway design` "

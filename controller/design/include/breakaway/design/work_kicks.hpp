@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/law/work_kicks.hpp"
@@ -43,6 +44,7 @@ struct WorkDesign {
   // load asks that it falls.
   double swing_growth = 0;
   double most_swing_growth = 0;
+  double longest_stop_s = 0;  // in which friction may hold an axis, or turn it back, that its approach leads on
   std::size_t table_bytes = 0;
 
   // Kicks go on where the approach ends.
@@ -52,9 +54,11 @@ struct WorkDesign {
   }
 };
 
-// For a class with a spring_load.
+// For a class with a spring_load, whose approaches may be as fast as this, [m/s]: an axis that looks still for
+// longer than slow ones let it counts as stuck.
 template <class Real>
-WorkDesign<Real> design_work_kicks(const BrakedClass& axes);
+WorkDesign<Real> design_work_kicks(const BrakedClass& axes,
+                                   double max_approach_speed_m_s = std::numeric_limits<double>::infinity());
 
 // The speed that an approach may reach which is to go no faster than this, [m/s], and how far it may go beyond its
 // target, [m], of a design that is possible(): tested, not proved.
