@@ -24,6 +24,7 @@ using config::Node;
 void set_node_id(config::Drive& drive, unsigned node_id) {
   if (drive.odrive && node_id > odrive::most_node_id)
     throw InputError{fmt::format("--node-id {}: an ODrive has one of 0 to {}", node_id, odrive::most_node_id)};
+  if (!drive.odrive && node_id == 0) throw InputError{"--node-id 0: a CANopen drive has one of 1 to 126"};
   drive.node_id = static_cast<std::uint8_t>(node_id);
 }
 
@@ -135,7 +136,7 @@ Axis axis_to_identify(const Node& node, const std::string& name) {
 Configuration read_configuration(const Options& options) {
   Node node = config::read_node(options.configuration);
   config::require_runnable(node);
-  if (options.node_id != 0) apply_node_id(node, options.node_id);
+  if (options.node_id) apply_node_id(node, *options.node_id);
   if (options.max_force_N > 0)
     for (Axis& axis : node.axes) lower_force_limit(axis, options.max_force_N);
   Configuration c{.file = node, .node = certified(node), .axes = {}, .odrives = {}, .timed = options.targets.empty()};
@@ -157,7 +158,7 @@ Configuration read_experiment(const Options& options) {
     throw InputError{"--target is for axes that are identified: leave it out with --identify"};
   const Node node = config::read_node(options.configuration);
   Axis axis = axis_to_identify(node, options.axis);
-  if (options.node_id != 0 && axis.drive) set_node_id(*axis.drive, options.node_id);
+  if (options.node_id && axis.drive) set_node_id(*axis.drive, *options.node_id);
   const config::ExperimentRequest request{
       .duration_s = options.duration_s > 0 ? options.duration_s : config::ExperimentRequest{}.duration_s,
       .max_force_N = options.max_force_N > 0 ? options.max_force_N : config::unlimited};

@@ -69,7 +69,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--max-force", o.max_force_N, "Lower force limit [N] of every axis than the configuration's")
       ->check(force);
   app.add_option("--node-id", o.node_id, "Node id of a single axis' drive instead of the configuration's")
-      ->check(CLI::Range(1, 126));
+      ->check(CLI::Range(0, 126));
   app.add_option("--wait", o.patience_s, "Seconds for the drives to answer (5)")->check(seconds);
   app.add_option("--priority", o.priority, "Real-time priority (80)")->check(CLI::Range(1, 99));
   app.add_flag("--readonly", o.readonly, "Listen and show; send nothing");

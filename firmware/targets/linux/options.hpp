@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct Options {
   double duration_s = 0;             // 0: until a signal
   double max_force_N = 0;            // 0: the configuration's
   double patience_s = 5;             // for the drive to answer
-  unsigned node_id = 0;              // 0: the configuration's
+  std::optional<unsigned> node_id;   // nothing: the configuration's
   int priority = 80;
   bool readonly = false;
   bool realtime = true;

@@ -12,7 +12,7 @@
 namespace breakaway::cli {
 
 struct DriveChanges {
-  unsigned node_id = 0;                // 0: the scenario's
+  std::optional<unsigned> node_id;     // nothing: the scenario's
   std::optional<double> mode_delay_s;  // nothing: the scenario's
   std::string supported_modes;         // hexadecimal; empty: the emulator's
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 
 namespace breakaway::cli {
@@ -40,6 +41,15 @@ TEST(DriveConfig, HasWhatTheOptionsSayInPlaceOfTheScenarios) {
   EXPECT_EQ(canopen(config).quirks.mode_display_delay, 250ms);
   EXPECT_EQ(canopen(config).node_id, 9);
   EXPECT_EQ(canopen(config).supported_modes, 0x1FFU);
+}
+
+TEST(DriveConfig, OfAnOdriveMayHaveTheNodeIdZeroAndOfCanopenNot) {
+  const scenario::Scenario s = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/odrive_axis.toml");
+  DriveChanges changes;
+  changes.node_id = 0;
+  const DriveConfig config = drive_config(s.worlds.front(), changes);
+  EXPECT_EQ(std::get<odrive_emulator::EmulatorConfig>(config).node_id, 0);
+  EXPECT_THROW(static_cast<void>(drive_config(world_with(""), changes)), InputError);
 }
 
 }  // namespace

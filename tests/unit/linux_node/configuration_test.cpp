@@ -71,6 +71,7 @@ TEST_F(LinuxNodeConfiguration, OfAnOdriveIsCertifiedAndHasItsDriveBesideWhatIsFl
   EXPECT_NE(refusal(options).find("--node-id 63: an ODrive has one of 0 to 62"), std::string::npos) << refusal(options);
   options.node_id = 0;
   options.max_force_N = 20;
+  EXPECT_EQ(read_configuration(options).node_id(0), 0);
   EXPECT_LE(single(read_configuration(options)).axes[0].law.max_force_N, 20.0F);
 }
 
@@ -201,6 +202,8 @@ TEST_F(LinuxNodeConfiguration, AnotherNodeIdIsForASingleAxisOnly) {
   Options options = of(folder + "can_axis.toml");
   options.node_id = 42;
   EXPECT_EQ(read_configuration(options).drive(0).node_id, 42);
+  options.node_id = 0;
+  EXPECT_NE(refusal(options).find("--node-id 0: a CANopen drive has one of 1 to 126"), std::string::npos);
   options.configuration = folder + "three_axes.toml";
   EXPECT_NE(refusal(options).find("--node-id: the file has several axes"), std::string::npos);
 }
