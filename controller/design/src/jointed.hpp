@@ -70,13 +70,6 @@ struct Jointed {
 
   double swing_s() const { return 1 / load.resonance_Hz(); }
 
-  // Of the swing under the feedback of an approach, in a radian. Across a gap the feedback of a load that is read acts
-  // on the motor alone, and what a swing gains there it has to lose while the spring holds. Where friction bends the
-  // spring by more than the gap it seldom opens.
-  double most_swing_growth() const {
-    return load.encoder_on_load && G > 0 ? -damped_by * std::min(G * K / (B1 + B2), 1.0) : 0;
-  }
-
   // The least command that is sure to move the load in so many periods.
   double least_N(int periods) const {
     const double angle = std::min(std::sqrt(K / (heavier * load.motor_kg)) * periods * axes.period_s, pi / 2);
@@ -165,7 +158,6 @@ struct Jointed {
 
  private:
   static constexpr double pi = std::numbers::pi;
-  static constexpr double damped_by = 0.005;   // tested
   static constexpr double sure_share = 1.002;  // by which a pulse exceeds what it has to
   static constexpr double more_periods = 8;    // in which a swing may show the same count by chance
   static constexpr double counts_to_leave_hold = 1.5;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 namespace breakaway::design {
 namespace {
@@ -24,19 +25,23 @@ std::complex<double> feedback_N_per_m(const BrakedClass& c, const law::ShapedApp
   return (place + speed) * std::exp(-s * (c.latency_periods * T)) * held / (1.0 + s * c.lag_s.most);
 }
 
+struct Joint {
+  double stiffness_N_per_m, damping_Ns_per_m;
+};
+
 // By which share a swing of the joint grows in a radian of it at the worst, whose masses are so many times as heavy.
 // The root of the loop is followed from the free swing on, as the feedback grows to what it is: one that is no small
 // force beside the spring's shifts the swing, and with it how late a reading is; and one that is limited acts as a
 // share of it. To the first order of the feedback it is to be kept as well.
 template <class Real>
-double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, double stiffness_N_per_m, double gain,
+double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, const Joint& of, double gain,
                        double heavier) {
   using Complex = std::complex<double>;
   constexpr int shares = 8, corrections = 4;
   const double m1 = heavier * axis.load.motor_kg, m2 = heavier * axis.load.load_kg;
-  const double w = std::sqrt(stiffness_N_per_m * (1 / m1 + 1 / m2)), h = 1e-6 * w;
+  const double w = std::sqrt(of.stiffness_N_per_m * (1 / m1 + 1 / m2)), h = 1e-6 * w;
   const auto loop = [&](Complex s, double share) {
-    const Complex joint = axis.load.damping_Ns_per_m * s + stiffness_N_per_m;
+    const Complex joint = of.damping_Ns_per_m * s + of.stiffness_N_per_m;
     const Complex free = m1 * m2 * s * s * s * s + (m1 + m2) * joint * s * s;
     const Complex read = axis.load.encoder_on_load ? joint : m2 * s * s + joint;
     return free + share * gain * feedback_N_per_m(axis.axes, a, s) * read;
@@ -50,6 +55,29 @@ double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, 
     growth = std::max(growth, root.real() / std::abs(root.imag()));
   }
   return std::isfinite(root.real() / root.imag()) ? growth : infinite;
+}
+
+// Which share of a swing's force a spring gives that is loose in the middle, of so many times half of the gap to
+// either side: its first harmonic.
+double held_share(double halves) {
+  const double loose = 1 / halves;
+  return 1 - 2 / pi * (std::asin(loose) + loose * std::sqrt(1 - loose * loose));
+}
+// Of half of the gap, the greatest swing across it that is looked at: a greater one is that of a joint without a gap.
+constexpr double most_halves = 1000;
+
+// By which share a swing grows in a radian, at any stiffness of the class, while the joint holds for this share of it.
+// It is not looked at further once it grows.
+template <class Real>
+double worst_growth(const Jointed& axis, const law::ShapedApproach<Real>& a, double held) {
+  const Interval gain = axis.axes.force_gain;
+  double worst = -infinite;
+  for (double stiffer = 1; stiffer <= most_stiffer && worst <= 0; stiffer *= 1.05) {
+    const Joint joint{held * stiffer * axis.K, held * axis.load.damping_Ns_per_m};
+    worst = std::max({worst, growth_of_swing(axis, a, joint, gain.most, axis.lighter),
+                      growth_of_swing(axis, a, joint, gain.least, axis.heavier)});
+  }
+  return worst;
 }
 
 // Feedback over these spans, as fast as lateness and the swing allow.
@@ -68,7 +96,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
   for (double response = fastest;; response *= 0.95) {
     a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
     a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
-    if (detail::worst_growth_of_swing(axis, a) <= axis.most_swing_growth()) return response;
+    if (detail::worst_growth_of_swing(axis, a) <= 0) return response;
     if (response < fastest / 20) return 0;
   }
 }
@@ -79,7 +107,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
 // than twice what they are off of the speed that is planned. Once the plan is over, friction alone stops what is left.
 struct OffPlan {
   template <class Real>
-  OffPlan(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s) {
+  OffPlan(const Jointed& axis, const law::ShapedApproach<Real>& a, double gap_swing_m, double max_speed_m_s) {
     const BrakedClass& c = axis.axes;
     const Interval gain = c.force_gain;
     const double k = gain.least * static_cast<double>(a.stiffness_N_per_m), w = std::sqrt(k / axis.M);
@@ -93,7 +121,7 @@ struct OffPlan {
     const double off_m = late * (std::min(pushed_N / k, turned_m_s / w) + rubbed_N / k);
     // While the spring holds what speeds the other side up and rubs there, and swings about that.
     const double swung_N = std::max(axis.load.motor_kg, axis.load.load_kg) * planned_m_s2 + axis.B1 + axis.B2;
-    const double swung_m = 2 * swung_N / axis.K;
+    const double swung_m = 2 * swung_N / axis.K + gap_swing_m;
     // Across the gap the force of the plan moves one side alone, and friction takes the work of that from both.
     const double alone_N = axis.M * planned_m_s2 + axis.B1 + axis.B2;
     const double across_m_s = std::sqrt(2 * alone_N * axis.G / std::min(axis.load.motor_kg, axis.load.load_kg));
@@ -112,14 +140,16 @@ struct OffPlan {
 
 template <class Real>
 double detail::worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
-  const Interval gain = axis.axes.force_gain;
-  double worst = -infinite;
-  for (double stiffer = 1; stiffer <= most_stiffer && worst <= axis.most_swing_growth(); stiffer *= 1.05) {
-    const double K = stiffer * axis.K;
-    worst = std::max({worst, growth_of_swing(axis, a, K, gain.most, axis.lighter),
-                      growth_of_swing(axis, a, K, gain.least, axis.heavier)});
-  }
-  return worst;
+  return worst_growth(axis, a, axis.G > 0 ? held_share(most_halves) : 1);
+}
+
+// A swing across the gap is of a spring that holds for a share of it only, the less the smaller it is. The feedback may
+// drive it up to the least that falls, as all greater ones do.
+template <class Real>
+double detail::gap_swing_m(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  double halves = most_halves, next = halves;
+  while (next > 1 && worst_growth(axis, a, held_share(next)) <= 0) halves = std::exchange(next, next / 1.05);
+  return halves * axis.G / 2;
 }
 
 template <class Real>
@@ -165,18 +195,20 @@ double detail::longest_stop_s(const Jointed& axis, const law::ShapedApproach<Rea
 
 template <class Real>
 double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
-  return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.faster_m_s;
+  return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing_m, max_speed_m_s}.faster_m_s;
 }
 
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
-  return OffPlan{Jointed{axes}, design.kicks.approach, max_speed_m_s}.beyond_m;
+  return OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing_m, max_speed_m_s}.beyond_m;
 }
 
 template law::ShapedApproach<float> detail::work_approach(const Jointed&, int);
 template law::ShapedApproach<double> detail::work_approach(const Jointed&, int);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<float>&);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<double>&);
+template double detail::gap_swing_m(const Jointed&, const law::ShapedApproach<float>&);
+template double detail::gap_swing_m(const Jointed&, const law::ShapedApproach<double>&);
 template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<float>&, double);
 template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<double>&, double);
 template double approach_peak_m_s(const BrakedClass&, const WorkDesign<float>&, double);

@@ -40,10 +40,9 @@ struct WorkDesign {
   double resonance_Hz = 0;    // with the least stiffness
   double peak_speed_m_s = 0;  // of the motor, which no kick exceeds: it has no more than all the work
   // By which share the approach's feedback, which acts late, lets a swing of the joint grow in 1/(2 pi) of it, at the
-  // worst stiffness and with the least damping of the joint; negative where it falls. Across a gap an encoder on the
-  // load asks that it falls.
+  // worst stiffness and with the least damping of the joint; negative where it falls.
   double swing_growth = 0;
-  double most_swing_growth = 0;
+  double gap_swing_m = 0;     // the greatest swing across the gap that it keeps up
   double longest_stop_s = 0;  // in which friction may hold an axis, or turn it back, that its approach leads on
   std::size_t table_bytes = 0;
 
