@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <utility>
 
 namespace breakaway::design {
 namespace {
@@ -80,6 +79,16 @@ double worst_growth(const Jointed& axis, const law::ShapedApproach<Real>& a, dou
   return worst;
 }
 
+// Of so many times half of the gap. One that is less is of a spring that holds for less of it: the feedback may drive
+// it up to the least that falls, as all greater ones do.
+template <class Real>
+double kept_up_halves(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  double halves = most_halves;
+  for (const double step : {1.3, 1.05})
+    while (halves > step && worst_growth(axis, a, held_share(halves / step)) <= 0) halves /= step;
+  return halves;
+}
+
 // Feedback over these spans, as fast as lateness and the swing allow.
 template <class Real>
 double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, law::ShapedApproach<Real>& a) {
@@ -96,7 +105,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
   for (double response = fastest;; response *= 0.95) {
     a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
     a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
-    if (detail::worst_growth_of_swing(axis, a) <= 0) return response;
+    if (detail::worst_growth_of_swing(axis, a) <= 0 && detail::gap_swing(axis, a).force_N <= axis.g) return response;
     if (response < fastest / 20) return 0;
   }
 }
@@ -143,13 +152,17 @@ double detail::worst_growth_of_swing(const Jointed& axis, const law::ShapedAppro
   return worst_growth(axis, a, axis.G > 0 ? held_share(most_halves) : 1);
 }
 
-// A swing across the gap is of a spring that holds for a share of it only, the less the smaller it is. The feedback may
-// drive it up to the least that falls, as all greater ones do.
 template <class Real>
-double detail::gap_swing_m(const Jointed& axis, const law::ShapedApproach<Real>& a) {
-  double halves = most_halves, next = halves;
-  while (next > 1 && worst_growth(axis, a, held_share(next)) <= 0) halves = std::exchange(next, next / 1.05);
-  return halves * axis.G / 2;
+GapSwing detail::gap_swing(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  if (!(axis.G > 0)) return {};
+  const double halves = kept_up_halves(axis, a), swing_m = halves * axis.G / 2;
+  const double of_read = (axis.load.encoder_on_load ? axis.load.motor_kg : axis.load.load_kg) / axis.M;
+  double most_N_per_m = 0;
+  for (double stiffer = 1; stiffer <= most_stiffer; stiffer *= 1.05) {
+    const double w = 2 * pi * axis.load.resonance_Hz() * std::sqrt(stiffer * held_share(halves));
+    most_N_per_m = std::max(most_N_per_m, std::abs(feedback_N_per_m(axis.axes, a, {0, w})));
+  }
+  return {swing_m, axis.axes.force_gain.most * most_N_per_m * of_read * swing_m};
 }
 
 template <class Real>
@@ -195,20 +208,21 @@ double detail::longest_stop_s(const Jointed& axis, const law::ShapedApproach<Rea
 
 template <class Real>
 double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
-  return max_speed_m_s + OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing_m, max_speed_m_s}.faster_m_s;
+  return max_speed_m_s +
+         OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing.apart_m, max_speed_m_s}.faster_m_s;
 }
 
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s) {
-  return OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing_m, max_speed_m_s}.beyond_m;
+  return OffPlan{Jointed{axes}, design.kicks.approach, design.gap_swing.apart_m, max_speed_m_s}.beyond_m;
 }
 
 template law::ShapedApproach<float> detail::work_approach(const Jointed&, int);
 template law::ShapedApproach<double> detail::work_approach(const Jointed&, int);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<float>&);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<double>&);
-template double detail::gap_swing_m(const Jointed&, const law::ShapedApproach<float>&);
-template double detail::gap_swing_m(const Jointed&, const law::ShapedApproach<double>&);
+template GapSwing detail::gap_swing(const Jointed&, const law::ShapedApproach<float>&);
+template GapSwing detail::gap_swing(const Jointed&, const law::ShapedApproach<double>&);
 template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<float>&, double);
 template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<double>&, double);
 template double approach_peak_m_s(const BrakedClass&, const WorkDesign<float>&, double);

@@ -12,9 +12,9 @@ law::ShapedApproach<Real> work_approach(const Jointed& axis, int swing_periods);
 // the class, which is not looked at further once it grows by more than is allowed.
 template <class Real>
 double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a);
-// The greatest swing across the gap that this feedback keeps up; 0 without a gap.
+// The greatest swing across the gap that this feedback keeps up without friction; nothing without a gap.
 template <class Real>
-double gap_swing_m(const Jointed& axis, const law::ShapedApproach<Real>& a);
+GapSwing gap_swing(const Jointed& axis, const law::ShapedApproach<Real>& a);
 // For how long friction may hold an axis, or turn it back, that its approach leads on.
 template <class Real>
 double longest_stop_s(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s);

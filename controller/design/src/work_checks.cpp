@@ -69,6 +69,7 @@ double farthest_m(const AxisDesign& axis, const WorkDesign<float>& design) {
 
 std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& design) {
   const BrakedClass& c = *axis.work;
+  const SpringLoad& load = *c.spring_load;
   std::vector<Check> checks = checks_of_class(c);
   if (!design.holds || !design.swing_is_counted) return checks;
   checks.push_back(below("pulse_moves_the_load", "a pulse must be sure to break motor and load away by 0.2 %",
@@ -84,6 +85,11 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
                          "join load and motor more "
                          "stiffly, or give the motor more mass",
                          Equality::holds));
+  checks.push_back(below("swing_across_gap_is_held", tested_of_work, design.gap_swing.force_N,
+                         load.motor_friction.lower_N - c.load_N + load.load_friction.lower_N,
+                         "what the approach's feedback gives in the greatest swing that it keeps up across the gap "
+                         "against the least friction, which is to end it",
+                         "state the damping_Ns_per_m that the joint has at least, or less gap", Equality::holds));
   const double counted_s = (most_stop_periods - design.kicks.still_periods) * c.period_s;
   checks.push_back(below("approach_gets_on", tested_of_work, design.longest_stop_s, std::min(most_stop_s, counted_s),
                          "the time in which friction may hold an axis that its approach leads on against what is "

@@ -142,7 +142,7 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_
   k.metered = !axis.load.encoder_on_load;
   k.approach = detail::work_approach<Real>(axis, swing);
   d.swing_growth = detail::worst_growth_of_swing(axis, k.approach);
-  d.gap_swing_m = detail::gap_swing_m(axis, k.approach);
+  d.gap_swing = detail::gap_swing(axis, k.approach);
   k.table = WorkTable<Real>{axis, static_cast<double>(k.begin_m())}.table();
   if (k.table.count == 0) return d;
   d.floor_m = static_cast<double>(k.table.least_m());

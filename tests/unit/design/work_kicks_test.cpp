@@ -144,11 +144,12 @@ TEST(WorkDesign, FindsTheSwingThatItsFeedbackKeepsUpAcrossAGap) {
     for (const double share : {0.7, 4.0}) {
       double swings_m = 0;
       for (const int periods : {3000, 3007, 3014})
-        swings_m = std::max(swings_m, swing_m(c, design.kicks.approach, 1, periods, share * design.gap_swing_m));
-      EXPECT_GE(design.gap_swing_m, 0.97 * swings_m) << latency << ", " << share;
-      EXPECT_LE(design.gap_swing_m, 1.1 * swings_m) << latency << ", " << share;
+        swings_m = std::max(swings_m, swing_m(c, design.kicks.approach, 1, periods, share * design.gap_swing.apart_m));
+      EXPECT_GE(design.gap_swing.apart_m, 0.97 * swings_m) << latency << ", " << share;
+      EXPECT_LE(design.gap_swing.apart_m, 1.1 * swings_m) << latency << ", " << share;
     }
-    EXPECT_LT(swing_m(c, design.kicks.approach, most_stiffer, 3000, design.gap_swing_m), design.gap_swing_m);
+    EXPECT_LT(swing_m(c, design.kicks.approach, most_stiffer, 3000, design.gap_swing.apart_m),
+              design.gap_swing.apart_m);
   }
 }
 
@@ -156,14 +157,14 @@ TEST(WorkDesign, CountsTheSwingAcrossAGapAndLessOfItTheMoreItsJointDamps) {
   BrakedClass c = belt_read_across_a_gap();
   SpringLoad& load = *c.spring_load;
   const auto loose = design_work_kicks<float>(c);
-  EXPECT_GT(approach_beyond_m(c, loose, 10), loose.gap_swing_m);
+  EXPECT_GT(approach_beyond_m(c, loose, 10), loose.gap_swing.apart_m);
   load.damping_Ns_per_m = 0.1 * std::sqrt(load.stiffness_N_per_m * 0.24);
   const auto damped = design_work_kicks<float>(c);
-  EXPECT_LT(damped.gap_swing_m, 0.7 * loose.gap_swing_m);
-  EXPECT_GE(damped.gap_swing_m, load.gap_m / 2);
+  EXPECT_LT(damped.gap_swing.apart_m, 0.7 * loose.gap_swing.apart_m);
+  EXPECT_GE(damped.gap_swing.apart_m, load.gap_m / 2);
   EXPECT_LT(approach_beyond_m(c, damped, 10), approach_beyond_m(c, loose, 10));
   load.gap_m = 0;
-  EXPECT_EQ(design_work_kicks<float>(c).gap_swing_m, 0);
+  EXPECT_EQ(design_work_kicks<float>(c).gap_swing.apart_m, 0);
 }
 
 // Where the mass is known to a hair, the force gain alone decides how far a metered pulse goes at least.

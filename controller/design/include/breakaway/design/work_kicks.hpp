@@ -23,6 +23,12 @@ constexpr double least_swing_periods = 3;
 // acts too late and drives it.
 constexpr double most_stiffer = 2.5;
 
+// Of motor and load against each other, across the gap between them.
+struct GapSwing {
+  double apart_m = 0;  // either way
+  double force_N = 0;  // that the feedback of an approach gives in it, with the most gain
+};
+
 template <class Real>
 struct WorkDesign {
   law::WorkKicks<Real> kicks{};
@@ -42,7 +48,7 @@ struct WorkDesign {
   // By which share the approach's feedback, which acts late, lets a swing of the joint grow in 1/(2 pi) of it, at the
   // worst stiffness and with the least damping of the joint; negative where it falls.
   double swing_growth = 0;
-  double gap_swing_m = 0;     // the greatest swing across the gap that it keeps up
+  GapSwing gap_swing;         // the greatest that it would keep up without friction
   double longest_stop_s = 0;  // in which friction may hold an axis, or turn it back, that its approach leads on
   std::size_t table_bytes = 0;
 
