@@ -104,7 +104,9 @@ std::vector<Check> checks_of_presliding(const BrakedClass& c) {
                 "the force beside the drive's against a tenth of the least friction", "feed a known force forward",
                 Equality::holds),
           below("bending_is_read_in_time", tested, c.jitter_s + c.encoder_noise_m, 0,
-                "jitter_s and encoder_noise_m together against 0", "state neither", Equality::holds),
+                "jitter_s and encoder_noise_m together against 0",
+                c.rounding_m > 0 ? "state neither, of a drive that shows no float as its position" : "state neither",
+                Equality::holds),
           below("bending_force_is_fine", tested, most_coarse_steps * c.force_step_N, c.max_force_N,
                 "64 steps of force against max_force_N", "use a drive with a finer step of force")};
 }

@@ -22,10 +22,14 @@ std::string take_coarsest_encoder(BrakedClass& axes, const BrakedDesign<float>& 
   if (!(axes.encoder_noise_m < error_m)) {
     axes.encoder_noise_m = less(error_m / 2);
     if (axes.encoder_noise_m < axes.rounding_m) return {};
-    noise = " with an encoder_noise_m of " + brief(axes.encoder_noise_m) + " m";
+    // What a file states is beside the rounding.
+    const double stated_m = axes.encoder_noise_m - axes.rounding_m;
+    noise = " with an encoder_noise_m of " + brief(stated_m > 0 ? less(stated_m) : 0) + " m";
   }
   const double count_m = less(2 * (error_m - axes.encoder_noise_m));
   if (count_m >= axes.encoder_resolution_m) return "an encoder" + noise;
+  // A count is no finer than the float that shows it.
+  if (count_m < 2 * axes.rounding_m) return {};
   axes.encoder_resolution_m = count_m;
   return "an encoder_resolution_m of " + brief(count_m) + " m" + noise;
 }
@@ -122,7 +126,9 @@ std::string ways_to_tell(const Trials& trials, const BrakedClass& axes, const Br
     ways = ", or widen it to " + brief(told_m) + " m only and " + fine;
   BrakedClass finer = axes;
   const std::string encoder = take_coarsest_encoder(finer, design, tolerance_m);
-  if (encoder.empty()) return ways + ", or take an encoder with less noise";
+  if (encoder.empty())
+    return ways + (axes.rounding_m > 0 ? ", or narrow [limits] of position, where the drive's float is finer"
+                                       : ", or take an encoder with less noise");
   return ways + by_encoder(trials, finer, encoder, tolerance_m);
 }
 

@@ -25,6 +25,18 @@ double rounded(double value, int digits, double (*to_whole)(double), double slac
   return std::stod(with_digits(to_whole(value / unit * slack) * unit, digits));
 }
 
+// The nearest number of so many digits that is not on the other side of the value: above it where `side` is 1, below it
+// where that is -1. What is off by less than a double's arithmetic has no other side.
+std::string beyond(double value, int digits, double side) {
+  constexpr double slack = 1e-13;
+  const std::string nearest = with_digits(value, digits);
+  if (!std::isfinite(value) || value == 0) return nearest;
+  const double read = std::stod(nearest);
+  if (side * (read - value) >= -slack * std::abs(value)) return nearest;
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) + 1 - digits);
+  return with_digits(read + side * unit, digits);
+}
+
 }  // namespace
 
 std::string to_text(double value) {
@@ -43,10 +55,10 @@ double rounded_up(double value, int digits) { return rounded(value, digits, std:
 double rounded_down(double value, int digits) { return rounded(value, digits, std::floor, 1 + 1e-9); }
 
 ComparedNumbers compared(double value, double limit) {
-  ComparedNumbers texts;
   for (int digits = brief_digits; digits <= all_digits; ++digits) {
-    texts = {with_digits(value, digits), with_digits(limit, digits)};
-    if (texts.value != texts.limit) return texts;
+    if (with_digits(value, digits) == with_digits(limit, digits)) continue;
+    const double side = value > limit ? 1 : -1;
+    return {beyond(value, digits, side), beyond(limit, digits, -side)};
   }
   return {brief(value), brief(limit)};
 }

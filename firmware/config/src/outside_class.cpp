@@ -157,6 +157,9 @@ class Outside {
   void presliding() {
     const double stiffness = axis_.surroundings.bristles.stiffness_N_per_m;
     const double told = axis_.friction.presliding_stiffness_N_per_m;
+    if (told > 0 && without_sync() && braked())
+      add("[friction] presliding_stiffness_N_per_m: a certificate is of friction that bends in whole periods, and "
+          "[drive] protocol = \"odrive\" has no SYNC; take protocol = \"canopen\", or simulate it");
     if (stiffness == 0) return;
     if (told == 0) {
       add("[plant] presliding: a certificate is of friction that holds the axis without a spring, and here it bends "

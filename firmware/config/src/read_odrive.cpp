@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "axis_tables.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/odrive/messages.hpp"
 #include "breakaway/odrive/turns_scale.hpp"
 #include "read_drive.hpp"
@@ -92,9 +93,9 @@ void take_in_spacing(const Section& drive, const std::optional<Section>& limits,
         .fail(
             limits && limits->has("position_m") ? "position_m" : "position_max_m",
             fmt::format("lets the axis go to {:g} m, which are {:g} turns: there the drive's position, a float, comes "
-                        "in steps of {:.3g} m, coarser than encoder_resolution_m = {:g}; narrow the range, or state "
+                        "in steps of {:g} m, coarser than encoder_resolution_m = {:g}; narrow the range, or state "
                         "that coarser resolution",
-                        farthest_m, farthest_m / travel_m, spacing_m, count_m));
+                        farthest_m, farthest_m / travel_m, rounded_up(spacing_m, 3), count_m));
   axis.drive->odrive->rounding_m = spacing_m / 2;
   axis.uncertainty.encoder_noise_m += spacing_m / 2;
 }

@@ -42,7 +42,23 @@ TEST(WaysToReach, NameNoNoiseBelowTheRoundingOfAFloat) {
   BrakedClass c = counted_axes();
   c.encoder_noise_m = c.rounding_m = 1e-6;
   const std::string said = ways(c, 1e-6);
-  EXPECT_TRUE(said.ends_with(" m, or take an encoder with less noise")) << said;
+  EXPECT_TRUE(said.ends_with(" m, or narrow [limits] of position, where the drive's float is finer")) << said;
+}
+
+// A file states its noise beside that rounding, and no count that is finer than the float.
+TEST(WaysToReach, NameTheNoiseThatAFileStatesBesideTheRoundingOfAFloat) {
+  BrakedClass c = counted_axes();
+  c.rounding_m = 1e-7;
+  c.encoder_noise_m = 1.5e-6;
+  const std::string said = ways(c, 1.2e-6);
+  const double stated_m = number_after(said, " with an encoder_noise_m of ");
+  c.encoder_noise_m = stated_m + c.rounding_m;
+  c.encoder_resolution_m = number_after(said, "or take an encoder_resolution_m of ");
+  EXPECT_LE(design_braked_kicks<float>(c).least_reading_m, 1.2e-6) << said;
+  EXPECT_GE(c.encoder_resolution_m, 2 * c.rounding_m) << said;
+  c = counted_axes();
+  c.rounding_m = c.encoder_noise_m = 4e-7;
+  EXPECT_TRUE(ways(c, 1.2e-6).ends_with(" the drive's float is finer")) << ways(c, 1.2e-6);
 }
 
 // A fine count whose noise is all that hides the tolerance.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "../refusal.hpp"
@@ -44,6 +45,13 @@ TEST(Numbers, ThatAreComparedDifferInTheirTextsAsSoonAsTheyDiffer) {
   EXPECT_EQ(texts(4.5, 4), "4.5 4");
   EXPECT_EQ(texts(1.0 / 3, 0.25), "0.333333 0.25") << "six digits are enough";
   EXPECT_EQ(texts(0.03814699, 0.038146972), "0.03814699 0.03814697");
+  EXPECT_EQ(texts(2.0 / 3, 1.0 / 3), "0.666667 0.333333") << "away from each other";
+  EXPECT_EQ(texts(4.0 / 3, 2.0 / 3), "1.33334 0.666666");
+  EXPECT_EQ(texts(2.0 / 3, 4.0 / 3), "0.666666 1.33334");
+  EXPECT_EQ(texts(0.1 + 0.2, 0.25), "0.3 0.25") << "no digit for what arithmetic rounded";
+  EXPECT_EQ(texts(9.999996, 9), "10 9");
+  EXPECT_EQ(texts(-1.0 / 3, -2.0 / 3), "-0.333333 -0.666667");
+  EXPECT_EQ(texts(std::numeric_limits<double>::infinity(), 2.0 / 3), "inf 0.666666");
   EXPECT_EQ(texts(3681.0000001, 3681), "3681.0000001 3681");
   EXPECT_EQ(texts(1, std::nextafter(1.0, 2.0)), "1 1.0000000000000002");
   EXPECT_EQ(texts(1.0 / 3, 1.0 / 3), "0.333333 0.333333");

@@ -175,6 +175,30 @@ machine = { push = 1 })"),
   }
 }
 
+// As it is typed.
+TEST(OdriveInAFile, TakesTheResolutionThatItsRefusalNames) {
+  for (const char* farthest : {"16.1", "33", "100"}) {
+    const std::string wide = with(sound, "7.9", farthest), said = refused(wide);
+    const std::string named = said.substr(said.find("in steps of ") + 12);
+    const std::string steps = named.substr(0, named.find(' '));
+    EXPECT_EQ(refused(with(wide, "encoder_resolution_m = 1e-6", "encoder_resolution_m = " + steps)).find("coarser"),
+              std::string::npos)
+        << said;
+  }
+}
+
+// None would do, and it is said that the drive is what forbids it.
+TEST(OdriveInAFile, IsNotCertifiedWhereFrictionBends) {
+  const std::string bends = with(certifiable(), "lower_N = 2.5", "presliding_stiffness_N_per_m = 1e7\nlower_N = 2.5");
+  const auto s = parse_scenario(bends, "axis.toml");
+  const auto report = breakaway::config::examine(s.node).front();
+  ASSERT_FALSE(report.certified);
+  std::string all;
+  for (const std::string& reason : report.reasons) all += reason + '\n';
+  EXPECT_NE(all.find("has no SYNC; take protocol = \"canopen\""), std::string::npos) << all;
+  EXPECT_NE(all.find("state neither, of a drive that shows no float as its position"), std::string::npos) << all;
+}
+
 TEST(OdriveInAFile, IsForNoBoard) {
   const auto node = parse_scenario(certifiable(), "axis.toml").node;
   breakaway::config::require_runnable(node);

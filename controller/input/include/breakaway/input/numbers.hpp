@@ -20,7 +20,8 @@ std::string brief_up(double value);
 double rounded_up(double value, int digits);
 double rounded_down(double value, int digits);
 
-// Two numbers that a sentence compares: brief, but with as many more digits as it takes for them to differ.
+// Two numbers that a sentence compares: brief, but with as many more digits as it takes for them to differ, and rounded
+// away from each other, so that one who types the other one for either has done enough.
 struct ComparedNumbers {
   std::string value, limit;
 };
