@@ -170,6 +170,9 @@ TunedPoint Search::judged(const Gains& gains, int random_laws, double longest_s,
     point.error_m = c.error_m;
     if (!point.good()) return point;
     s.run->duration_s = longest_s;
+    // What is said is how long the longest move takes. Another target would be a move of its own, from which its time
+    // is counted, or come after all that is tried.
+    s.node.axes.front().controller.targets.clear();
     const StudyRow row = run_study(s, {{axis_.start()}, random_laws, options_.seed, threads, {}}).front();
     point.laws = row.runs.size();
     point.why_not = unsettled(row);

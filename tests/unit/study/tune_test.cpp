@@ -150,6 +150,20 @@ TEST(Tune, WritesADurationInWhichTheAxisSettles) {
   EXPECT_EQ(limit_cycles(study_of(cut_short)), 0U) << "an axis on its way hunts for nothing";
 }
 
+// The time of a move is counted from its last target. Where that came soon, no gains "settled", as all were tried for
+// so long only as the first needed; where it came late, some were judged by one move and some by another.
+TEST(Tune, JudgesTheLongestMoveWhateverTargetsFollow) {
+  const Tuning one = tuned(table, Objective::time);
+  for (const char* at_s : {"0.15", "0.5"}) {
+    const std::string targets = std::string{"[{ time_s = "} + at_s + ", position_m = 0.001 }]";
+    const std::string text = with(table, {{"controller", "targets", targets}});
+    const Tuning t = tuned(text, Objective::time);
+    EXPECT_EQ(t.chosen.worst_settling_s, one.chosen.worst_settling_s) << at_s;
+    EXPECT_EQ(t.chosen.gains.max_approach_speed_m_s, one.chosen.gains.max_approach_speed_m_s) << at_s;
+    EXPECT_NE(t.text.find(targets), std::string::npos) << t.text;
+  }
+}
+
 // As `breakaway new` writes it: a short way, on which no speed of a grid of the way's own is fast enough for the
 // encoder.
 TEST(Tune, TriesTheGainsOfTheFileWhereNoOthersAreCertified) {
