@@ -133,7 +133,7 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
 
 // What an approach keeps, in figures: a reader of the flashed header has no others.
 std::string tested_of_approach(const BrakedDesign<float>& design, const BrakedPromise& p) {
-  std::string tested = "that one of four approaches ends where kicks begin, within " + brief(kicks_begin_m(design)) +
+  std::string tested = "that one of four approaches ends where kicks begin, within " + brief_up(kicks_begin_m(design)) +
                        " m of the target, and none goes further than " + brief_up(p.approach_beyond_m) + " m beyond it";
   if (std::isfinite(p.approach_peak_m_s)) tested += ", nor faster than " + brief_up(p.approach_peak_m_s) + " m/s";
   return tested;
@@ -184,7 +184,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
         "the load hangs on a spring of " + brief(c.spring_load->stiffness_N_per_m) +
         " N/m or stiffer, without play, and each side keeps its bounds of friction; the side without the "
         "encoder may rest " +
-        brief(c.spring_load->unseen_m(c.load_N)) +
+        brief_up(c.spring_load->unseen_m(c.load_N)) +
         " m from where the other says, whatever the law; tested, not proved: that the axis settles, and "
         "how many kicks are needed");
   if (c.move)

@@ -142,7 +142,7 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
   p.promise = "at rest the true error of the " + read + " is at most " + brief_up(p.error_m) +
               " m, no kick leads it more than " + brief_up(p.beyond_m) + " m beyond the target, and the " + unread +
               " may rest " + brief_up(p.unseen_m) + " m from where the " + read + " says; a target may be set " +
-              brief(p.farthest_m) + " m away";
+              brief(rounded_down(p.farthest_m, 6)) + " m away";
   return p;
 }
 

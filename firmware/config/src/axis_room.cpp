@@ -117,8 +117,8 @@ void require_reachable_targets(const Node& node, const Axis& axis, const design:
     if (way_m <= certified.most_m) return;
     throw InputError{at_axis(node, axis) +
                      fmt::format("{} {:g} m away, and under the coast \"{}\" an approach is certified "
-                                 "over {:.4g} m at most; {}",
-                                 what, way_m, certified.coast, certified.most_m, certified.remedy)};
+                                 "over {:g} m at most; {}",
+                                 what, way_m, certified.coast, rounded_down(certified.most_m, 4), certified.remedy)};
   };
   if (room_m < unlimited) return require(room_m, "[limits] of position let a target be");
   double from_m = axis.controller.target_m;

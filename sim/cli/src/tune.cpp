@@ -10,6 +10,7 @@
 #include "breakaway/format/gnuplot.hpp"
 #include "breakaway/format/output_file.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/report/tune_json.hpp"
 #include "breakaway/report/tune_picture.hpp"
 #include "call_files.hpp"
@@ -70,9 +71,10 @@ void print_summary(const TuneCommand& options, const Tuning& tuning) {
       config::shown_name(options.file), study::to_string(tuning.objective), tuning.distance_m, chosen.worst_settling_s,
       chosen.median_settling_s, chosen.laws);
   if (std::isfinite(chosen.overshoot_m))
-    fmt::print("overshoot {:.3g} m, peak force {:.4g} N, true error at rest certified {}\n", chosen.overshoot_m,
-               chosen.peak_force_N,
-               std::isfinite(chosen.error_m) ? fmt::format("{:.3g} m", chosen.error_m) : "to the tolerance");
+    fmt::print(
+        "overshoot {:.3g} m, peak force {:.4g} N, true error at rest certified {}\n", chosen.overshoot_m,
+        chosen.peak_force_N,
+        std::isfinite(chosen.error_m) ? fmt::format("{:g} m", rounded_up(chosen.error_m, 3)) : "to the tolerance");
   for (const study::ChosenNumber& number : tuning.numbers)
     fmt::print("  {:<28} {:<10} {}\n", number.key, number.value, number.why);
   print_limits(tuning);

@@ -61,6 +61,10 @@ void HtmlTable::at_most(std::string_view name, double value, std::string_view un
   row(name, std::isfinite(value) ? fmt::format("{} {}", brief_up(value), unit) : "–");
 }
 
+void HtmlTable::at_least(std::string_view name, double value, std::string_view unit) {
+  quantity(name, value > 0 && std::isfinite(value) ? rounded_down(value, 6) : value, unit);
+}
+
 std::string HtmlTable::text() const { return "<table>\n" + text_ + "</table>\n"; }
 
 std::string html_list(const std::vector<std::string>& items) {

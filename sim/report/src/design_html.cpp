@@ -107,9 +107,9 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   table.quantity("Brake", promise.brake_N, "N");
   table.at_most("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");
-  table.row("Kick table", fmt::format("{} bytes, aims short by {:.3g} of the distance at most", promise.table_bytes,
-                                      promise.aim_lost));
-  if (promise.least_move_s > 0) table.quantity("Longest move, under any law at least", promise.least_move_s, "s");
+  table.row("Kick table", fmt::format("{} bytes, aims short by {:g} of the distance at most", promise.table_bytes,
+                                      promise.aim_lost > 0 ? rounded_up(promise.aim_lost, 3) : 0));
+  if (promise.least_move_s > 0) table.at_least("Longest move, under any law at least", promise.least_move_s, "s");
   if (promise.approach_s > 0) {
     add_approach_time(table, promise.longest_way_m, promise.approach_s);
     table.at_most("The kicks take at most", promise.kicks_s, "s");
@@ -122,18 +122,18 @@ std::string work_results_table(const design::WorkPromise& promise) {
   table.at_most("True error at rest of the side with the encoder, at most", 1e6 * promise.error_m, "µm");
   table.at_most("Beyond the target by a kick, at most", 1e6 * promise.beyond_m, "µm");
   table.at_most("The other side off from it at rest, at most", 1e6 * promise.unseen_m, "µm");
-  table.quantity("Resonance, at least", promise.resonance_Hz, "Hz");
+  table.at_least("Resonance, at least", promise.resonance_Hz, "Hz");
   table.at_most("Added to a kick by the spring, at most", 1e6 * promise.spring_m, "µm");
   table.at_most("Accuracy floor", 1e6 * promise.floor_m, "µm");
   table.at_most("Least tolerance", 1e6 * promise.least_tolerance_m, "µm");
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
   table.quantity("Kicked from within", 1e3 * promise.hand_over_m, "mm");
-  table.quantity("Approached from within", promise.farthest_m, "m");
+  table.at_least("Approached from within", promise.farthest_m, "m");
   table.at_most("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
   if (std::isfinite(promise.approach_peak_m_s))
     table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
-  table.quantity("Largest speed of the motor by a kick", promise.peak_speed_m_s, "m/s");
+  table.at_most("Largest speed of the motor by a kick", promise.peak_speed_m_s, "m/s");
   table.quantity("Rest is seen after", 1e3 * promise.rest_s, "ms");
   table.row("Kick table", fmt::format("{} bytes", promise.table_bytes));
   return table.text();

@@ -34,6 +34,7 @@ double least_tolerance_m(const design::DesignReport& report, const config::Axis&
 }
 
 double certified_error_m(const design::DesignReport& report) {
+  if (report.pd) return report.pd->error_m;
   return report.braked ? report.braked->error_m : report.work ? report.work->error_m : nan;
 }
 

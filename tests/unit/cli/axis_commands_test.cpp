@@ -102,6 +102,26 @@ TEST_F(Command, CertifiesTheLeastToleranceThatItPrintsAndNoLessThanTheErrorThatN
   EXPECT_LE(said_m, 1.01 * figure(design, "error_m"));
 }
 
+// The same error by `tune` and by `design` of what it wrote, in text never less than it is; under the coast "pd" it is
+// not the tolerance alone. The counts have more digits than a sentence.
+TEST_F(Command, SaysWhenTuningTheErrorThatDesignCertifies) {
+  for (const std::string file : {"braked_axis.toml", "can_axis.toml"}) {
+    std::string text = content(scenarios + file);
+    const std::string count = "encoder_resolution_m = 1e-6", speed = "max_approach_speed_m_s = 5";
+    text.replace(text.find(count), count.size(), "encoder_resolution_m = 1.0486e-6");
+    text.replace(text.find(speed), speed.size(), "max_approach_speed_m_s = 0.5");
+    text.insert(text.find("[limits]"), "[told]\nlatency_periods = 1\n");
+    const std::string tuned = path("tuned_" + file), json = path("tuned_" + file + ".json");
+    const Ended ended = run("tune " + scenario(text) + " --laws 0 -o " + tuned + " --json " + json);
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    const double certified_m = figure(run("design " + tuned + " --json -").out, "error_m");
+    const double said_m = number_after(ended.out, "true error at rest certified ");
+    EXPECT_GE(said_m, certified_m) << file;
+    EXPECT_LE(said_m, 1.01 * certified_m) << file;
+    EXPECT_DOUBLE_EQ(figure(content(json), "error_m"), certified_m) << file;
+  }
+}
+
 TEST_F(Command, SaysHowFarAndHowFastKicksAndApproachesMayGo) {
   for (const std::string file : {"braked_axis.toml", "move_axis.toml"}) {
     const std::string text = run("design " + scenarios + file).out;

@@ -13,6 +13,7 @@ class HtmlTable {
   void row(std::string_view name, const std::string& value);
   void quantity(std::string_view name, double value, std::string_view unit);  // a dash unless finite
   void at_most(std::string_view name, double value, std::string_view unit);   // the same, never below the value
+  void at_least(std::string_view name, double value, std::string_view unit);  // nor above it
   std::string text() const;
 
  private:
