@@ -123,6 +123,16 @@ TEST(KickJudge, BelievesAReadingThatContradictsWhatIsKnown) {
   EXPECT_EQ(axis.controller().mode(), Mode::hold);
 }
 
+// The last of all kicks counts as the others do.
+TEST(KickJudge, AccusesNoAxisThatItsLastKickIsSureToHaveLedNearEnough) {
+  constexpr int most = KickJudge<float>::most_kicks;
+  Scripted axis{0, braked_axis(1.55e-6F)};
+  EXPECT_EQ(kicks_at(axis, -4e-6F, most - 2), most - 2);
+  EXPECT_EQ(kicks_at(axis, -2e-6F), 2);
+  EXPECT_EQ(axis.controller().fault(), ControlFault::none);
+  EXPECT_EQ(axis.controller().mode(), Mode::hold);
+}
+
 // The other side of the target is no nearer for it.
 TEST(KickJudge, KnowsNothingOnTheOtherSideOfTheTarget) {
   Scripted axis{0, braked_axis(1.55e-6F)};

@@ -329,7 +329,10 @@ class AxisController {
 
   // The axis rests: holds it there, or kicks it.
   ControlOutput<Scalar> conclude(Scalar x) noexcept {
-    if (const ControlFault proved = judge_kick(x); proved != ControlFault::none) return fail(proved);
+    // What its kicks show says nothing against an axis that they led near enough, the last of all that it may have,
+    // too.
+    const ControlFault proved = judge_kick(x);
+    if (proved != ControlFault::none && !is_near_enough(x)) return fail(proved);
     fine_.learn(x, cycle_.pulse_N());
     if (finishes_on_spring(x)) {
       spring_.start(x);
@@ -351,8 +354,13 @@ class AxisController {
   // By its reading; or because the kicks before are sure to have led the axis as near as such a reading promises,
   // though it shows up to half a count more.
   bool is_near_enough(Scalar x) const noexcept {
+    if constexpr (Parts::by_work)
+      return std::abs(x) <= fine_.tolerance_m();
+    else
+      return is_led_near_enough(x);
+  }
+  [[gnu::noinline]] bool is_led_near_enough(Scalar x) const noexcept {
     const Scalar error_m = std::abs(x), tolerance_m = fine_.tolerance_m();
-    if constexpr (Parts::by_work) return error_m <= tolerance_m;
     const Scalar promised_m = tolerance_m + p_.encoder_resolution_m / 2;
     return error_m <= tolerance_m || (error_m <= promised_m && judge_.at_most_m() <= promised_m);
   }

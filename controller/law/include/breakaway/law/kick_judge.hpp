@@ -94,7 +94,8 @@ class KickJudge {
   // that it proves. To be called under the coast "pd".
   ControlFault judge(const Parameters& p, Scalar x) noexcept { return judge<true>(p, x, nullptr, nullptr); }
 
-  // The same under the brake, where the travel of the table's kicks is compared with what was told as well.
+  // The same under the brake, where the travel of the table's kicks is compared with what was told as well. An axis
+  // that is near enough is not to be asked for what is proved.
   ControlFault judge(const Parameters& p, Scalar x, const KickCycle<Scalar>& cycle,
                      const FineStage<Scalar>& fine) noexcept {
     note_distance(x);
@@ -141,11 +142,11 @@ class KickJudge {
     Scalar lawful_m = std::abs(kicked_from_m_) + p.position_tolerance_m + unseen_m_;
     if (fine != nullptr && fine->kicked()) lawful_m += fine->beyond_m();
     const bool moved = std::abs(x - kicked_from_m_) > unseen_m_ / 2;
-    if (cycle != nullptr) compare_with_told(p, *cycle, *fine, (x - kicked_from_m_) * cycle->direction(), error_m);
+    if (cycle != nullptr) compare_with_told(p, *cycle, (x - kicked_from_m_) * cycle->direction());
     const bool grew = error_m > lawful_m;
     futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
     growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
-    note_least_error<all_count>(p, error_m, moved, fine);
+    note_least_error<all_count>(p, error_m, moved, fine != nullptr);
     if (fine == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
     if (growing_ >= growing_limit) accuse(ControlFault::diverging);
     return proved_;
@@ -154,7 +155,7 @@ class KickJudge {
   // Near the target, where a kick may do less than a count, many may be needed to show that they lead nearer. Where
   // all count, a certified axis needs no more of them than the limit.
   template <bool all_count>
-  void note_least_error(const Parameters& p, Scalar error_m, bool moved, const FineStage<Scalar>* fine) noexcept {
+  void note_least_error(const Parameters& p, Scalar error_m, bool moved, bool under_brake) noexcept {
     if (error_m < least_error_m_ - unseen_m_ / 2) {
       least_error_m_ = error_m;
       moved_since_least_ = false;
@@ -166,25 +167,23 @@ class KickJudge {
     } else if (moved) {
       moved_since_least_ = true;
     }
-    if (++kicks_counted_ >= most_kicks && error_m > (fine != nullptr ? fine->tolerance_m() : p.position_tolerance_m))
+    if (++kicks_counted_ >= most_kicks && (under_brake || error_m > p.position_tolerance_m))
       accuse(moved || moved_since_least_ ? ControlFault::hunting : ControlFault::jammed);
   }
 
   // A kick that was not seen to lead on says nothing of friction.
-  void compare_with_told(const Parameters& p, const KickCycle<Scalar>& cycle, const FineStage<Scalar>& fine,
-                         Scalar travel_m, Scalar error_m) noexcept {
+  void compare_with_told(const Parameters& p, const KickCycle<Scalar>& cycle, Scalar travel_m) noexcept {
     const BrakedKicks<Scalar>& told = cycle.kicks();
     if (cycle.driven_back()) {
-      if (told.kicks_show_friction()) contradict(fine, told.brake_N, error_m);
+      if (told.kicks_show_friction()) contradict(told.brake_N);
     } else if (travel_m > unseen_m_ / 2 && (travel_m < least_travel_m_ || travel_m > most_travel_m_)) {
       const Scalar pulse_s = static_cast<Scalar>(cycle.pulse_periods()) * p.period_s;
-      contradict(fine, friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, travel_m),
-                 error_m);
+      contradict(friction_seen_N(told.approach.mass_kg, cycle.pulse_N(), told.brake_N, pulse_s, travel_m));
     }
   }
-  void contradict(const FineStage<Scalar>& fine, Scalar seen_N, Scalar error_m) noexcept {
+  void contradict(Scalar seen_N) noexcept {
     seen_friction_N_ = seen_N > 0 ? seen_N : Scalar{0};  // less than none: mass or force gain are off as well
-    if (++contradictions_ >= most_contradictions && error_m > fine.tolerance_m()) accuse(ControlFault::contradicted);
+    if (++contradictions_ >= most_contradictions) accuse(ControlFault::contradicted);
   }
 
   // Of one kick the first fault that it shows is the one to know.
