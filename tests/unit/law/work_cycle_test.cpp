@@ -94,6 +94,16 @@ TEST(WorkCycle, IsOverdueAfterFourTimesWhatItsRestMayTake) {
   EXPECT_NEAR(cycle.pulse_N(), 10, 1e-5);
 }
 
+// An approach leaves it a speed as a kick does.
+TEST(WorkCycle, WaitsAfterAnApproachForWhatAKickMayTakeAsWell) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.brake(1, 100);
+  int periods = 0;
+  for (; !cycle.overdue() && periods < 100000; ++periods) EXPECT_EQ(cycle.next_steps(7), 0);
+  EXPECT_EQ(periods, 4 * (100 + kicks.longest_coast_periods + kicks.still_periods));
+}
+
 TEST(WorkCycle, BeginsAnewWhereItIsRestarted) {
   const auto kicks = design::design_work_kicks<float>(belt()).kicks;
   WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};

@@ -39,6 +39,21 @@ TYPED_TEST(WorkLaw, SettlesABeltFromFarAndNearWithoutAKickBeyond) {
   }
 }
 
+// The plan to a target that moves to just before an axis is so short that the axis passes it at nearly all of its
+// speed.
+TEST(WorkLawEnds, InAHoldWhereTheTargetMovesToWhereTheAxisIs) {
+  const auto design = design::design_work_kicks<float>(belt());
+  for (const double friction_N : {1.25, 2.25}) {
+    const breakaway::testing::Friction friction = [=](const breakaway::testing::Moment&) { return friction_N; };
+    const auto end = breakaway::testing::run_axis<float>(
+        parameters_of<float>(belt(), design.least_tolerance_m), K3Table<float>{}, design.kicks,
+        breakaway::testing::TwoMassAxis{*belt().spring_load, 0.02, {}, {friction, friction}, -5}, 1, 30, 1, 200, 0.3,
+        {.at_s = 0.3, .shift_m = -3.6});
+    EXPECT_TRUE(end.held) << friction_N << " N: " << to_string(end.fault) << " at " << end.time_s << " s, "
+                          << end.error_m << " m away";
+  }
+}
+
 // A motor that speeds up without a load, as far as the meter lets it.
 TEST(WorkMeter, GivesNoPeriodWhoseWorkFrictionMayNotTake) {
   const auto kicks = design::design_work_kicks<double>(belt()).kicks;

@@ -84,7 +84,11 @@ class ShapedMove {
   bool turned_often() const noexcept { return false; }
   Scalar heading() const noexcept { return direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_m_s_; }
-  Scalar braking_periods() const noexcept { return static_cast<Scalar>(end_); }
+  // Within so many friction stops an axis that the plan has led; and one that goes as fast as it may, where its target
+  // moved to where it is, so that the plan had no time to brake it.
+  Scalar braking_periods() const noexcept {
+    return static_cast<Scalar>(end_) + a_->mass_kg * max_speed_m_s_ / (a_->friction_N * period_s_);
+  }
 
  private:
   void set_share(Scalar share) noexcept {

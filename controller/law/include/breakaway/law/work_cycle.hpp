@@ -87,7 +87,10 @@ class WorkCycle {
     expect_rest_within(longest_periods < Scalar(longest) ? static_cast<std::int32_t>(longest_periods) : longest);
     coast();
   }
-  void brake(Scalar /*direction*/, Scalar longest_periods) noexcept { release(longest_periods); }
+  // What a feedback leaves of speed beside the plan's goes as that of a kick does.
+  void brake(Scalar /*direction*/, Scalar longest_periods) noexcept {
+    release(longest_periods + static_cast<Scalar>(kicks_->longest_coast_periods));
+  }
 
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
