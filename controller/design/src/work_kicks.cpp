@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "breakaway/law/work_aim.hpp"
 #include "jointed.hpp"
 #include "work_approach.hpp"
 
@@ -166,6 +167,19 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_
   return d;
 }
 
+template <class Real>
+double without_progress_s(const BrakedClass& axes, const WorkDesign<Real>& design) {
+  const Jointed axis{axes};
+  const auto& table = design.kicks.table;
+  const auto first = table.periods.begin();
+  const int pulse = table.count > 0 ? *std::max_element(first, first + table.count) : 0;
+  const double begin_m = static_cast<double>(design.kicks.begin_m());
+  const double kick_s = pulse * axes.period_s + std::sqrt(2 * axis.heavier * axis.M * begin_m / axis.g) + design.rest_s;
+  return law::WorkAim<Real>::most_kicks * kick_s + kick_s + design.longest_stop_s;
+}
+
+template double without_progress_s(const BrakedClass&, const WorkDesign<float>&);
+template double without_progress_s(const BrakedClass&, const WorkDesign<double>&);
 template WorkDesign<float> design_work_kicks(const BrakedClass&, double);
 template WorkDesign<double> design_work_kicks(const BrakedClass&, double);
 

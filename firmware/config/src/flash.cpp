@@ -160,8 +160,12 @@ double without_progress_s(const Node& node, const Axis& axis) {
     const design::DesignReport report = design::design_axis(axis_design(node, axis));
     return report.pd ? report.pd->without_progress_s : 0;
   }
-  if (axis.controller.impulsive->coast != law::Coast::brake) return 0;
   const design::BrakedClass axes = braked_class(node, axis);
+  if (axis.controller.impulsive->coast == law::Coast::work) {
+    if (!axes.spring_load) return 0;
+    const auto design = design::design_work_kicks<float>(axes, approach_m_s(node, axis));
+    return design.possible() ? design::without_progress_s(axes, design) : 0;
+  }
   const auto design = design::design_braked_kicks<float>(axes);
   if (!design.possible()) return 0;
   const double tolerance = std::max(tolerance_m(node, axis), design.least_tolerance_m);

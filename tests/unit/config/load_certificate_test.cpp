@@ -1,6 +1,7 @@
 // The certificate of an axis whose load hangs on a spring: refused, under a rigid law, and under the coast "work".
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <string>
 
 #include "../refusal.hpp"
@@ -110,6 +111,20 @@ TEST(Certificate, OfALoadTakesInThatTheFrictionOfEitherSideDrifts) {
   EXPECT_DOUBLE_EQ(load.motor_friction.upper_N, 1.1 * 2.4);
   EXPECT_DOUBLE_EQ(load.load_friction.lower_N, 0.9 * 1.2);
   EXPECT_DOUBLE_EQ(load.load_friction.upper_N, 1.1 * 2.1);
+}
+
+// A tonne may be kicked for longer than a minute and come no nearer than where its approach passed the target.
+TEST(Certificate, OfTheCoastWorkGivesASlowAxisTheTimeThatItsKicksNeed) {
+  using std::chrono::seconds;
+  const std::string belt = by_work(with_load("3.4e4", ", friction_lower_N = 1.2, friction_upper_N = 2.1"));
+  const auto timeout_of = [](const std::string& text) {
+    return flashed_by_work<float>(parse_node(text, "axis.toml")).axes[0].limits.progress_timeout;
+  };
+  EXPECT_EQ(timeout_of(belt), seconds{60});
+  std::string slow = with(with(belt, "mass_kg = 0.4", "mass_kg = 400"), "mass_kg = 0.6", "mass_kg = 600");
+  slow = with(with(slow, "mass_kg = 1\n", "mass_kg = 1000\n"), "period_s = 0.001", "period_s = 0.01");
+  slow = with(slow, "k1_N_per_m = 400", "k1_N_per_m = 0.4");
+  EXPECT_GT(timeout_of(slow), seconds{150});
 }
 
 // An approach passes its target, and goes faster than it is planned.

@@ -167,6 +167,18 @@ TEST(WorkDesign, CountsTheSwingAcrossAGapAndLessOfItTheMoreItsJointDamps) {
   EXPECT_EQ(design_work_kicks<float>(c).gap_swing.apart_m, 0);
 }
 
+// A count that hides a swing has each kick wait for longer.
+TEST(WorkDesign, SaysHowLongAnAxisMayComeNoNearer) {
+  BrakedClass c = belt();
+  const auto usual = design_work_kicks<float>(c);
+  EXPECT_GT(without_progress_s(c, usual), 64 * usual.rest_s);
+  EXPECT_LT(without_progress_s(c, usual), 60);
+  c.encoder_resolution_m = 2e-3;
+  const auto coarse = design_work_kicks<float>(c);
+  EXPECT_GT(coarse.rest_s, 4 * usual.rest_s);
+  EXPECT_GT(without_progress_s(c, coarse), 64 * coarse.rest_s);
+}
+
 // Where the mass is known to a hair, the force gain alone decides how far a metered pulse goes at least.
 TEST(WorkDesign, AsksForMoreRoomTheLessIsKnownOfTheForceGain) {
   BrakedClass unknown = belt();

@@ -72,4 +72,9 @@ double approach_peak_m_s(const BrakedClass& axes, const WorkDesign<Real>& design
 template <class Real>
 double approach_beyond_m(const BrakedClass& axes, const WorkDesign<Real>& design, double max_speed_m_s);
 
+// In which an axis may come no nearer to its target than where its approach passed it: it rests, and is kicked as often
+// as it may be, each time until it is proved to rest; and in its approach friction may hold it.
+template <class Real>
+double without_progress_s(const BrakedClass& axes, const WorkDesign<Real>& design);
+
 }  // namespace breakaway::design
