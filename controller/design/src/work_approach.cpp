@@ -105,7 +105,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
   for (double response = fastest;; response *= 0.95) {
     a.stiffness_N_per_m = static_cast<Real>(axis.M * response * response);
     a.damping_Ns_per_m = static_cast<Real>(2 * axis.M * response);
-    if (detail::worst_growth_of_swing(axis, a) <= 0 && detail::gap_swing(axis, a).force_N <= axis.g) return response;
+    if (detail::ends_swings(axis, a)) return response;
     if (response < fastest / 20) return 0;
   }
 }
@@ -166,6 +166,11 @@ GapSwing detail::gap_swing(const Jointed& axis, const law::ShapedApproach<Real>&
 }
 
 template <class Real>
+bool detail::ends_swings(const Jointed& axis, const law::ShapedApproach<Real>& a) {
+  return worst_growth_of_swing(axis, a) <= 0 && gap_swing(axis, a).force_N <= axis.g;
+}
+
+template <class Real>
 law::ShapedApproach<Real> detail::work_approach(const Jointed& axis, int swing_periods) {
   const BrakedClass& c = axis.axes;
   const double A = axis.A1 + axis.A2, B = axis.B1 + axis.B2;
@@ -221,6 +226,7 @@ template law::ShapedApproach<float> detail::work_approach(const Jointed&, int);
 template law::ShapedApproach<double> detail::work_approach(const Jointed&, int);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<float>&);
 template double detail::worst_growth_of_swing(const Jointed&, const law::ShapedApproach<double>&);
+template bool detail::ends_swings(const Jointed&, const law::ShapedApproach<float>&);
 template GapSwing detail::gap_swing(const Jointed&, const law::ShapedApproach<float>&);
 template GapSwing detail::gap_swing(const Jointed&, const law::ShapedApproach<double>&);
 template double detail::longest_stop_s(const Jointed&, const law::ShapedApproach<float>&, double);

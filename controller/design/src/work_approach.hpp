@@ -15,6 +15,9 @@ double worst_growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real
 // The greatest swing across the gap that this feedback keeps up without friction; nothing without a gap.
 template <class Real>
 GapSwing gap_swing(const Jointed& axis, const law::ShapedApproach<Real>& a);
+// No swing grows, and friction ends those across the gap.
+template <class Real>
+bool ends_swings(const Jointed& axis, const law::ShapedApproach<Real>& a);
 // For how long friction may hold an axis, or turn it back, that its approach leads on.
 template <class Real>
 double longest_stop_s(const Jointed& axis, const law::ShapedApproach<Real>& a, double max_speed_m_s);

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "breakaway/law/shaped_move.hpp"
 #include "breakaway/law/work_aim.hpp"
 #include "check.hpp"
+#include "jointed.hpp"
+#include "work_approach.hpp"
 
 namespace breakaway::design::detail {
 namespace {
@@ -65,6 +68,29 @@ double farthest_m(const AxisDesign& axis, const WorkDesign<float>& design) {
   return std::min(axis.max_approach_speed_m_s / 2 * counted_s, 1e5 * static_cast<double>(design.kicks.begin_m()));
 }
 
+// The feedback with which swings end depends on how the joint damps them; nothing else of a design does.
+std::optional<double> enough_damping_Ns_per_m(const BrakedClass& c, int swing_periods) {
+  BrakedClass damped = c;
+  SpringLoad& load = *damped.spring_load;
+  const double critical =
+      2 * std::sqrt(load.stiffness_N_per_m * load.motor_kg * load.load_kg / (load.motor_kg + load.load_kg));
+  for (double share = 0.005; share < 0.5; share *= 1.5) {
+    if (share * critical <= c.spring_load->damping_Ns_per_m) continue;
+    load.damping_Ns_per_m = share * critical;
+    const Jointed axis{damped};
+    if (ends_swings(axis, work_approach<float>(axis, swing_periods))) return load.damping_Ns_per_m;
+  }
+  return std::nullopt;
+}
+
+std::string against_swings(const BrakedClass& c, const WorkDesign<float>& design) {
+  const auto damping = enough_damping_Ns_per_m(c, design.kicks.approach.swing_periods);
+  return (damping ? "state that the joint has a damping_Ns_per_m of " + brief(1.001 * *damping) +
+                        " at least, where it has, or "
+                  : std::string{}) +
+         (c.spring_load->encoder_on_load ? "read the motor" : "shorten period_s or the latency");
+}
+
 }  // namespace
 
 std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& design) {
@@ -79,17 +105,16 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
   checks.push_back(below("rest_is_seen_in_time", "the mass that is not read may swing on while the other sticks",
                          design.rest_s / c.period_s, 15000, "the periods that prove rest",
                          "use a finer encoder, or a stiffer joint"));
+  const double g = load.motor_friction.lower_N - c.load_N + load.load_friction.lower_N;
+  const bool ends = design.swing_growth <= 0 && design.gap_swing.force_N <= g;
+  const std::string remedy = ends ? std::string{} : against_swings(c, design);
   checks.push_back(below("swing_is_not_driven", tested_of_work, design.swing_growth, 0,
                          "the share by which the approach, whose feedback acts late, lets a swing grow in a radian",
-                         "shorten period_s or the latency, state the damping_Ns_per_m that the joint has at least, "
-                         "join load and motor more "
-                         "stiffly, or give the motor more mass",
-                         Equality::holds));
-  checks.push_back(below("swing_across_gap_is_held", tested_of_work, design.gap_swing.force_N,
-                         load.motor_friction.lower_N - c.load_N + load.load_friction.lower_N,
+                         remedy, Equality::holds));
+  checks.push_back(below("swing_across_gap_is_held", tested_of_work, design.gap_swing.force_N, g,
                          "what the approach's feedback gives in the greatest swing that it keeps up across the gap "
                          "against the least friction, which is to end it",
-                         "state the damping_Ns_per_m that the joint has at least, or less gap", Equality::holds));
+                         remedy, Equality::holds));
   const double counted_s = (most_stop_periods - design.kicks.still_periods) * c.period_s;
   checks.push_back(below("approach_gets_on", tested_of_work, design.longest_stop_s, std::min(most_stop_s, counted_s),
                          "the time in which friction may hold an axis that its approach leads on against what is "

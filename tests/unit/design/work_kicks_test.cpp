@@ -179,6 +179,37 @@ TEST(WorkDesign, SaysHowLongAnAxisMayComeNoNearer) {
   EXPECT_GT(without_progress_s(c, coarse), 64 * coarse.rest_s);
 }
 
+// A stiffer joint, or a heavier motor, was named and seldom helped.
+TEST(WorkChecks, NameADampingWithWhichSwingsEnd) {
+  int refused = 0;
+  for (const bool on_load : {false, true})
+    for (const double gap_m : {0.0, 1e-4})
+      for (const int latency : {0, 3}) {
+        BrakedClass c = belt();
+        c.latency_periods = latency;
+        SpringLoad& load = *c.spring_load;
+        load.encoder_on_load = on_load;
+        load.gap_m = gap_m;
+        load.stiffness_N_per_m *= 2;
+        const auto against = [&] {
+          const auto design = design_work_kicks<float>(c);
+          std::string all;
+          for (const Check& check : detail::work_checks({.position_tolerance_m = 1e-3, .work = c}, design))
+            if (check.name.starts_with("swing_") && !check.holds) all += check.reason;
+          return all;
+        };
+        const std::string before = against();
+        if (before.empty()) continue;
+        ++refused;
+        const std::string named = "a damping_Ns_per_m of ";
+        const auto place = before.find(named);
+        ASSERT_NE(place, std::string::npos) << before;
+        load.damping_Ns_per_m = std::stod(before.substr(place + named.size()));
+        EXPECT_EQ(against(), "") << before;
+      }
+  EXPECT_GT(refused, 1);
+}
+
 // Where the mass is known to a hair, the force gain alone decides how far a metered pulse goes at least.
 TEST(WorkDesign, AsksForMoreRoomTheLessIsKnownOfTheForceGain) {
   BrakedClass unknown = belt();
