@@ -45,7 +45,7 @@ WorkTrial::End WorkTrial::run(double force_N, int periods) const {
     for (int i = 0; i < steps; ++i) step(force_N);
     seen.push_back(x[0]);
   }
-  const long most_steps = std::max(longest_swings * static_cast<long>(steps_per_swing), 100L * steps);
+  const auto most_steps = static_cast<long>(std::ceil(std::max(longest_swings * swing_s, 100 * period_s) / h));
   long coasted = 0;
   // At rest neither mass moves under the spring that is left.
   while (coasted < most_steps) {

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "../../../controller/design/src/work_checks.hpp"
+#include "../../../controller/design/src/work_trial.hpp"
 #include "../law/belt_fixture.hpp"
 #include "breakaway/law/shaped_move.hpp"
 
@@ -165,6 +167,32 @@ TEST(WorkDesign, CountsTheSwingAcrossAGapAndLessOfItTheMoreItsJointDamps) {
   EXPECT_LT(approach_beyond_m(c, damped, 10), approach_beyond_m(c, loose, 10));
   load.gap_m = 0;
   EXPECT_EQ(design_work_kicks<float>(c).gap_swing.apart_m, 0);
+}
+
+// A slow swing was left before it had come to rest, with the motor far out, and counted as what the kick had gained: an
+// axis was certified whose kicks led it nowhere.
+TEST(WorkTrial, EndsWhereFrictionHoldsWhatTheSpringPulls) {
+  for (const double swing_periods : {5.0, 20.0, 100.0, 250.0})
+    for (const double force_N : {30.0, 60.0}) {
+      detail::WorkTrial trial{.motor_kg = 4.2,
+                              .load_kg = 0.42,
+                              .stiffness_N_per_m = 22800,
+                              .gap_m = 5e-6,
+                              .motor_friction = {1.15, 1.15},
+                              .load_friction = {10.4, 10.4},
+                              .period_s = 0,
+                              .latency_periods = 1,
+                              .metered = false,
+                              .encoder_on_load = false,
+                              .most_travel_m = 0,
+                              .late_periods = 2,
+                              .bent_m = 4e-5};
+      const double swing_s = 2 * std::numbers::pi / std::sqrt(trial.stiffness_N_per_m * (1 / 4.2 + 1 / 0.42));
+      trial.period_s = swing_s / swing_periods;
+      const auto end = trial.run(force_N, std::max(1, static_cast<int>(0.1 * swing_periods)));
+      EXPECT_LE(std::abs(end.bent_m), 1.001 * 1.15 / trial.stiffness_N_per_m + trial.gap_m / 2)
+          << swing_periods << " periods, " << force_N << " N";
+    }
 }
 
 // A count that hides a swing has each kick wait for longer.
