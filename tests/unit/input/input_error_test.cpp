@@ -43,7 +43,7 @@ TEST(Numbers, ThatAreComparedDifferInTheirTextsAsSoonAsTheyDiffer) {
     return value_text + " " + limit_text;
   };
   EXPECT_EQ(texts(4.5, 4), "4.5 4");
-  EXPECT_EQ(texts(1.0 / 3, 0.25), "0.333333 0.25") << "six digits are enough";
+  EXPECT_EQ(texts(1.0 / 3, 0.25), "0.333334 0.25") << "six digits are enough";
   EXPECT_EQ(texts(0.03814699, 0.038146972), "0.03814699 0.03814697");
   EXPECT_EQ(texts(2.0 / 3, 1.0 / 3), "0.666667 0.333333") << "away from each other";
   EXPECT_EQ(texts(4.0 / 3, 2.0 / 3), "1.33334 0.666666");
