@@ -152,7 +152,7 @@ void check_data_sheets(const Node& node) {
 }
 
 // The least period that is at least this long and that drives can be told.
-hal::Duration rounded_up(hal::Duration period) {
+hal::Duration period_that_is_told(hal::Duration period) {
   hal::Duration step = std::chrono::microseconds{1};
   while (period > 255 * step) step *= 10;
   return (period + step - hal::Duration{1}) / step * step;
@@ -270,7 +270,7 @@ double least_period_s(const Node& node) {
   for (const Axis& axis : node.axes)
     if (axis.drive && !axis.drive->odrive) late_s = std::max(late_s, answer_delay_s(node, axis));
   const hal::Duration late{static_cast<std::int64_t>(std::ceil(late_s * 1e9))};
-  return std::max(shortest_period_s, hal::seconds(rounded_up(need_of_bus(node).least_period + late)));
+  return std::max(shortest_period_s, hal::seconds(period_that_is_told(need_of_bus(node).least_period + late)));
 }
 
 void require_fitting_bus(const Node& node) {
@@ -283,7 +283,7 @@ void require_fitting_bus(const Node& node) {
                                "choose a period_s of at least {}",
                                axes, axes == 1 ? "axis" : "axes", node.period_s(), axes == 1 ? "does" : "do",
                                *node.bit_rate, budget.needed_us, budget.available_us,
-                               hal::seconds(rounded_up(budget.least_period)))}
+                               hal::seconds(period_that_is_told(budget.least_period)))}
       .in_file(node.file);
 }
 
