@@ -29,7 +29,7 @@ double rounded(double value, int digits, double (*to_whole)(double), double slac
 // where that is -1. What is off by less than a double's arithmetic has no other side.
 std::string beyond(double value, int digits, double side) {
   constexpr double slack = 1e-13;
-  const std::string nearest = with_digits(value, digits);
+  std::string nearest = with_digits(value, digits);
   if (!std::isfinite(value) || value == 0) return nearest;
   const double read = std::stod(nearest);
   if (side * (read - value) >= -slack * std::abs(value)) return nearest;
