@@ -22,10 +22,6 @@ namespace {
 using design::SpringLoad;
 using testing::RunEnd;
 
-double critical_Ns_per_m(const SpringLoad& load) {
-  return 2 * std::sqrt(load.stiffness_N_per_m * load.motor_kg * load.load_kg / (load.motor_kg + load.load_kg));
-}
-
 BrakedClass random_jointed_axes(Random& r) {
   BrakedClass c;
   c.period_s = 1e-3 * r.one_of<3>({0.5, 1, 2});
@@ -52,7 +48,7 @@ BrakedClass random_jointed_axes(Random& r) {
   load.gap_m = r.share() < 0.4 ? 0 : r.between(0, 1e-4);
   load.stiffness_N_per_m = 1;
   load.stiffness_N_per_m = std::pow(1 / (r.decades(3.1, 60) * c.period_s * load.resonance_Hz()), 2);
-  load.damping_Ns_per_m = r.share() < 0.5 ? 0 : r.decades(0.002, 0.05) * critical_Ns_per_m(load);
+  load.damping_Ns_per_m = r.share() < 0.5 ? 0 : r.decades(0.002, 0.05) * load.critical_damping_Ns_per_m();
   c.spring_load = load;
   return c;
 }
@@ -69,7 +65,7 @@ BrakedClass axes_of_the_grid(Random& r, double resonance_Hz) {
   load.gap_m = r.share() < 0.4 ? 0 : r.between(0, 1e-4);
   load.stiffness_N_per_m = 1;
   load.stiffness_N_per_m = std::pow(resonance_Hz / load.resonance_Hz(), 2);
-  load.damping_Ns_per_m = 0.02 * critical_Ns_per_m(load);
+  load.damping_Ns_per_m = 0.02 * load.critical_damping_Ns_per_m();
   c.spring_load = load;
   return c;
 }
@@ -132,7 +128,7 @@ RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, 
   const std::array<Friction, 2> friction{friction_of_kind(kind, motor, seed, length_m, tolerance_m),
                                          friction_of_kind(other_kind, load, seed + 1, length_m, tolerance_m)};
   double other_side_m = 0;
-  const double damping = truth_of_load.damping_Ns_per_m / critical_Ns_per_m(truth_of_load) * r.between(1, 2);
+  const double damping = truth_of_load.damping_Ns_per_m / truth_of_load.critical_damping_Ns_per_m() * r.between(1, 2);
   const double longest_s = 65 * (design.rest_s + 0.2) * 4 + 10 + 10 * std::fabs(start_m) / max_approach_speed_m_s;
   const double encoder_offset = r.between(-0.5, 0.5);
   const testing::Disturbance lossy{.lost_share = r.share() < 0.5 ? 0.01 : 0, .seed = seed};

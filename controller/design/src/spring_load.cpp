@@ -47,6 +47,10 @@ double SpringLoad::resonance_Hz() const {
   return std::sqrt(stiffness_N_per_m * (1 / motor_kg + 1 / load_kg)) / (2 * pi);
 }
 
+double SpringLoad::critical_damping_Ns_per_m() const {
+  return 2 * std::sqrt(stiffness_N_per_m * motor_kg * load_kg / (motor_kg + load_kg));
+}
+
 // A spring that both hold is bent by no more than the weaker of them holds.
 double SpringLoad::unseen_m(double load_N) const {
   return std::min(motor_friction.upper_N + load_N, load_friction.upper_N) / stiffness_N_per_m;

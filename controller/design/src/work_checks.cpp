@@ -72,8 +72,7 @@ double farthest_m(const AxisDesign& axis, const WorkDesign<float>& design) {
 std::optional<double> enough_damping_Ns_per_m(const BrakedClass& c, int swing_periods) {
   BrakedClass damped = c;
   SpringLoad& load = *damped.spring_load;
-  const double critical =
-      2 * std::sqrt(load.stiffness_N_per_m * load.motor_kg * load.load_kg / (load.motor_kg + load.load_kg));
+  const double critical = load.critical_damping_Ns_per_m();
   for (double share = 0.005; share < 0.5; share *= 1.5) {
     if (share * critical <= c.spring_load->damping_Ns_per_m) continue;
     load.damping_Ns_per_m = share * critical;
@@ -95,7 +94,6 @@ std::string against_swings(const BrakedClass& c, const WorkDesign<float>& design
 
 std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& design) {
   const BrakedClass& c = *axis.work;
-  const SpringLoad& load = *c.spring_load;
   std::vector<Check> checks = checks_of_class(c);
   if (!design.holds || !design.swing_is_counted) return checks;
   checks.push_back(below("pulse_moves_the_load", "a pulse must be sure to break motor and load away by 0.2 %",
@@ -105,13 +103,12 @@ std::vector<Check> work_checks(const AxisDesign& axis, const WorkDesign<float>& 
   checks.push_back(below("rest_is_seen_in_time", "the mass that is not read may swing on while the other sticks",
                          design.rest_s / c.period_s, 15000, "the periods that prove rest",
                          "use a finer encoder, or a stiffer joint"));
-  const double g = load.motor_friction.lower_N - c.load_N + load.load_friction.lower_N;
-  const bool ends = design.swing_growth <= 0 && design.gap_swing.force_N <= g;
-  const std::string remedy = ends ? std::string{} : against_swings(c, design);
+  const Jointed joint{c};
+  const std::string remedy = ends_swings(joint, design.kicks.approach) ? std::string{} : against_swings(c, design);
   checks.push_back(below("swing_is_not_driven", tested_of_work, design.swing_growth, 0,
                          "the share by which the approach, whose feedback acts late, lets a swing grow in a radian",
                          remedy, Equality::holds));
-  checks.push_back(below("swing_across_gap_is_held", tested_of_work, design.gap_swing.force_N, g,
+  checks.push_back(below("swing_across_gap_is_held", tested_of_work, design.gap_swing.force_N, joint.g,
                          "what the approach's feedback gives in the greatest swing that it keeps up across the gap "
                          "against the least friction, which is to end it",
                          remedy, Equality::holds));

@@ -34,6 +34,7 @@ struct SpringLoad {
   double damping_Ns_per_m = 0;  // of the spring, at least; only the coast "work" asks for it
 
   double resonance_Hz() const;
+  double critical_damping_Ns_per_m() const;  // of the swing of motor and load against each other
   // The side that the encoder does not see may rest so far from where it seems to, while a force of at most load_N acts
   // beside the drive's.
   double unseen_m(double load_N) const;
