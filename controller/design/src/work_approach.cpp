@@ -12,16 +12,33 @@ using detail::infinite;
 using detail::Jointed;
 using std::numbers::pi;
 
+using Complex = std::complex<double>;
+
+struct Sloped {
+  Complex value, slope;  // of a function of s
+};
+Sloped product(const Sloped& a, const Sloped& b) { return {a.value * b.value, a.slope * b.value + a.value * b.slope}; }
+
+// e^(-s t).
+Sloped delay(Complex s, double t_s) {
+  if (t_s == 0) return {1, 0};
+  const Complex value = std::exp(-s * t_s);
+  return {value, -t_s * value};
+}
+
 // The force of the feedback for each metre of the side that is read, in a motion as e^(s t): a reading is as late as
 // the latency and the spans of place and speed make it, and a force is held for a period, behind the current loop.
 template <class Real>
-std::complex<double> feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a,
-                                      std::complex<double> s) {
-  const double T = c.period_s, span_s = a.speed_periods * T, mean_s = a.mean_periods * T;
-  const auto place = static_cast<double>(a.stiffness_N_per_m) * (1.0 + std::exp(-s * mean_s)) / 2.0;
-  const auto speed = static_cast<double>(a.damping_Ns_per_m) * (1.0 - std::exp(-s * span_s)) / span_s;
-  const auto held = (1.0 - std::exp(-s * T)) / (s * T);
-  return (place + speed) * std::exp(-s * (c.latency_periods * T)) * held / (1.0 + s * c.lag_s.most);
+Sloped feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a, Complex s) {
+  const double T = c.period_s, lag_s = c.lag_s.most, span_s = a.speed_periods * T;
+  const auto half_stiffness = static_cast<double>(a.stiffness_N_per_m) / 2;
+  const auto damping_per_span = static_cast<double>(a.damping_Ns_per_m) / span_s;
+  const Sloped mean = delay(s, a.mean_periods * T), span = delay(s, span_s), period = delay(s, T);
+  const Complex place = half_stiffness * (1.0 + mean.value), speed = damping_per_span * (1.0 - span.value);
+  const Sloped read{place + speed, half_stiffness * mean.slope - damping_per_span * span.slope};
+  const Complex per_s = 1.0 / s, held = (1.0 - period.value) * per_s / T, followed = 1.0 / (1.0 + s * lag_s);
+  const Sloped hold{held, (period.value - held) * per_s}, loop{followed, -lag_s * followed * followed};
+  return product(product(read, delay(s, c.latency_periods * T)), product(hold, loop));
 }
 
 struct Joint {
@@ -31,26 +48,41 @@ struct Joint {
 // By which share a swing of the joint grows in a radian of it at the worst, whose masses are so many times as heavy.
 // The root of the loop is followed from the free swing on, as the feedback grows to what it is: one that is no small
 // force beside the spring's shifts the swing, and with it how late a reading is; and one that is limited acts as a
-// share of it. To the first order of the feedback it is to be kept as well.
+// share of it. To the first order of the feedback it is to be kept as well. What grows is not followed any further.
 template <class Real>
 double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, const Joint& of, double gain,
                        double heavier) {
-  using Complex = std::complex<double>;
-  constexpr int shares = 8, corrections = 4;
-  const double m1 = heavier * axis.load.motor_kg, m2 = heavier * axis.load.load_kg;
-  const double w = std::sqrt(of.stiffness_N_per_m * (1 / m1 + 1 / m2)), h = 1e-6 * w;
-  const auto loop = [&](Complex s, double share) {
-    const Complex joint = of.damping_Ns_per_m * s + of.stiffness_N_per_m;
-    const Complex free = m1 * m2 * s * s * s * s + (m1 + m2) * joint * s * s;
-    const Complex read = axis.load.encoder_on_load ? joint : m2 * s * s + joint;
-    return free + share * gain * feedback_N_per_m(axis.axes, a, s) * read;
+  constexpr int shares = 8, corrections = 8;
+  constexpr double exactly = 1e-24;  // of the root, squared: what rounding leaves is less by far than any growth
+  const double m1 = heavier * axis.load.motor_kg, m2 = heavier * axis.load.load_kg, both = m1 + m2;
+  const double w = std::sqrt(of.stiffness_N_per_m * (1 / m1 + 1 / m2));
+  const auto joint = [&](Complex s) {
+    return Sloped{of.damping_Ns_per_m * s + of.stiffness_N_per_m, of.damping_Ns_per_m};
   };
-  const auto slope = [&](Complex s, double share) { return (loop(s + h, share) - loop(s - h, share)) / (2 * h); };
+  const auto free = [&](Complex s) {
+    const auto [value, slope] = joint(s);
+    return product({s * s, 2.0 * s}, {m1 * m2 * s * s + both * value, 2 * m1 * m2 * s + both * slope});
+  };
+  const double unread = axis.load.encoder_on_load ? 0 : m2;
+  const auto fed_back = [&](Complex s) {
+    const auto [value, slope] = joint(s);
+    return product(feedback_N_per_m(axis.axes, a, s),
+                   {gain * (unread * s * s + value), gain * (2 * unread * s + slope)});
+  };
+  const auto step_to_root = [&](Complex s, double share) {
+    const Sloped alone = free(s), fed = fed_back(s);
+    return -(alone.value + share * fed.value) / (alone.slope + share * fed.slope);
+  };
   Complex root{0, w};
-  double growth = -(loop(root, 1) / slope(root, 0)).real() / w;
-  for (int i = 1; i <= shares; ++i) {
+  double growth = -((free(root).value + fed_back(root).value) / free(root).slope).real() / w;
+  for (int i = 1; i <= shares && growth <= 0; ++i) {
     const double share = static_cast<double>(i) / shares;
-    for (int j = 0; j < corrections; ++j) root -= loop(root, share) / slope(root, share);
+    double off = infinite;
+    for (int j = 0; j < corrections && off > exactly * std::norm(root); ++j) {
+      const Complex step = step_to_root(root, share);
+      root += step;
+      off = std::norm(step);
+    }
     growth = std::max(growth, root.real() / std::abs(root.imag()));
   }
   return std::isfinite(root.real() / root.imag()) ? growth : infinite;
@@ -160,7 +192,7 @@ GapSwing detail::gap_swing(const Jointed& axis, const law::ShapedApproach<Real>&
   double most_N_per_m = 0;
   for (double stiffer = 1; stiffer <= most_stiffer; stiffer *= 1.05) {
     const double w = 2 * pi * axis.load.resonance_Hz() * std::sqrt(stiffer * held_share(halves));
-    most_N_per_m = std::max(most_N_per_m, std::abs(feedback_N_per_m(axis.axes, a, {0, w})));
+    most_N_per_m = std::max(most_N_per_m, std::abs(feedback_N_per_m(axis.axes, a, {0, w}).value));
   }
   return {swing_m, axis.axes.force_gain.most * most_N_per_m * of_read * swing_m};
 }
