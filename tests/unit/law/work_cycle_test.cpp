@@ -120,6 +120,29 @@ TEST(WorkCycle, BeginsAnewWhereItIsRestarted) {
   EXPECT_EQ(cycle.next_steps(7), 7);
 }
 
+TEST(WorkCycle, NoticesAnApproachThatAsksForMoreThanAllForceToAndFro) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  const std::int32_t all = cycle.within_limit(1'000'000);
+  const auto times_until_noticed = [&](std::int32_t most) {
+    int times = 0;
+    for (; !cycle.driven_to_and_fro() && times < 1000; ++times) {
+      EXPECT_EQ(cycle.next_steps(most), std::min(most, all));
+      cycle.next_steps(most / 2);
+      EXPECT_EQ(cycle.next_steps(-most), -std::min(most, all));
+    }
+    return times;
+  };
+  EXPECT_EQ(times_until_noticed(all), 1000) << "all that there is may be asked for";
+  const int times = times_until_noticed(all + 1);
+  EXPECT_GT(times, 4);
+  EXPECT_LE(times, 16);
+  cycle.restart();
+  EXPECT_FALSE(cycle.driven_to_and_fro());
+  for (int k = 0; k < 1000; ++k) cycle.next_steps(all + 1);
+  EXPECT_FALSE(cycle.driven_to_and_fro()) << "one way only";
+}
+
 // Eight metres away a float steps by about a count.
 TEST(WorkCycle, TakesTheLastDigitOfANumberForNoMotion) {
   const auto kicks = design::design_work_kicks<float>(belt()).kicks;

@@ -233,6 +233,34 @@ TEST(WorkAim, GivesSixtyFourKicksToATarget) {
   }
 }
 
+TEST(WorkAim, NoticesAnApproachThatLeavesTheAxisFurtherAwayThanTheOneBefore) {
+  const auto design = design::design_work_kicks<float>(belt());
+  WorkAim<float> aim{design.kicks, parameters_of<float>(belt(), design.least_tolerance_m)};
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_FALSE(aim.is_left_further_away(-3));
+    EXPECT_FALSE(aim.is_left_further_away(3)) << "as far, on the other side";
+    EXPECT_FALSE(aim.is_left_further_away(2));
+    EXPECT_TRUE(aim.is_left_further_away(-2.5F));
+    aim.restart();
+  }
+}
+
+// Its plan would go on for a thousand seconds.
+TEST(WorkLawEnds, AnApproachThatDrivesTheAxisToAndFroByAllForce) {
+  const auto design = design::design_work_kicks<float>(belt(), 1e-3);
+  auto p = parameters_of<float>(belt(), design.least_tolerance_m);
+  p.max_approach_speed_m_s = 1e-3F;
+  const K3Table<float> unused;
+  AxisController<float, WorkKicks<float>> controller{p, unused, design.kicks};
+  int periods = 0;
+  for (; controller.mode() == Mode::approach && periods < 100'000; ++periods) {
+    const float swing_m = periods / 10 % 2 == 0 ? 0.5F : -0.5F;
+    static_cast<void>(controller.update({1 + swing_m, 0, true}));
+  }
+  EXPECT_LE(periods, 1000);
+  EXPECT_EQ(controller.fault(), ControlFault::none);
+}
+
 // Where an axis that does not move at all ends.
 ControlFault end_of_stuck_axis(double at_m, double tolerance_m) {
   const auto design = design::design_work_kicks<float>(belt());

@@ -286,7 +286,7 @@ class AxisController {
 
   bool gets_stuck(Scalar x) noexcept {
     if constexpr (Parts::by_work) {
-      return false;
+      return cycle_.driven_to_and_fro();
     } else {
       return progress_.hardly_gets_on(x);
     }
@@ -344,6 +344,9 @@ class AxisController {
       held_ = 0;
       cycle_.release(0);
       return give(0);
+    }
+    if constexpr (Parts::by_work) {
+      if (std::abs(x) > kicks_begin_m_ && fine_.is_left_further_away(x)) return fail(ControlFault::diverging);
     }
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target

@@ -40,6 +40,8 @@ class WorkCycle {
     phase_ = Phase::free;
     still_ = blind_ = 0;
     anchored_ = false;
+    last_full_ = 0;
+    swings_ = 0;
   }
   void forget_force() noexcept {}
 
@@ -95,7 +97,7 @@ class WorkCycle {
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
     pulse_starts_ = pulsed_ = false;
-    if (phase_ == Phase::free) return within_limit(free_steps);
+    if (phase_ == Phase::free) return free_force(free_steps);
     if (overdue_in_ > 0) --overdue_in_;
     if (phase_ == Phase::pulse && kicks_->metered) {
       if (given_ == 1) set_meter();
@@ -117,6 +119,9 @@ class WorkCycle {
   bool stays() const noexcept { return at_rest(); }
   bool pulse_starts() const noexcept { return pulse_starts_; }
   bool pulsed() const noexcept { return pulsed_; }
+  // The approach asks for more than all force to and fro: joint, mass or friction are not what was told, and the
+  // feedback drives what it is to damp.
+  bool driven_to_and_fro() const noexcept { return swings_ >= most_swings; }
   const ForceInterval<Scalar>& interval() const noexcept { return no_interval_; }
 
   std::int32_t whole_steps(Scalar force_N) const noexcept { return whole_force_steps(force_N, kicks_->force_step_N); }
@@ -125,6 +130,16 @@ class WorkCycle {
  private:
   enum class Phase : std::uint8_t { free, pulse, coast };
   static constexpr std::int32_t longest = 65535;  // count of periods
+  static constexpr std::uint8_t most_swings = 16;
+
+  std::int32_t free_force(std::int32_t steps) noexcept {
+    const std::int32_t given = within_limit(steps);
+    if (given == steps) return given;
+    const std::int8_t side = given < 0 ? -1 : 1;
+    if (side + last_full_ == 0 && swings_ < most_swings) ++swings_;
+    last_full_ = side;
+    return given;
+  }
 
   void coast() noexcept {
     phase_ = Phase::coast;
@@ -173,6 +188,8 @@ class WorkCycle {
   std::uint8_t pulse_periods_ = 1;
   std::uint8_t left_ = 0;
   std::uint8_t latency_ = 0;
+  std::uint8_t swings_ = 0;    // of the force, from more than all of it one way to more than all of it the other
+  std::int8_t last_full_ = 0;  // the way of the last that was too much
   Phase phase_ = Phase::free;
   bool anchored_ = false;
   bool starts_ = false;
