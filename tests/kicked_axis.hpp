@@ -194,7 +194,8 @@ struct RunEnd {
   bool held = false;
   law::ControlFault fault = law::ControlFault::none;
   double time_s = 0;             // to the last hold, or to the end
-  double error_m = 0;            // true, at the end
+  double error_m = 0;            // true, at the end,
+  double target_m = 0;           // from this target
   double beyond_m = 0;           // the furthest that a kick went past the target
   double approach_beyond_m = 0;  // the same of the approach
   int kicks = 0;
@@ -343,6 +344,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   end.kicked_early = move.kicked_early();
   end.held = held >= hold_periods && !end.external_motion && !end.no_motion;
   end.error_m = axis.position_m() - target_m;
+  end.target_m = target_m;
   return end;
 }
 

@@ -7,7 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -106,7 +109,8 @@ BrakedClass with_stiffness(BrakedClass c, double share) {
 
 // design: of the class with this share of the stiffness, which is told.
 RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, double told, double tolerance_share,
-           double start_m, Random& r, Tally& tally, double max_approach_speed_m_s = usual_m_s) {
+           double start_m, Random& r, Tally& tally, double max_approach_speed_m_s = usual_m_s,
+           const testing::Retarget& retarget = {}) {
   SpringLoad truth_of_load = *c.spring_load;
   c = with_stiffness(std::move(c), told);
   const double tolerance_m = design.least_tolerance_m * tolerance_share;
@@ -129,23 +133,31 @@ RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, 
                                          friction_of_kind(other_kind, load, seed + 1, length_m, tolerance_m)};
   double other_side_m = 0;
   const double damping = truth_of_load.damping_Ns_per_m / truth_of_load.critical_damping_Ns_per_m() * r.between(1, 2);
-  const double longest_s = 65 * (design.rest_s + 0.2) * 4 + 10 + 10 * std::fabs(start_m) / max_approach_speed_m_s;
+  const bool target_moves = retarget.at_s < INFINITY;
+  const double way_m = std::fabs(start_m) + (target_moves ? std::fabs(retarget.shift_m) : 0);
+  const double longest_s =
+      (65 * (design.rest_s + 0.2) * 4 + 10) * (target_moves ? 2 : 1) + 10 * way_m / max_approach_speed_m_s;
   const double encoder_offset = r.between(-0.5, 0.5);
   const testing::Disturbance lossy{.lost_share = r.share() < 0.5 ? 0.01 : 0, .seed = seed};
   const RunEnd end =
       testing::run_axis<float>(p, law::K3Table<float>{}, design.kicks,
                                testing::TwoMassAxis{truth_of_load, damping, truth, friction, start_m, &other_side_m},
-                               c.latency_periods, longest_s, 1, 200, encoder_offset, {}, lossy);
+                               c.latency_periods, longest_s, 1, 200, encoder_offset, retarget, lossy);
   const double q = c.encoder_resolution_m;
   const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind) + " and " +
                             std::to_string(other_kind) + ", start " + std::to_string(start_m);
   ++tally.runs;
   tally.settled += end.held;
   tally.named += !end.held && end.fault != law::ControlFault::none;
-  tally.beyond_counts = std::max(tally.beyond_counts, end.beyond_m / q);
   tally.kicks.push_back(end.kicks);
   if (end.held) tally.times_s.push_back(end.time_s);
   EXPECT_TRUE(end.held || end.ends_by_name()) << where << " never ends, error " << end.error_m;
+  if (end.held) {
+    EXPECT_LE(std::fabs(end.error_m), tolerance_m * (1 + 1e-6) + q / 2) << where;
+    EXPECT_LE(std::fabs(other_side_m - end.target_m - end.error_m), design.unseen_m * (1 + 1e-6)) << where;
+  }
+  if (target_moves) return end;  // what else is promised is so from rest
+  tally.beyond_counts = std::max(tally.beyond_counts, end.beyond_m / q);
   EXPECT_LE(end.beyond_m, q / 2 * (1 + 1e-6)) << where;
   const double passed = end.approach_beyond_m / design::approach_beyond_m(c, design, max_approach_speed_m_s);
   const double fastest = end.approach_m_s / design::approach_peak_m_s(c, design, max_approach_speed_m_s);
@@ -153,10 +165,6 @@ RunEnd run(long number, BrakedClass c, const design::WorkDesign<float>& design, 
   tally.fastest = std::max(tally.fastest, fastest);
   EXPECT_LE(passed, 1) << where;
   EXPECT_LE(fastest, 1) << where;
-  if (end.held) {
-    EXPECT_LE(std::fabs(end.error_m), tolerance_m * (1 + 1e-6) + q / 2) << where;
-    EXPECT_LE(std::fabs(other_side_m - end.error_m), design.unseen_m * (1 + 1e-6)) << where;
-  }
   return end;
 }
 
@@ -165,7 +173,15 @@ double slow_start_m(const BrakedClass& c, double speed_m_s, double kicks_begin_m
   return std::min(kicks_begin_m * r.decades(0.1, 1000), std::max(kicks_begin_m, 5e4 * c.period_s * speed_m_s));
 }
 
-enum class Approach { as_drawn, slow, far };
+// As late as the approach or some kicks take, and by as much as kicks or the approach lead.
+testing::Retarget random_retarget(const BrakedClass& c, const design::WorkDesign<float>& design, double start_m,
+                                  Random& r) {
+  const double near_m = static_cast<double>(design.kicks.begin_m()) * r.decades(0.01, 3);
+  const double way_m = r.share() < 0.6 ? near_m : 2 * std::fabs(start_m) * r.share();
+  return {c.period_s * r.decades(1, 5000), r.share() < 0.5 ? way_m : -way_m};
+}
+
+enum class Approach { as_drawn, slow, far, target_moves };
 enum class Encoder { on_motor, on_load };
 
 // Returns how many are certified, of which it expects a fourth.
@@ -189,7 +205,9 @@ long run_all(Encoder encoder, Approach approach, long first, long axes) {
     const double start_m = approach == Approach::far ? r.decades(0.03, 1)
                            : slow ? slow_start_m(c, speed_m_s, static_cast<double>(design.kicks.begin_m()), r)
                                   : design.floor_m * std::pow(10, 3 * r.share());
-    const RunEnd end = run(number, c, design, told, share, side * start_m, r, tally, speed_m_s);
+    const auto retarget =
+        approach == Approach::target_moves ? random_retarget(c, design, start_m, r) : testing::Retarget{};
+    const RunEnd end = run(number, c, design, told, share, side * start_m, r, tally, speed_m_s, retarget);
     if (certified % 50 == 0) {
       std::printf("to axis %ld: %ld certified, %ld settled\n", number, certified, tally.settled);
       std::fflush(stdout);
@@ -204,11 +222,11 @@ long run_all(Encoder encoder, Approach approach, long first, long axes) {
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesAndNoKickGoesBeyond) {
-  run_all(Encoder::on_motor, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_WORK_AXES", 20));
+  run_all(Encoder::on_motor, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_WORK_AXES", 12));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesFromFarAway) {
-  run_all(Encoder::on_motor, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_AXES", 10));
+  run_all(Encoder::on_motor, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_AXES", 8));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
@@ -217,15 +235,21 @@ TEST(WorkCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesAndNoKickGoesBeyond) {
   run_all(Encoder::on_load, Approach::as_drawn, asked_for("BREAKAWAY_FIRST", 0),
-          asked_for("BREAKAWAY_WORK_LOAD_AXES", 10));
+          asked_for("BREAKAWAY_WORK_LOAD_AXES", 6));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesFromFarAway) {
-  run_all(Encoder::on_load, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_LOAD_AXES", 5));
+  run_all(Encoder::on_load, Approach::far, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_FAR_LOAD_AXES", 4));
 }
 
 TEST(WorkCampaign, EveryCertifiedAxisReadAtTheLoadSettlesAfterASlowApproach) {
   run_all(Encoder::on_load, Approach::slow, asked_for("BREAKAWAY_FIRST", 0), asked_for("BREAKAWAY_SLOW_LOAD_AXES", 3));
+}
+
+TEST(WorkCampaign, EveryCertifiedAxisSettlesWhereItsTargetMovesOnTheWay) {
+  const long first = asked_for("BREAKAWAY_FIRST", 0), axes = asked_for("BREAKAWAY_RETARGETED_AXES", 6);
+  run_all(Encoder::on_motor, Approach::target_moves, first, axes);
+  run_all(Encoder::on_load, Approach::target_moves, first, axes / 2);
 }
 
 // It counted as stuck before the feedback of its approach had the force to move it, and 64 kicks did not lead it there.
@@ -238,6 +262,91 @@ TEST(WorkCampaign, LoadsThatAreReadAcrossAGapGoNoFurtherThanIsSaid) {
   EXPECT_EQ(run_all(Encoder::on_load, Approach::as_drawn, 20061, 1), 1);
   EXPECT_EQ(run_all(Encoder::on_load, Approach::far, 5052, 1), 1);
   EXPECT_EQ(run_all(Encoder::on_load, Approach::slow, 20063, 1), 1);
+}
+
+// Joint and all else off by up to 2 times.
+SpringLoad told_wrong(SpringLoad load, Random& r) {
+  const auto off = [&](double value) { return r.share() < 0.5 ? value : value * r.decades(0.5, 2); };
+  const auto friction_off = [&](law::FrictionBounds<double>& friction) {
+    friction = {off(friction.lower_N), off(friction.upper_N)};
+    if (friction.lower_N > friction.upper_N) std::swap(friction.lower_N, friction.upper_N);
+  };
+  load.stiffness_N_per_m = off(load.stiffness_N_per_m);
+  load.gap_m = off(load.gap_m);
+  load.motor_kg = off(load.motor_kg);
+  load.load_kg = off(load.load_kg);
+  friction_off(load.motor_friction);
+  friction_off(load.load_friction);
+  return load;
+}
+
+// As wide as the joints are of which one is certified now and then.
+BrakedClass wide_jointed_axes(Random& r) {
+  BrakedClass c = random_jointed_axes(r);
+  SpringLoad& load = *c.spring_load;
+  load.encoder_on_load = r.share() < 0.5;
+  if (r.share() < 0.3) load.stiffness_N_per_m *= r.decades(0.1, 1);
+  if (r.share() < 0.3) load.gap_m = c.friction.upper_N / load.stiffness_N_per_m * r.decades(0.1, 100);
+  return c;
+}
+
+RunEnd run_told_wrong(long number, const BrakedClass& c, const design::WorkDesign<float>& design, double speed_m_s,
+                      double longest_s, Random& r) {
+  const double tolerance_m = design.least_tolerance_m * r.between(1, 3);
+  auto p = parameters(c, tolerance_m);
+  p.coast = law::Coast::work;
+  p.max_approach_speed_m_s = static_cast<float>(speed_m_s);
+  const testing::TrueAxis truth = Wrong{c, r}.axis;
+  const SpringLoad load = told_wrong(*c.spring_load, r);
+  BrakedClass motor = c, other = c;
+  motor.friction = load.motor_friction;
+  other.friction = load.load_friction;
+  const double length_m = std::max(3 * design.floor_m, c.encoder_resolution_m);
+  const auto seed = static_cast<std::uint64_t>(number);
+  const auto drawn = [&](const BrakedClass& side, std::uint64_t of) {
+    return friction_of_kind(static_cast<int>(kinds * r.share()), side, of, length_m, tolerance_m);
+  };
+  const Friction of_motor = drawn(motor, seed), of_load = drawn(other, seed + 1);
+  const double start_m = std::min(design.floor_m * r.decades(1, 1e4), 1.0) * (r.share() < 0.5 ? 1 : -1);
+  const double damping = load.damping_Ns_per_m / load.critical_damping_Ns_per_m();
+  return testing::run_axis<float>(p, law::K3Table<float>{}, design.kicks,
+                                  testing::TwoMassAxis{load, damping, truth, {of_motor, of_load}, start_m},
+                                  truth.latency_periods, longest_s, 1, 200, r.between(-0.5, 0.5));
+}
+
+// The one of this number, unless nothing can be designed for it. It has the time that 65 kicks and some ways take.
+std::optional<RunEnd> end_told_wrong(long number) {
+  Random r{static_cast<std::uint64_t>(number) + 21'000'000};
+  const BrakedClass c = wide_jointed_axes(r);
+  const double speed_m_s = r.share() < 0.5 ? usual_m_s : r.decades(0.05, 2);
+  const auto design = design::design_work_kicks<float>(c, speed_m_s);
+  if (!design.possible()) return std::nullopt;
+  const double longest_s = 65 * (design.rest_s + 0.2) * 4 + 10 + 10 / speed_m_s;
+  const RunEnd end = run_told_wrong(number, c, design, speed_m_s, longest_s, r);
+  EXPECT_TRUE(end.held || end.ends_by_name())
+      << "run " << number << ": error " << end.error_m << " after " << end.kicks << " kicks and " << longest_s << " s";
+  EXPECT_LE(end.kicks, law::KickJudge<float>::most_kicks) << "run " << number;
+  return end;
+}
+
+TEST(WorkCampaign, EveryRunOfAnAxisToldWrongEndsInHoldOrInAName) {
+  std::map<std::string_view, long> ends;
+  int kicks = 0;
+  const long first = asked_for("BREAKAWAY_FIRST", 0);
+  for (long number = first; number < first + asked_for("BREAKAWAY_TOLD_WRONG", 20); ++number) {
+    const auto end = end_told_wrong(number);
+    if (!end) continue;
+    ++ends[end->held ? "held" : end->no_motion ? "no motion under force" : to_string(end->fault)];
+    kicks = std::max(kicks, end->kicks);
+  }
+  for (const auto& [name, count] : ends) std::printf("%s: %ld\n", name.data(), count);
+  std::printf("at most %d kicks\n", kicks);
+}
+
+// Four approaches, each further away than the one before; and a feedback that drove the axis to and fro by all force,
+// while its plan counted a million periods.
+TEST(WorkCampaign, AxesToldWrongThatWentOnForLongEndSoon) {
+  for (const long number : {549}) EXPECT_TRUE(end_told_wrong(number)) << number;
 }
 
 // Proposition H, and the bound of the floor that it rests on.

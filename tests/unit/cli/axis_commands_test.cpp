@@ -107,9 +107,10 @@ TEST_F(Command, CertifiesTheLeastToleranceThatItPrintsAndNoLessThanTheErrorThatN
 TEST_F(Command, SaysWhenTuningTheErrorThatDesignCertifies) {
   for (const std::string file : {"braked_axis.toml", "can_axis.toml"}) {
     std::string text = content(scenarios + file);
-    const std::string count = "encoder_resolution_m = 1e-6", speed = "max_approach_speed_m_s = 5";
+    const std::string count = "encoder_resolution_m = 1e-6", speed = "max_approach_speed_m_s = 5", far = "_m = -4";
     text.replace(text.find(count), count.size(), "encoder_resolution_m = 1.0486e-6");
     text.replace(text.find(speed), speed.size(), "max_approach_speed_m_s = 0.5");
+    text.replace(text.find(far), far.size(), "_m = -0.1");
     text.insert(text.find("[limits]"), "[told]\nlatency_periods = 1\n");
     const std::string tuned = path("tuned_" + file), json = path("tuned_" + file + ".json");
     const Ended ended = run("tune " + scenario(text) + " --laws 0 -o " + tuned + " --json " + json);
