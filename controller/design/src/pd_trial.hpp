@@ -19,8 +19,8 @@ namespace breakaway::design::detail {
 // As they are flashed, under the coast "pd".
 law::AxisParameters<float> parameters_of_pd(const AxisDesign& axis);
 
-// Kicks with which the trial comes from where the axis may stick to its target, at most: two thirds of what the law
-// gives. How many the last ones are, which lead less and less far, depends on where each begins.
+// Kicks that a certified axis is said to need, at most: four fifths of what the law gives. How many the last ones are,
+// which lead less and less far, depends on where each begins.
 int most_tried_kicks() noexcept;
 
 // Of all trials of an axis together, after which they are given up.

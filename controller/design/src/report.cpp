@@ -23,6 +23,8 @@ namespace {
 using detail::error_at_rest_m;
 using detail::range;
 
+constexpr const char* whole_counts = "a target is a whole count, to which the loop rounds every other";
+
 void require_in_range(const AxisDesign& axis) {
   require_positive("mass_kg", axis.mass_kg);
   require_positive("stiffness k1", axis.stiffness_N_per_m);
@@ -158,7 +160,7 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
       "a force beside the drive's is at most " + brief(c.load_N) + " N either way",
       c.encoder_noise_m > 0 ? "a reading is off by half a count and " + brief(c.encoder_noise_m) + " m at most"
                             : "a reading is off by half a count at most",
-      "a target is a whole count, to which the loop rounds every other",
+      whole_counts,
       "samples are taken and forces begin " +
           (c.jitter_s > 0 ? "within " + brief(c.jitter_s) + " s of whole periods, one against another"
                           : std::string{"in whole periods"}) +
@@ -219,6 +221,7 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::op
       "mass, stiffness and damping are as stated, and the mechanism is rigid"};
   if (axis.period_s > 0) {
     conditions.push_back("the drive gives the commanded force within its limit, period by period");
+    if (axis.encoder_resolution_m > 0) conditions.emplace_back(whole_counts);
     conditions.push_back("tested, not proved: that the sampled loop settles as the ideal law does" +
                          (report.pd ? beyond_under_pd(*report.pd) : std::string{}));
   }

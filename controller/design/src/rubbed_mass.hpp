@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace breakaway::design::detail {
@@ -24,6 +25,27 @@ class RubbedMass {
       fastest_m_s_ = std::max(fastest_m_s_, std::abs(v_));
       left_s -= time_s;
     }
+  }
+
+  // A force that tends to `to_N` as a current loop with this time constant does, in slices of its mean. That each force
+  // began a time constant later, which owes as much, is too kind to a pulse that hardly exceeds friction: until the
+  // loop is there it does not move the axis at all. Returns the force at the end.
+  double push_behind_lag(double from_N, double to_N, double lag_s, double time_s) noexcept {
+    if (!(lag_s > 0)) {
+      push(to_N, time_s);
+      return to_N;
+    }
+    constexpr std::array<double, 13> ends{0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1, 1.3, 1.7, 2.3, 3, 4.5, 1e9};
+    double began_s = 0, owed = 1;  // the share of the change that is still to come
+    for (const double end : ends) {
+      const double ends_s = std::min(end * lag_s, time_s);
+      const double left = std::exp(-ends_s / lag_s), slice_s = ends_s - began_s;
+      push(to_N + (from_N - to_N) * (owed - left) * lag_s / slice_s, slice_s);
+      if (ends_s == time_s) break;
+      began_s = ends_s;
+      owed = left;
+    }
+    return to_N + (from_N - to_N) * std::exp(-time_s / lag_s);
   }
 
   double position_m() const noexcept { return x_; }

@@ -81,8 +81,8 @@ void print_promise(const design::WorkPromise& p, bool certified) {
 
 void print_promise(const design::PdPromise& p) {
   fmt::print(
-      "coast \"pd\"            kicks aim short by {:g} of the distance at most; {} under the greatest friction at most "
-      "(tested)\n                      at rest the true error is at most {:g} m (tested)\n",
+      "coast \"pd\"            kicks aim short by {:g} of the distance at most; {} kicks are needed at most (tested)"
+      "\n                      at rest the true error is at most {:g} m (tested)\n",
       at_most(p.aim_lost, 2), p.most_kicks, at_most(p.error_m));
   if (!std::isfinite(p.beyond_m))
     return fmt::print("time to rest          {:g} s of kicks at most (tested)\n", at_most(p.kicks_s));

@@ -77,7 +77,7 @@ std::string results_table(const DesignReport& report) {
   if (report.pd && report.certified) {
     const design::PdPromise& promise = *report.pd;
     table.at_most("True error at rest, at most (tested)", 1e6 * promise.error_m, "µm");
-    table.row("Kicks under the greatest friction, at most (tested)", fmt::format("{}", promise.most_kicks));
+    table.row("Kicks, at most (tested)", fmt::format("{}", promise.most_kicks));
     if (std::isfinite(promise.beyond_m)) {
       table.at_most("Beyond the target, at most (tested)", 1e3 * promise.beyond_m, "mm");
       table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");

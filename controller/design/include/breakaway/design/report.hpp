@@ -91,7 +91,7 @@ struct WorkPromise {
 struct PdPromise {
   double beyond_m;  // that an approach or a kick may go past the target; infinite where nothing limits its speed
   double approach_peak_m_s;   // that an approach may reach
-  int most_kicks;             // from where friction may hold the axis, under the greatest
+  int most_kicks;             // to the target, under any friction
   double aim_lost;            // largest share of the distance by which a kick aims short under the least
   double error_m;             // true error at rest, at most
   double longest_way_m;       // from rest over which
