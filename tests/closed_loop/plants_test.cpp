@@ -13,6 +13,7 @@
 #include "breakaway/model/shapes.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
+#include "breakaway/sil/margins.hpp"
 #include "breakaway/sil/run_loop_scenario.hpp"
 #include "breakaway/study/friction_study.hpp"
 
@@ -32,7 +33,7 @@ TEST_P(PlantScene, SettlesWithinItsToleranceUnderBoundedForce) {
   EXPECT_TRUE(axis.settled);
   EXPECT_TRUE(axis.faults.empty());
   EXPECT_LE(std::abs(axis.final_error_m), judged_tolerance_m(s.node, s.node.axes[0]));
-  EXPECT_LE(axis.max_force_N, config::max_force_N(s.node.axes[0]));
+  EXPECT_LE(axis.max_force_N, sil::most_true_N(s.node.axes[0]) * (1 + 1e-12));
   EXPECT_EQ(result.loop->missed_ticks, 0U);
   EXPECT_EQ(axis.load_position_m.has_value(), s.worlds[0].plant.load.has_value());
   EXPECT_EQ(axis.told, config::told_otherwise(s.node.axes[0]));
@@ -41,6 +42,22 @@ TEST_P(PlantScene, SettlesWithinItsToleranceUnderBoundedForce) {
 INSTANTIATE_TEST_SUITE_P(Table, PlantScene,
                          ::testing::Values("vertical_axis", "presliding_axis", "belt_axis", "worn_axis"),
                          [](const auto& info) { return std::string{info.param}; });
+
+// A drive that makes more force than its node is told, or less, gives at the limit what is true of it.
+TEST(Told, AForceGainPassesNoLimitOfTheForce) {
+  for (const double gain : {0.8, 1.25}) {
+    auto s = scene("braked_axis");
+    config::Axis& axis = s.node.axes[0];
+    axis.truth = config::truth_of(axis);
+    axis.drive->force_per_torque_N_per_Nm *= gain;
+    const auto result = sil::run_loop_scenario(s, {}).axes[0];
+    EXPECT_NEAR(result.max_force_N, config::max_force_N(axis) / gain, 1e-2 * result.max_force_N) << "it is used up";
+    const auto margins = sil::margins(axis, *result.excursions, result.max_force_N);
+    ASSERT_STREQ(margins.back().name, "force_N");
+    EXPECT_NEAR(margins.back().left, 0, 1e-2 * result.max_force_N) << gain;
+    EXPECT_GE(margins.back().left, -1e-9) << gain;
+  }
+}
 
 // What the same belt does when the carriage is read: it is the carriage that rests on the target, and the motor that
 // friction and spring leave off it.

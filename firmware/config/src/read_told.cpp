@@ -63,8 +63,7 @@ std::string told_otherwise(const Axis& axis) {
   const Truth& truth = *axis.truth;
   Differences differences;
   differences.add("mass_kg", axis.mass_kg, truth.mass_kg);
-  if (axis.drive)
-    differences.add("force_gain", axis.drive->force_per_torque_N_per_Nm / truth.force_per_torque_N_per_Nm, 1);
+  differences.add("force_gain", told_force_gain(axis), 1);
   differences.add("friction_lower_N", axis.friction.bounds.lower_N, truth.bounds.lower_N);
   differences.add("friction_upper_N", axis.friction.bounds.upper_N, truth.bounds.upper_N);
   differences.add("latency_periods", axis.latency_periods, 1);

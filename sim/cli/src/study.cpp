@@ -17,6 +17,7 @@
 #include "breakaway/report/study_json.hpp"
 #include "breakaway/report/study_junit.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
+#include "breakaway/sil/margins.hpp"
 #include "breakaway/sil/run_scenario.hpp"
 #include "breakaway/study/requirement.hpp"
 #include "breakaway/study/study_table.hpp"
@@ -163,7 +164,7 @@ void print_table(const std::vector<Study>& studies, const StudyOptions& options)
   print_told(studies);
   for (const Study& study : studies) print_certificate(study);
   fmt::print("Settled: at rest within {:g} m for {:g} s, force at most {:g} N\n\n", judged_tolerance_m(node, axis),
-             studies.front().scenario.run->settle_time_s, config::max_force_N(axis));
+             studies.front().scenario.run->settle_time_s, sil::most_true_N(axis));
   fmt::print("{:<10} {:>18} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>7} {:>7} {:>10}\n", "law", "start", "settled",
              "median", "worst", "worst 1 mm", "worst error", "beyond", "cycles", "faults", "peak");
   for (const Study& study : studies) print_rows(study);

@@ -10,12 +10,14 @@
 
 namespace breakaway::sil {
 
+double most_true_N(const config::Axis& axis) { return config::max_force_N(axis) / config::told_force_gain(axis); }
+
 std::vector<Margin> margins(const config::Axis& axis, const Excursions& e, double max_force_N) {
   const config::Limits& limits = axis.limits;
   std::vector<Margin> all{
       {"position_m", "m", std::min(e.lowest_m - limits.position_min_m, limits.position_max_m - e.highest_m)},
       {"speed_m_s", "m/s", limits.speed_m_s - e.peak_speed_m_s},
-      {"force_N", "N", config::max_force_N(axis) - max_force_N}};
+      {"force_N", "N", most_true_N(axis) - max_force_N}};
   std::erase_if(all, [](const Margin& margin) { return !std::isfinite(margin.left); });
   return all;
 }

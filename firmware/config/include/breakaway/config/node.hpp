@@ -286,6 +286,11 @@ inline Truth truth_of(const Axis& axis) {
       Truth{axis.mass_kg, axis.friction.bounds, axis.drive ? axis.drive->force_per_torque_N_per_Nm : 1.0});
 }
 
+// How much more force the node believes in than its drive makes: told 1.1, the axis gets 1/1.1 of what is commanded.
+inline double told_force_gain(const Axis& axis) {
+  return axis.drive ? axis.drive->force_per_torque_N_per_Nm / truth_of(axis).force_per_torque_N_per_Nm : 1.0;
+}
+
 // Returns one line of what the node is told that differs from the truth, as "mass_kg 1.2 (truly 1)"; nothing where the
 // file has no [told].
 std::string told_otherwise(const Axis& axis);

@@ -15,7 +15,11 @@ struct Margin {
   double left;  // below 0 where the limit was passed
 };
 
-// Of [limits] position and speed, as far as the file states them, and of the force that the axis may be given.
+// That the axis may be given at most, in newtons that act on it: its limits are of the force that its node is told it
+// commands.
+double most_true_N(const config::Axis& axis);
+
+// Of [limits] position and speed, as far as the file states them, and of that force.
 std::vector<Margin> margins(const config::Axis& axis, const Excursions& excursions, double max_force_N);
 
 // "position 0.1 m, speed 2.4 m/s, force 0 N"
