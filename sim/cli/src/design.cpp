@@ -9,7 +9,6 @@
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/config/flash.hpp"
 #include "breakaway/config/machine_design.hpp"
-#include "breakaway/config/read_node.hpp"
 #include "breakaway/design/binding_limit.hpp"
 #include "breakaway/design/report.hpp"
 #include "breakaway/format/output_file.hpp"
@@ -205,8 +204,8 @@ void print_written(const DesignCommand& options, bool certified) {
   if (certified) tell(options.header), tell(options.law_image);
 }
 
-// With the [machine] of the file, which must be what the node is told of.
-Node told_node(const std::string& file) { return scenario::read_scenario(file).node; }
+// With what the file says of the world, of which a node knows some only: what simulate refuses is not certified.
+Node read_node(const std::string& file) { return scenario::read_scenario(file).node; }
 
 // Axes that push each other have one certificate.
 int design_machine(const DesignCommand& options, const Node& node) {
@@ -234,8 +233,8 @@ int design_machine(const DesignCommand& options, const Node& node) {
 
 // A design that is not certified is no bad input, so that its report is written; only nothing is flashed.
 int design_file(const DesignCommand& options) {
-  const Node node = config::read_node(options.file);
-  if (node.coupling) return design_machine(options, told_node(options.file));
+  const Node node = read_node(options.file);
+  if (node.coupling) return design_machine(options, node);
   const Reports reports = config::examine(node);
   const bool certified = std::ranges::all_of(reports, &DesignReport::certified);
   // Everything is ready before the first file is written: an error here leaves no file behind.

@@ -254,6 +254,17 @@ TEST_F(Command, SaysWhereSyncWasOffWholePeriodsByMoreThanACertificateTakesIn) {
   EXPECT_EQ(told.out.find("  SYNC "), std::string::npos) << told.out;
 }
 
+// What the file says of the world is read by the same rules, whether a node is told of it or not.
+TEST_F(Command, DesignRefusesTheFrictionLawThatSimulateRefuses) {
+  std::string text = content(scenarios + "braked_axis.toml");
+  const auto from = text.find("[friction.law]"), to = text.find("[controller]");
+  for (const char* law :
+       {"kind = \"sine_in_position\"\nperiod_m = 1e-6\n", "kind = \"constant\"\nvalue = 2\n", "kind = \"unknown\"\n"}) {
+    const std::string file = scenario(text.substr(0, from) + "[friction.law]\n" + law + text.substr(to));
+    for (const char* command : {"simulate ", "design ", "study "}) expect_refused(command + file, {"[friction.law] "});
+  }
+}
+
 // The bus of three axes: every figure of an axis stands beside its name.
 TEST_F(Command, KeepsTheContractOfSeveralAxes) {
   const Ended ended = run("simulate " + scenarios + "three_axes.toml --json -");
