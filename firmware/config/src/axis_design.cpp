@@ -11,6 +11,7 @@
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
+#include "breakaway/input/numbers.hpp"
 #include "breakaway/input/shell_word.hpp"
 #include "outside_class.hpp"
 
@@ -83,6 +84,19 @@ std::string why_not_certified(const Node& node, const Axis& axis) try {
   return report.certified ? std::string{} : report.reasons.front();
 } catch (const InputError& error) {
   return error.what();
+}
+
+std::string outside_certified_moves(const Axis& axis, double start_m) {
+  if (!axis.move) return {};
+  double from_m = axis.controller.target_m, longest_m = std::abs(start_m - from_m);
+  for (const TargetChange& next : axis.controller.targets) {
+    longest_m = std::max(longest_m, std::abs(next.position_m - from_m));
+    from_m = next.position_m;
+  }
+  constexpr double rounding = 1e-9;
+  if (longest_m <= axis.move->distance_m * (1 + rounding)) return {};
+  const auto [asked, certified] = compared(longest_m, axis.move->distance_m);
+  return fmt::format("a move of {} m is longer than [move] distance_m = {}", asked, certified);
 }
 
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports) {

@@ -146,6 +146,10 @@ void print_certificate(const Study& study) {
   const std::string why_not = config::why_not_certified(node, node.axes.front());
   fmt::print("{}: {}\n", study.name, why_not.empty() ? "certified" : "not certified: " + why_not);
   if (!why_not.empty()) return;
+  for (const StudyRow& row : study.rows)
+    if (const std::string outside = config::outside_certified_moves(node.axes.front(), row.start.position_m);
+        !outside.empty())
+      fmt::print("  from {:g} m it is not: {}\n", row.start.position_m, outside);
   double off_s = 0;
   for (const StudyRow& row : study.rows) off_s = std::max(off_s, sync_off_s(row));
   print_sync_off("SYNC of these runs was ", node.axes.front(), off_s);

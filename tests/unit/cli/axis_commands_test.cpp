@@ -265,6 +265,26 @@ TEST_F(Command, DesignRefusesTheFrictionLawThatSimulateRefuses) {
   }
 }
 
+// A certificate is for moves of up to [move] distance_m.
+TEST_F(Command, SaysWhichRunsAreLongerThanTheCertificateIsFor) {
+  const std::string file = scenarios + "move_axis.toml", says = "longer than [move] distance_m = 0.5";
+  const std::string starts = "study " + file + " --laws 0 --start -0.5 0 --start 0.51 0 --start 0.1 0";
+  const std::string printed = run(starts).out;
+  EXPECT_NE(printed.find("from 0.51 m it is not: a move of 0.51 m is " + says), std::string::npos) << printed;
+  EXPECT_EQ(printed.find("it is not"), printed.rfind("it is not")) << printed;
+  const std::string json = run(starts + " --json -").out;
+  const auto second = json.find("\"position_m\": 0.51,");
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_NE(json.rfind("\"certified\": false", second), std::string::npos);
+  EXPECT_EQ(json.find("\"certified\": false", second), std::string::npos);
+
+  std::string text = content(file);
+  text.replace(text.find("position_m = 0.4 }"), 18, "position_m = -0.4 }");
+  text.replace(text.find("position_m = -0.1 }"), 19, "position_m = 0.2 }");
+  const std::string motion = run("simulate " + scenario(text)).out;
+  EXPECT_NE(motion.find("certificate    none: for this run: a move of 0.6 m is " + says), std::string::npos) << motion;
+}
+
 // The bus of three axes: every figure of an axis stands beside its name.
 TEST_F(Command, KeepsTheContractOfSeveralAxes) {
   const Ended ended = run("simulate " + scenarios + "three_axes.toml --json -");

@@ -20,6 +20,10 @@ std::vector<design::DesignReport> examine(const Node& node);
 // Says why one axis of the node is not certified: the first reason; nothing where it is.
 std::string why_not_certified(const Node& node, const Axis& axis);
 
+// Says what of the moves of an axis that starts there, to its target and to those that follow, is longer than its
+// certificate is for; nothing where none is.
+std::string outside_certified_moves(const Axis& axis, double start_m);
+
 // Throws InputError with the axis and the first reason unless every axis is certified.
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports);
 
