@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "breakaway/input/numbers.hpp"
@@ -14,7 +15,7 @@ constexpr const char* style = R"(
   body { margin: 0; background: #f4f5f6; color: #22272b; font: 16px/1.55 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; }
   main { max-width: 960px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
   h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .4rem; }
-  h1, h2, td { overflow-wrap: anywhere; }
+  h1, h2, td { overflow-wrap: anywhere; } td span { display: inline-block; max-width: 100%; }
   h2 { font-size: 1.15rem; margin: 0 0 .3rem; }
   .verdict { display: inline-block; padding: .15rem .7rem; border-radius: 1rem; font-weight: 600; }
   .yes { background: #d9efe3; color: #14532d; } .no { background: #fbe0dc; color: #7f1d1d; }
@@ -47,10 +48,32 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+// Of a name: behind what parts its words.
+std::string with_breaks(std::string_view name) {
+  std::string out;
+  for (const char c : name) {
+    out += escaped({&c, 1});
+    if (c == '_' || c == '-') out += "<wbr>";
+  }
+  return out;
+}
+
 }  // namespace
 
-void HtmlTable::row(std::string_view name, const std::string& value) {
-  text_ += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
+void HtmlTable::row(std::string_view name, const std::string& value) { cell(name, escaped(value)); }
+
+void HtmlTable::file(std::string_view name, std::string_view path) {
+  std::string parts;
+  for (std::size_t from = 0; from < path.size();) {
+    const std::size_t to = std::min(path.find('/', from), path.size() - 1) + 1;
+    parts += "<span>" + with_breaks(path.substr(from, to - from)) + "</span>";
+    from = to;
+  }
+  cell(name, parts);
+}
+
+void HtmlTable::cell(std::string_view name, std::string_view html) {
+  text_ += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, html);
 }
 
 void HtmlTable::quantity(std::string_view name, double value, std::string_view unit) {

@@ -38,7 +38,7 @@ std::string checks(const DesignReport& report, bool required, std::string_view t
 
 std::string axis_table(const AxisDesign& axis, const std::string& source) {
   format::HtmlTable table;
-  table.row("Read from", source);
+  table.file("Read from", source);
   table.quantity("Moving mass", axis.mass_kg, "kg");
   table.row("Dry friction", fmt::format("{:g} to {:g} N", axis.friction.lower_N, axis.friction.upper_N));
   table.quantity("Slope of smooth friction at rest", axis.smooth_friction_slope_Ns_per_m, "N s/m");

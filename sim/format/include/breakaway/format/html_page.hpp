@@ -11,12 +11,15 @@ namespace breakaway::format {
 class HtmlTable {
  public:
   void row(std::string_view name, const std::string& value);
+  // One too long for its line ends it behind a folder, and within a name only where that alone is too long.
+  void file(std::string_view name, std::string_view path);
   void quantity(std::string_view name, double value, std::string_view unit);  // a dash unless finite
   void at_most(std::string_view name, double value, std::string_view unit);   // the same, never below the value
   void at_least(std::string_view name, double value, std::string_view unit);  // nor above it
   std::string text() const;
 
  private:
+  void cell(std::string_view name, std::string_view html);
   std::string text_;
 };
 
