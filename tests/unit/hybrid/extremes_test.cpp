@@ -412,5 +412,24 @@ TEST(Extremes, WhatCannotBeFollowedIsRefusedByName) {
   EXPECT_NE(message([&] { run(oscillator(1, 0, 1, 1), one(1), one(0), NAN); }).find("end"), std::string::npos);
 }
 
+// A machine of a coupled node that was certified and could not be simulated: nothing but dampers joins its coordinates.
+TEST(Extremes, WhatNoSpringHoldsIsRefusedWithASpringThatWouldDo) {
+  LinearMachine<> machine;
+  machine.mass = Eigen::Vector3d{0.02067717300336152, 0.02750186458667253, 0.07319945793174087}.asDiagonal();
+  machine.damping = (Eigen::Matrix3d{} << 1.9733482321336464e-05, -3.946696464267293e-05, 0, -1.9733482321336464e-05,
+                     0.003926629678898538, -0.007813792393154403, 0, -0.0039068961965772015, 0.0039068961965772015)
+                        .finished();
+  machine.stiffness = Eigen::Matrix3d::Zero();
+  machine.directions = Eigen::Matrix3d::Identity();
+  machine.friction_N = Eigen::Vector3d{0.19, 0.19, 0.2};
+  try {
+    run(machine, Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), 1);
+  } catch (const std::exception& refusal) {
+    EXPECT_NE(std::string{refusal.what()}.find("no spring holds"), std::string::npos) << refusal.what();
+  }
+  machine.stiffness = 1e-6 * machine.mass;
+  EXPECT_NO_THROW(run(machine, Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), 1));
+}
+
 }  // namespace
 }  // namespace extremes_test

@@ -52,8 +52,12 @@ Flow::Flow(const ExtendedMatrix& damping, const ExtendedMatrix& stiffness)
   if (!decouple(damping, stiffness) || !invert(a, rounding_of_decoupled)) {
     split(a);
     if (!invert(a, rounding_of_blocks)) {
+      // What no spring holds has motions that stand still, which look like those that only dampers end, slowly.
+      const bool held = (stiffness.cwiseAbs().rowwise().sum().array() > 0).all();
       throw Refused{"this machine's motions are too different in their time scales to be told apart in 31 digits",
-                    "hold its stiffest springs rigid", "set [run] integrator to \"adaptive\""};
+                    held ? "hold its stiffest springs rigid"
+                         : "give each coordinate that no spring holds a weak one, as of 1e-6 N/m for each kg",
+                    "set [run] integrator to \"adaptive\""};
     }
   }
   survey();
