@@ -149,6 +149,8 @@ def test_what_cannot_be_used_is_refused_with_key_and_remedy():
     assert "describes an axis" in str(refused(breakaway.attract, SCENARIOS / "can_axis.toml"))
     assert "time, accuracy or gentle" in str(refused(breakaway.tune, SCENARIOS / "can_axis.toml", objective="speed"))
     assert "coast" in str(refused(breakaway.kick_table, SCENARIOS / "can_axis.toml", [1e-3]))
+    assert "one coordinator" in str(refused(breakaway.kick_table, SCENARIOS / "coupled_gantry.toml", [1e-3]))
+    assert "several axes" in str(refused(breakaway.kick_table, SCENARIOS / "two_axes.toml", [1e-3]))
     with pytest.raises(FileNotFoundError):
         breakaway.design("nothere.toml")
 

@@ -86,7 +86,8 @@ def k3(position_m, *, mass_kg, k1_N_per_m, k22_Ns_per_m, friction_lower_N):
 def kick_table(file, distance_m, *, axis=""):
     """The pulses of a braked axis for distances from its target, 0 or more: force_N, periods and cut_periods of each,
     and how far it moves an axis of the class at most and at least, most_m and least_m; arrays in the shape of
-    distance_m. least_distance_m and reach_m are the ends of the table.
+    distance_m. least_distance_m and reach_m are the ends of the table. Of several axes one is named; those of a
+    [coupling] have no table.
 
     >>> table = breakaway.kick_table("sim/scenarios/braked_axis.toml", numpy.geomspace(1e-6, 1e-2, 100))
     """

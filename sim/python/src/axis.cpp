@@ -61,11 +61,15 @@ std::pair<Numbers, Numbers> k3(const Numbers& positions, double mass_kg, double 
           for_each(positions, [&](double y) { return finite(law.time_to_go_s(y), y); })};
 }
 
+InputError several_axes(const std::string& file) {
+  return InputError{"has several axes: name one of them by axis=\"...\""}.in_file(file);
+}
+
 Scenario only(Scenario s, const std::string& axis) {
   if (s.machine)
     throw InputError{"has axes that stand on one [machine]: this is of an axis that moves alone"}.in_file(s.node.file);
   if (!axis.empty()) return only_axis(s, axis);
-  if (s.axes() > 1) throw InputError{"has several axes: name one of them by axis=\"...\""}.in_file(s.node.file);
+  if (s.axes() > 1) throw several_axes(s.node.file);
   return s;
 }
 
@@ -158,6 +162,12 @@ std::string design_of(const std::string& text, const std::string& name) {
 }
 
 const config::Axis& braked_axis(const config::Node& node, const std::string& axis) {
+  if (node.coupling)
+    throw InputError{
+        "has a [coupling], whose axes are kicked by one coordinator and not from a table: design() says what their "
+        "kicks are"}
+        .in_file(node.file);
+  if (axis.empty() && node.axes.size() > 1) throw several_axes(node.file);
   const auto found = axis.empty() ? node.axes.begin() : std::ranges::find(node.axes, axis, &config::Axis::name);
   if (found == node.axes.end()) throw InputError{"has no axis \"" + axis + "\""}.in_file(node.file);
   const auto& law = found->controller.impulsive;
