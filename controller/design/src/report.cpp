@@ -222,6 +222,7 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::op
   if (axis.period_s > 0) {
     conditions.push_back("the drive gives the commanded force within its limit, period by period");
     if (axis.encoder_resolution_m > 0) conditions.emplace_back(whole_counts);
+    conditions.emplace_back("the axis rests when it is enabled: one that moves may go further beyond");
     conditions.push_back("tested, not proved: that the sampled loop settles as the ideal law does" +
                          (report.pd ? beyond_under_pd(*report.pd) : std::string{}));
   }

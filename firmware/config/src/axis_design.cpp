@@ -86,7 +86,10 @@ std::string why_not_certified(const Node& node, const Axis& axis) try {
   return error.what();
 }
 
-std::string outside_certified_moves(const Axis& axis, double start_m) {
+namespace {
+
+// Of the moves to the target and to those that follow the longest, where it is longer than moves are certified for.
+std::string too_long_move(const Axis& axis, double start_m) {
   if (!axis.move) return {};
   double from_m = axis.controller.target_m, longest_m = std::abs(start_m - from_m);
   for (const TargetChange& next : axis.controller.targets) {
@@ -97,6 +100,13 @@ std::string outside_certified_moves(const Axis& axis, double start_m) {
   if (longest_m <= axis.move->distance_m * (1 + rounding)) return {};
   const auto [asked, certified] = compared(longest_m, axis.move->distance_m);
   return fmt::format("a move of {} m is longer than [move] distance_m = {}", asked, certified);
+}
+
+}  // namespace
+
+std::string outside_certificate(const Axis& axis, double start_m, double start_m_s) {
+  if (start_m_s != 0) return fmt::format("it begins at {:g} m/s, and an axis is to rest when it is enabled", start_m_s);
+  return too_long_move(axis, start_m);
 }
 
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports) {

@@ -81,13 +81,13 @@ void print_accuracy(const std::optional<sil::Accuracy>& accuracy) {
              accuracy->error_estimate_m, accuracy->asked_m);
 }
 
-void print_certificate(const config::Node& node, const config::Axis& axis, double start_m,
+void print_certificate(const config::Node& node, const config::Axis& axis, const scenario::AxisWorld& world,
                        const std::optional<sil::LoopFigures>& loop) {
   if (!axis.controller.impulsive) return;
-  std::string why_not = config::why_not_certified(node, axis);
-  if (const std::string outside = config::outside_certified_moves(axis, start_m); why_not.empty() && !outside.empty())
-    why_not = "for this run: " + outside;
-  fmt::print("  certificate    {}\n", why_not.empty() ? "yes" : "none: " + why_not);
+  const std::string why_not = config::why_not_certified(node, axis);
+  const std::string outside = config::outside_certificate(axis, world.position_m, world.velocity_m_s);
+  const std::string yes = outside.empty() ? "yes" : "yes, but not of this run: " + outside;
+  fmt::print("  certificate    {}\n", why_not.empty() ? yes : "none: " + why_not);
   if (why_not.empty() && loop) print_sync_off("  SYNC           ", axis, loop->sync_off_s);
 }
 
@@ -95,7 +95,7 @@ void print_figures(const Scenario& s, const Result& r) {
   for (std::size_t i = 0; i < r.axes.size(); ++i) {
     if (s.axes() > 1) fmt::print("  axis {}\n", r.axes[i].name);
     print_axis(s.node.axes[i], r.axes[i], r.duration_s);
-    print_certificate(s.node, s.node.axes[i], s.worlds[i].position_m, r.loop);
+    print_certificate(s.node, s.node.axes[i], s.worlds[i], r.loop);
   }
   if (r.loop) {
     fmt::print("  bus load       {:.1f} %\n  control ticks  {} ({} missed)\n", 100 * r.loop->bus_load, r.loop->ticks,

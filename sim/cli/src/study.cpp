@@ -147,7 +147,8 @@ void print_certificate(const Study& study) {
   fmt::print("{}: {}\n", study.name, why_not.empty() ? "certified" : "not certified: " + why_not);
   if (!why_not.empty()) return;
   for (const StudyRow& row : study.rows)
-    if (const std::string outside = config::outside_certified_moves(node.axes.front(), row.start.position_m);
+    if (const std::string outside =
+            config::outside_certificate(node.axes.front(), row.start.position_m, row.start.velocity_m_s);
         !outside.empty())
       fmt::print("  from {:g} m it is not: {}\n", row.start.position_m, outside);
   double off_s = 0;

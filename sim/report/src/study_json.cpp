@@ -29,8 +29,10 @@ void write_row(format::JsonWriter& json, const StudiedAxis& axis, const StudyRow
   json.member("scenario", axis.file);
   if (const std::string told = config::told_otherwise(axis.node.axes.front()); !told.empty()) json.member("told", told);
   if (axis.node.axes.front().controller.impulsive)
-    json.member("certified", config::why_not_certified(axis.node, axis.node.axes.front()).empty() &&
-                                 config::outside_certified_moves(axis.node.axes.front(), row.start.position_m).empty());
+    json.member(
+        "certified",
+        config::why_not_certified(axis.node, axis.node.axes.front()).empty() &&
+            config::outside_certificate(axis.node.axes.front(), row.start.position_m, row.start.velocity_m_s).empty());
   json.member("position_m", row.start.position_m);
   json.member("velocity_m_s", row.start.velocity_m_s);
   json.member("settled", settled_runs(row));

@@ -282,7 +282,28 @@ TEST_F(Command, SaysWhichRunsAreLongerThanTheCertificateIsFor) {
   text.replace(text.find("position_m = 0.4 }"), 18, "position_m = -0.4 }");
   text.replace(text.find("position_m = -0.1 }"), 19, "position_m = 0.2 }");
   const std::string motion = run("simulate " + scenario(text)).out;
-  EXPECT_NE(motion.find("certificate    none: for this run: a move of 0.6 m is " + says), std::string::npos) << motion;
+  EXPECT_NE(motion.find("certificate    yes, but not of this run: a move of 0.6 m is " + says), std::string::npos)
+      << motion;
+}
+
+// It overshoots by 63 mm where 1 mm is certified from rest.
+TEST_F(Command, SaysThatTheCertificateIsNotForAnAxisThatBeginsInMotion) {
+  std::string text = content(scenarios + "can_axis.toml");
+  text.replace(text.find("position_m = -4"), 15, "position_m = -0.1");
+  text.replace(text.find("velocity_m_s = -4"), 17, "velocity_m_s = 4");
+  const std::string motion = run("simulate " + scenario(text)).out;
+  EXPECT_NE(motion.find("certificate    yes, but not of this run: it begins at 4 m/s"), std::string::npos) << motion;
+  for (const std::string file : {"can_axis.toml", "braked_axis.toml"}) {
+    EXPECT_NE(run("design " + scenarios + file).out.find("the axis rests when it is enabled"), std::string::npos);
+    const std::string starts = "study " + scenarios + file + " --laws 0 --start -0.01 0 --start -0.1 -1";
+    const std::string printed = run(starts).out;
+    EXPECT_NE(printed.find(": certified"), std::string::npos) << printed;
+    EXPECT_NE(printed.find("from -0.1 m it is not: it begins at -1 m/s"), std::string::npos) << printed;
+    EXPECT_EQ(printed.find("it is not"), printed.rfind("it is not")) << printed;
+    const std::string json = run(starts + " --json -").out;
+    EXPECT_NE(json.find("\"certified\": true"), std::string::npos);
+    EXPECT_NE(json.find("\"certified\": false"), std::string::npos);
+  }
 }
 
 // The bus of three axes: every figure of an axis stands beside its name.

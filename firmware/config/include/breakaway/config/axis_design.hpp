@@ -20,9 +20,9 @@ std::vector<design::DesignReport> examine(const Node& node);
 // Says why one axis of the node is not certified: the first reason; nothing where it is.
 std::string why_not_certified(const Node& node, const Axis& axis);
 
-// Says what of the moves of an axis that starts there, to its target and to those that follow, is longer than its
-// certificate is for; nothing where none is.
-std::string outside_certified_moves(const Axis& axis, double start_m);
+// Says why the certificate of an axis is not for a run that starts there, so fast: it is for axes that rest when they
+// are enabled, and for moves up to a length; nothing where it is for that.
+std::string outside_certificate(const Axis& axis, double start_m, double start_m_s);
 
 // Throws InputError with the axis and the first reason unless every axis is certified.
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports);
