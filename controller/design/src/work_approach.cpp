@@ -121,7 +121,15 @@ double kept_up_halves(const Jointed& axis, const law::ShapedApproach<Real>& a) {
   return halves;
 }
 
-// Feedback over these spans, as fast as lateness and the swing allow.
+// The response of a feedback for which a count more or less over the span changes the force by half of what there is at
+// most. The approach has the rest: where the limit cuts what counts ask for, their mean no longer damps.
+double finely_read(const Jointed& axis, int speed_periods) {
+  const BrakedClass& c = axis.axes;
+  const double count_m_s = 2 * c.reading_error_m() / (speed_periods * c.period_s);
+  return c.max_force_N / 2 / (2 * axis.M * count_m_s);
+}
+
+// Feedback over these spans, as fast as lateness, the swing and the encoder allow.
 template <class Real>
 double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, law::ShapedApproach<Real>& a) {
   const BrakedClass& c = axis.axes;
@@ -131,7 +139,7 @@ double set_feedback(const Jointed& axis, int speed_periods, int mean_periods, la
       (c.latency_periods + 1 + std::max(speed_periods, mean_periods) / 2.0) * c.period_s + c.lag_s.most;
   // Above the resonance the motor moves alone.
   const double alone = on_load ? 1 : axis.load.motor_kg / axis.M;
-  const double fastest = std::min(0.12 * w, 0.4 * alone / late_s);
+  const double fastest = std::min({0.12 * w, 0.4 * alone / late_s, finely_read(axis, speed_periods)});
   a.speed_periods = static_cast<std::uint8_t>(speed_periods);
   a.mean_periods = static_cast<std::uint8_t>(mean_periods);
   for (double response = fastest;; response *= 0.95) {
