@@ -39,7 +39,7 @@ TEST(LawSentences, NameWhatIsWrong) {
        "coasts \"brake\" and \"work\" need a control period and an encoder resolution above 0"});
   expect_sentences<Mode>({"approach", "kick", "coast", "hold", "fault"});
   expect_sentences<ControlFault>({"none", "measurement is not a number", "axis does not move under kicks",
-                                  "position error grows", "kicks do not bring the axis to its target",
+                                  "position error grows under kicks", "kicks do not bring the axis to its target",
                                   "axis does not stop without force", "kicks show friction outside its stated bounds",
                                   "axis rests nearer than its spring lets a kick aim",
                                   "axis rests nearer than a kick is sure to move its load by"});

@@ -233,18 +233,6 @@ TEST(WorkAim, GivesSixtyFourKicksToATarget) {
   }
 }
 
-TEST(WorkAim, NoticesAnApproachThatLeavesTheAxisFurtherAwayThanTheOneBefore) {
-  const auto design = design::design_work_kicks<float>(belt());
-  WorkAim<float> aim{design.kicks, parameters_of<float>(belt(), design.least_tolerance_m)};
-  for (int round = 0; round < 2; ++round) {
-    EXPECT_FALSE(aim.is_left_further_away(-3));
-    EXPECT_FALSE(aim.is_left_further_away(3)) << "as far, on the other side";
-    EXPECT_FALSE(aim.is_left_further_away(2));
-    EXPECT_TRUE(aim.is_left_further_away(-2.5F));
-    aim.restart();
-  }
-}
-
 // Its plan would go on for a thousand seconds.
 TEST(WorkLawEnds, AnApproachThatDrivesTheAxisToAndFroByAllForce) {
   const auto design = design::design_work_kicks<float>(belt(), 1e-3);

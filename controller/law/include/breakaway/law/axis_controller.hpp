@@ -345,9 +345,6 @@ class AxisController {
       cycle_.release(0);
       return give(0);
     }
-    if constexpr (Parts::by_work) {
-      if (std::abs(x) > kicks_begin_m_ && fine_.is_left_further_away(x)) return fail(ControlFault::diverging);
-    }
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
     // moved may have passed it only.

@@ -31,8 +31,7 @@ enum class ControlFault : std::uint8_t {
   none,
   not_a_number,  // a measurement was NaN or infinite
   jammed,        // many kicks in a row, each stronger than the last, did not move the axis
-  diverging,     // the error grew after many kicks in a row, under the coast "work" after two approaches: friction,
-                 // mass or force gain is outside its stated bounds
+  diverging,     // the error grew after many kicks in a row: friction, mass or force gain is outside its stated bounds
   hunting,       // many kicks moved the axis and did not bring it to its target: the same causes
   drifting,      // the axis does not stop without force: a force beside the drive's exceeds its friction
   contradicted,  // kicks showed friction outside the stated bounds; seen_friction_N() of the law says how much
@@ -73,7 +72,7 @@ constexpr std::string_view to_string(ControlFault fault) noexcept {
     case ControlFault::jammed:
       return "axis does not move under kicks";
     case ControlFault::diverging:
-      return "position error grows";
+      return "position error grows under kicks";
     case ControlFault::hunting:
       return "kicks do not bring the axis to its target";
     case ControlFault::drifting:

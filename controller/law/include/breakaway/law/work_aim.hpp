@@ -3,8 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <utility>
 
 #include "breakaway/law/axis_parameters.hpp"
 #include "breakaway/law/control_types.hpp"
@@ -22,10 +20,7 @@ class WorkAim {
   constexpr WorkAim(const WorkKicks<Scalar>& kicks, const AxisParameters<Scalar>& p) noexcept
       : kicks_{&kicks}, tolerance_m_{p.position_tolerance_m - kicks.creep_m}, least_m_{kicks.table.least_m()} {}
 
-  constexpr void restart() noexcept {
-    count_ = 0;
-    left_m_ = std::numeric_limits<Scalar>::max();
-  }
+  constexpr void restart() noexcept { count_ = 0; }
   constexpr Scalar tolerance_m() const noexcept { return tolerance_m_; }
   constexpr void learn(Scalar /*x*/, Scalar /*force_N*/) noexcept {}
 
@@ -37,13 +32,6 @@ class WorkAim {
     return count_ >= most_kicks ? ControlFault::hunting : ControlFault::none;
   }
 
-  // An approach left the axis at x, further away than kicks are for. Whether that is further than the one before did:
-  // then what they are made for is not there, and each leads further.
-  bool is_left_further_away(Scalar x) noexcept {
-    const Scalar y = std::abs(x);
-    return y > std::exchange(left_m_, y);
-  }
-
   Pulse<Scalar> pulse(Scalar x) noexcept {
     ++count_;
     return kicks_->table.pulse(std::abs(x));
@@ -53,7 +41,6 @@ class WorkAim {
   const WorkKicks<Scalar>* kicks_ = nullptr;
   Scalar tolerance_m_{};
   Scalar least_m_{};
-  Scalar left_m_ = std::numeric_limits<Scalar>::max();
   std::uint8_t count_ = 0;
 };
 
