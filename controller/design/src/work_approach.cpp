@@ -122,11 +122,12 @@ double kept_up_halves(const Jointed& axis, const law::ShapedApproach<Real>& a) {
 }
 
 // The response of a feedback for which a count more or less over the span changes the force by half of what there is at
-// most. The approach has the rest: where the limit cuts what counts ask for, their mean no longer damps.
+// most, and by twice the least friction. The approach has the rest: where the limit cuts what counts ask for, their
+// mean no longer damps, and friction is to end what counts alone keep up.
 double finely_read(const Jointed& axis, int speed_periods) {
   const BrakedClass& c = axis.axes;
   const double count_m_s = 2 * c.reading_error_m() / (speed_periods * c.period_s);
-  return c.max_force_N / 2 / (2 * axis.M * count_m_s);
+  return std::min(c.max_force_N / 2, 2 * axis.g) / (2 * axis.M * count_m_s);
 }
 
 // Feedback over these spans, as fast as lateness, the swing and the encoder allow.
