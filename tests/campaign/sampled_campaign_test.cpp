@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../../controller/design/src/pd_trial.hpp"
+#include "../unit/design/example_axes.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/pd_kicks.hpp"
 #include "breakaway/design/report.hpp"
@@ -212,20 +213,12 @@ TEST(SampledCampaign, EveryCertifiedAxisSettlesAfterASlowApproach) {
 
 // The axis of can_axis.toml.
 design::AxisDesign axis_of_the_scene() {
-  return {.mass_kg = 1,
-          .stiffness_N_per_m = 400,
-          .approach_damping_Ns_per_m = 32,
-          .kick_damping_Ns_per_m = 60,
-          .friction = {2.5, 4.5},
-          .max_force_N = 50,
-          .force_step_N = 0.025,
-          .period_s = 1e-3,
-          .encoder_resolution_m = 1e-6,
-          .latency_ticks = 1,
-          .current_loop_lag_s = 1e-4,
-          .position_tolerance_m = 1.8e-6,
-          .max_approach_speed_m_s = 5,
-          .longest_way_m = 20};
+  design::AxisDesign axis = testing::sprung_example();
+  axis.force_step_N = 0.025;
+  axis.current_loop_lag_s = 1e-4;
+  axis.max_approach_speed_m_s = 5;
+  axis.longest_way_m = 20;
+  return axis;
 }
 
 // The most of runs under friction that is constant, between the bounds as well as at them, from many places.
