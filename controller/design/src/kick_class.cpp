@@ -14,6 +14,7 @@ constexpr double preload_share = 0.1;   // of a brake that no step rounds down, 
 constexpr double quick_lag = 0.11;      // in periods: a loop as quick as this may start a pulse from either brake
 constexpr double step_rounding = 1e-9;  // relative: a whole number of steps must not lose one
 constexpr double cut_rounding = 4e-6;   // relative, of the cut as the controller computes it
+constexpr double aimed_within = 1e-10;  // relative, of the root of a distance: far below what a table rounds
 constexpr int most_cut_periods = 255;
 
 struct RootEnd {
@@ -110,11 +111,14 @@ double KickClass::force_N(double distance_m, int periods, int cut_periods) const
   // The travel grows about as the square of the force beyond A, and its root about in proportion.
   double below = A / gain, above = start_N, at_below = -std::sqrt(distance_m), at_above = excess(above);
   while (at_above < 0) {
+    // A pulse that does not move the axis tells nothing of how the travel grows.
+    const bool grows = at_above > at_below;
+    const double along = grows ? above - at_above * (above - below) / (at_above - at_below) : 2 * above - A / gain;
     below = above, at_below = at_above;
-    above = A / gain + 2 * (above - A / gain);
+    above = A / gain + 1.02 * (along - A / gain);
     at_above = excess(above);
   }
-  return rising_root(excess, {below, at_below}, {above, at_above}, 1e-13 * std::sqrt(distance_m));
+  return rising_root(excess, {below, at_below}, {above, at_above}, aimed_within * std::sqrt(distance_m));
 }
 
 double KickClass::needed_N(int periods) const {

@@ -105,7 +105,7 @@ class KickTableBuilder {
     const double most_m = first_m + places * step_m;
     // A count may be where an interval ends, and another pulse begins.
     const auto travel_m = [&](double y) {
-      return std::min(pulse(y * (1 - rounding)).least_m, pulse(y * (1 + rounding)).least_m);
+      return std::min(least_travel_m(y * (1 - rounding)), least_travel_m(y * (1 + rounding)));
     };
     const double at_first_m = travel_m(first_m);
     double slope = std::min(1.0, (least_travel_beyond_m(most_m) - at_first_m) / (most_m - first_m));
@@ -121,13 +121,8 @@ class KickTableBuilder {
     return {static_cast<Real>(kept * slope), static_cast<Real>(from_m), static_cast<Real>(most_m)};
   }
 
-  // What the controller does at this distance.
-  RealPulse pulse(double distance_m) const {
-    const law::Pulse<Real> p = table_.pulse(static_cast<Real>(distance_m));
-    return real(std::min(static_cast<double>(p.force_N), kicks_.limit_N()), p.periods, p.cut_periods);
-  }
-
  private:
+  static constexpr double about_as_much = 1e-6;    // of a score
   static constexpr int samples = 32;               // of an interval
   static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
   static constexpr int sure_counts = 64;           // beyond the least tolerance, where kicks are sure to lead further
@@ -156,18 +151,30 @@ class KickTableBuilder {
   // From this distance on, at the end of the table and beyond it as well. Between two places a pulse is no weaker than
   // at the nearer one.
   double least_travel_beyond_m(double distance_m) const {
-    double least_m = pulse(std::numeric_limits<Real>::max()).least_m, nearer_m = 0;
+    double least_m = least_travel_m(std::numeric_limits<Real>::max()), nearer_m = 0;
     for_each_place([&](double y) {
-      if (y > distance_m) least_m = std::min({least_m, pulse(nearer_m).least_m, pulse(y).least_m});
+      if (y > distance_m) {
+        if (!(nearer_m > distance_m)) least_m = std::min(least_m, least_travel_m(nearer_m));
+        least_m = std::min(least_m, least_travel_m(y));
+      }
       nearer_m = y;
     });
     return least_m;
   }
 
-  RealPulse real(double force_N, int periods, int cut_periods) const {
-    const double force = kicks_.rounded_down_N(force_N);
-    return {force, periods, cut_periods, kicks_.most_travel_m(force, periods, cut_periods),
-            kicks_.least_travel_m(force, periods, cut_periods)};
+  // What the controller does at this distance.
+  RealPulse pulse(double distance_m) const {
+    const law::Pulse<Real> p = table_.pulse(static_cast<Real>(distance_m));
+    const double force_N = given_N(p);
+    return {force_N, p.periods, p.cut_periods, kicks_.most_travel_m(force_N, p.periods, p.cut_periods),
+            kicks_.least_travel_m(force_N, p.periods, p.cut_periods)};
+  }
+  double least_travel_m(double distance_m) const {
+    const law::Pulse<Real> p = table_.pulse(static_cast<Real>(distance_m));
+    return kicks_.least_travel_m(given_N(p), p.periods, p.cut_periods);
+  }
+  double given_N(const law::Pulse<Real>& p) const {
+    return kicks_.rounded_down_N(std::min(static_cast<double>(p.force_N), kicks_.limit_N()));
   }
 
   // A curve
@@ -196,15 +203,16 @@ class KickTableBuilder {
     }
   }
 
-  // The pulse length whose kicks take the most away at worst.
+  // The pulse length whose kicks take the most away at worst; of those that take about as much the shortest. Without a
+  // lag all do that have the force, and rounding must not choose among them.
   int best_periods(int from, int to, double left, double right) const {
     int best = from;
-    double best_score = -1;
+    double to_beat = -1;
     for (int n = from; n <= std::min(to, longest_pulse_periods); ++n) {
-      const double score = score_of(n, {left, (left + right) / 2, right}, best_score);
-      if (score <= best_score) continue;
+      const double score = score_of(n, {left, (left + right) / 2, right}, to_beat);
+      if (score <= to_beat) continue;
       best = n;
-      best_score = score;
+      to_beat = score + about_as_much;
     }
     return best;
   }
@@ -316,7 +324,7 @@ class KickTableBuilder {
   // Of kicks from between two roots the distance is at most that of the upper one, and the travel at least that of the
   // lower one.
   bool take_their_share(double lower, double upper) const {
-    return pulse(lower * lower).least_m >= least_share * upper * upper;
+    return least_travel_m(lower * lower) >= least_share * upper * upper;
   }
 
   // A list
@@ -385,7 +393,7 @@ class KickTableBuilder {
     for (std::size_t i = table_.count; i-- > 0;) {
       const auto here_m = static_cast<double>(table_.entries[i].a0);
       const double next_m = i + 1u < table_.count ? static_cast<double>(table_.entries[i + 1].a0) : here_m;
-      if (!(pulse(here_m).least_m >= least_share * next_m)) break;
+      if (!(least_travel_m(here_m) >= least_share * next_m)) break;
       from_m = here_m;
     }
     return {from_m, end_m};

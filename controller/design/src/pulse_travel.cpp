@@ -108,7 +108,8 @@ class Motion {
     if (lag_s_ > 0) u_ = command_N + transient_N * (1 + gone.less_one);
   }
 
-  // The root of the speed in (0, latest], where the speed is not positive at the latest.
+  // The root of the speed in (0, latest], where the speed is not positive at the latest. Newton's steps square what a
+  // time is off by, and where the speed is zero the way changes by the square of that once more.
   double stop_time(double command_N, double latest) const {
     double before = 0, after = latest, t = latest;
     for (int i = 0; i < 60; ++i) {
@@ -117,7 +118,7 @@ class Motion {
       double next = t - v / net_N;
       // Before the ends are asked: where the speed is nothing but rounding they are on either side by chance.
       const bool rounding = std::fabs(v) <= 2e-16 * (v_ + (friction_N_ - command_N) * t);
-      if (rounding || std::fabs(next - t) <= 4e-16 * t) return next;
+      if (rounding || std::fabs(next - t) <= 1e-8 * t) return next;
       if (!(next > before && next < after)) next = (before + after) / 2;
       t = next;
     }

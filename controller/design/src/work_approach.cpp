@@ -19,11 +19,15 @@ struct Sloped {
 };
 Sloped product(const Sloped& a, const Sloped& b) { return {a.value * b.value, a.slope * b.value + a.value * b.slope}; }
 
-// e^(-s t).
-Sloped delay(Complex s, double t_s) {
-  if (t_s == 0) return {1, 0};
-  const Complex value = std::exp(-s * t_s);
-  return {value, -t_s * value};
+// Of a number whose square is not near the ends of the range: std::complex takes ten times as long to allow for those.
+Complex reciprocal(Complex z) { return std::conj(z) / std::norm(z); }
+
+// e^(-s n T), of e^(-s T).
+Sloped delay(Complex of_period, int periods, double T) {
+  Complex value = 1, base = of_period;
+  for (auto n = static_cast<unsigned>(periods); n > 0; n /= 2, base *= base)
+    if (n % 2 == 1) value *= base;
+  return {value, -(periods * T) * value};
 }
 
 // The force of the feedback for each metre of the side that is read, in a motion as e^(s t): a reading is as late as
@@ -33,12 +37,13 @@ Sloped feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a
   const double T = c.period_s, lag_s = c.lag_s.most, span_s = a.speed_periods * T;
   const auto half_stiffness = static_cast<double>(a.stiffness_N_per_m) / 2;
   const auto damping_per_span = static_cast<double>(a.damping_Ns_per_m) / span_s;
-  const Sloped mean = delay(s, a.mean_periods * T), span = delay(s, span_s), period = delay(s, T);
+  const Complex z = std::exp(-s * T);
+  const Sloped mean = delay(z, a.mean_periods, T), span = delay(z, a.speed_periods, T), period{z, -T * z};
   const Complex place = half_stiffness * (1.0 + mean.value), speed = damping_per_span * (1.0 - span.value);
   const Sloped read{place + speed, half_stiffness * mean.slope - damping_per_span * span.slope};
-  const Complex per_s = 1.0 / s, held = (1.0 - period.value) * per_s / T, followed = 1.0 / (1.0 + s * lag_s);
+  const Complex per_s = reciprocal(s), held = (1.0 - period.value) * per_s / T, followed = reciprocal(1.0 + s * lag_s);
   const Sloped hold{held, (period.value - held) * per_s}, loop{followed, -lag_s * followed * followed};
-  return product(product(read, delay(s, c.latency_periods * T)), product(hold, loop));
+  return product(product(read, delay(z, c.latency_periods, T)), product(hold, loop));
 }
 
 struct Joint {
@@ -71,7 +76,7 @@ double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, 
   };
   const auto step_to_root = [&](Complex s, double share) {
     const Sloped alone = free(s), fed = fed_back(s);
-    return -(alone.value + share * fed.value) / (alone.slope + share * fed.slope);
+    return -(alone.value + share * fed.value) * reciprocal(alone.slope + share * fed.slope);
   };
   Complex root{0, w};
   double growth = -((free(root).value + fed_back(root).value) / free(root).slope).real() / w;
