@@ -77,7 +77,7 @@ std::vector<Check> checks_of_brake(const AxisDesign& axis, const BrakedDesign<fl
   checks.push_back(below(few_kicks, "after so many kicks the law stops by name",
                          end ? most : std::numeric_limits<double>::infinity(), law::KickJudge<float>::most_kicks,
                          "the kicks that may be needed from " + brief(from_m) +
-                             " m, where brake and kicks take over, against what the law allows",
+                             " m, the farthest at which kicks begin, against what the law allows",
                          "", Equality::holds));
   return checks;
 }

@@ -215,7 +215,7 @@ std::vector<std::string> conditions_of_law(const AxisDesign& axis, const std::op
       "friction stays between " + brief(axis.friction.lower_N) + " N and " + brief(axis.friction.upper_N) +
           " N at any position, speed and time",
       purely_dry ? "during the approach, friction is constant between velocity reversals (Proposition 2); if it rises "
-                   "with speed, state smooth_friction_slope_Ns_per_m, or the approach may creep for ever"
+                   "with speed, state [friction] smooth_slope_Ns_per_m, or the approach may creep for ever"
                  : "during the approach, friction is constant dry friction plus a smooth force of the stated slope at "
                    "rest (Proposition 3)",
       "mass, stiffness and damping are as stated, and the mechanism is rigid"};

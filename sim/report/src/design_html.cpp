@@ -100,7 +100,7 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
     table.row("Below the floor", "the fine stage aims at the tolerance, and goes beyond the target");
   table.row("Kicks, at most", fmt::format("{}", promise.most_kicks));
   table.quantity("Reach of a kick", 1e3 * promise.reach_m, "mm");
-  table.quantity("Brake and kicks take over at", 1e3 * promise.hand_over_m, "mm");
+  table.quantity("The approach gives way to brake and kicks at", 1e3 * promise.hand_over_m, "mm");
   table.at_most("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
   if (std::isfinite(promise.approach_peak_m_s))
     table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");

@@ -45,6 +45,15 @@ TEST(DesignReport, SaysWithFiguresWhatIsTestedOfAnApproach) {
     EXPECT_NE(tested().find(part), std::string::npos) << part << " in: " << tested();
 }
 
+TEST(DesignReport, CountsKicksFromTheOneDistanceAtWhichItSaysThatTheyBegin) {
+  const DesignReport report = design_axis(braked_example());
+  const std::string reason = check_of(report, "kicks_are_few").reason;
+  const double from_m = number_after(reason, "may be needed from ");
+  EXPECT_GT(from_m, report.braked->hand_over_m) << "where the approach gives way is another distance";
+  EXPECT_NE(reason.find("kicks begin"), std::string::npos) << reason;
+  EXPECT_DOUBLE_EQ(from_m, number_after(report.braked->promise, "and from ")) << report.braked->promise;
+}
+
 TEST(DesignReport, StatesNoConditionsOfKicksThatAreImpossible) {
   AxisDesign axis = braked_example();
   axis.braked->max_force_N = axis.max_force_N = 4;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -79,6 +80,13 @@ TEST(DesignReport, NamesWhatFailsAndTheRemedy) {
     EXPECT_EQ(report.reasons[0].find(c.check), 0U) << report.reasons[0];
     EXPECT_NE(report.reasons[0].find(c.remedy), std::string::npos) << report.reasons[0];
   }
+}
+
+TEST(DesignReport, NamesTheKeyOfAFrictionThatRisesWithSpeed) {
+  const std::vector<std::string> conditions = design_axis(impulsive_example()).conditions;
+  EXPECT_TRUE(std::ranges::any_of(conditions, [](const std::string& text) {
+    return text.find("state [friction] smooth_slope_Ns_per_m,") != std::string::npos;
+  }));
 }
 
 std::string reason_of(double value, double limit, detail::Equality equality = detail::Equality::fails) {
