@@ -34,6 +34,18 @@ TEST_F(Command, WritesAFileFromSevenNumbersThatEveryOtherCommandTakes) {
   EXPECT_EQ(run("new --overwrite" + std::string{seven_numbers} + " -o " + file).exit_code, 0);
 }
 
+// What is tuned again for time with a number twice as good, and is slower all the same, is said to gain nothing.
+void expect_that_no_loss_is_called_a_gain(const std::string& printed) {
+  const std::regex line{": ([0-9.]+) s instead of ([0-9.]+) s([^\n]*)"};
+  int lines = 0;
+  for (std::sregex_iterator found{printed.begin(), printed.end(), line}, end; found != end; ++found, ++lines) {
+    const double after_s = std::stod((*found)[1]), before_s = std::stod((*found)[2]);
+    if (after_s == before_s) continue;
+    EXPECT_EQ((*found)[3].str().ends_with("gains nothing"), after_s > before_s) << found->str();
+  }
+  EXPECT_GE(lines, 4) << printed;
+}
+
 TEST_F(Command, TunesAnAxisIntoAFileThatEveryOtherCommandTakes) {
   const std::string file = path("new.toml"), tuned = path("tuned.toml");
   ASSERT_EQ(run("new" + std::string{seven_numbers} + " -o " + file).exit_code, 0);
@@ -42,6 +54,7 @@ TEST_F(Command, TunesAnAxisIntoAFileThatEveryOtherCommandTakes) {
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_NE(ended.out.find("settling time is limited most by the force"), std::string::npos) << ended.out;
   EXPECT_NE(content(path("tuned.svg")).find("<svg"), std::string::npos);
+  expect_that_no_loss_is_called_a_gain(ended.out);
   const std::string json = content(path("tuned.json"));
   expect_keys(json, {"objective", "distance_m", "least_tolerance_m", "chosen", "numbers", "limits", "tried", "why"});
   const Ended study = run("study --laws 2 --start -0.4 0 --json - " + tuned);
