@@ -128,7 +128,7 @@ void print_slowest(const Study& study, const StudyOptions& options) {
     const StudyRun& slowest = slowest_run(row);
     fmt::print("worst from {:g} m: {}, {}; again: {}\n", row.start.position_m, slowest.law,
                time_text(slowest.settled ? slowest.settling_time_s : NAN), again(study, row, options));
-    fmt::print("  left of the limits: {}\n", sil::to_text(margins(study.scenario.node, row)));
+    fmt::print("  margins to the limits: {}\n", sil::to_text(margins(study.scenario.node, row)));
   }
 }
 

@@ -36,7 +36,7 @@ void add_outcome(HtmlTable& table, const config::Axis& axis, const AxisResult& r
     table.quantity("Largest speed", r.excursions->peak_speed_m_s, "m/s");
     table.row("Way", fmt::format("{} to {}", format::length_text(r.excursions->lowest_m),
                                  format::length_text(r.excursions->highest_m)));
-    table.row("Left of the limits", sil::to_text(sil::margins(axis, *r.excursions, r.max_force_N)));
+    table.row("Margins to the limits", sil::to_text(sil::margins(axis, *r.excursions, r.max_force_N)));
   }
   table.row("Kicks", fmt::format("{}", r.kicks.size()));
   for (const auto& fault : r.faults) table.row("Fault", fmt::format("{} at {:.6g} s", fault.name, fault.time_s));

@@ -98,7 +98,7 @@ std::string summary(const config::Node& node, const ReportedRow& reported, doubl
   table.row("Furthest past it by a kick", format::length_text(study::worst_excursions(row).beyond_m));
   table.quantity("Largest speed", study::worst_excursions(row).peak_speed_m_s, "m/s");
   table.quantity("Largest force", study::largest_force_N(row), "N");
-  table.row("Left of the limits", sil::to_text(study::margins(node, row)));
+  table.row("Margins to the limits", sil::to_text(study::margins(node, row)));
   if (const std::size_t cycles = study::limit_cycles(row); cycles > 0)
     table.row("Limit cycles", fmt::format("{}", cycles));
   if (const std::size_t faulted = study::faulted_runs(row); faulted > 0)

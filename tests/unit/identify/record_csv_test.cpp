@@ -144,7 +144,9 @@ TEST(RecordCsv, PassesOverEmptyLines) {
 }
 
 TEST(RecordCsv, NamesTheLineThatIsWrong) {
-  EXPECT_NE(refusal("time_s,position_m,force_N\n").find("no column command_N"), std::string::npos);
+  EXPECT_NE(
+      refusal("time_s,position_m,force_N\n").find("no column command_N: name time_s, position_m and command_N there"),
+      std::string::npos);
   EXPECT_NE(refusal("time_s,position_m,command_N\n0,0,0\n0.001,0\n").find("line 3: column 3"), std::string::npos);
   EXPECT_NE(refusal("time_s,position_m,command_N\n0,zero,0\n").find("line 2: column 2"), std::string::npos);
   EXPECT_NE(refusal("time_s,position_m,command_N\n1,0,0\n0.5,0,0\n").find("does not grow"), std::string::npos);

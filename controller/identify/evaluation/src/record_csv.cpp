@@ -60,7 +60,7 @@ Columns columns_of(std::string_view head) {
   const auto require = [&](std::string_view name) {
     if (const auto found = place(name)) return *found;
     throw InputError{fmt::format(
-        "line 1 has no column {}: give a record of `breakaway-node --csv` or `breakaway identify --csv`", name)};
+        "line 1 has no column {}: name time_s, position_m and command_N there, as `breakaway-node --csv` does", name)};
   };
   return {require("time_s"), require("position_m"), require("command_N"), place("axis")};
 }

@@ -79,7 +79,7 @@ double worst_error_m(const StudyRow& row);
 // The run that settled last or not at all, the first of several. Requires a run.
 const StudyRun& slowest_run(const StudyRow& row);
 sil::Excursions worst_excursions(const StudyRow& row);
-// What the row left of the limits of the node's only axis.
+// The least margins of the row to the limits of the node's only axis.
 std::vector<sil::Margin> margins(const config::Node& node, const StudyRow& row);
 double largest_force_N(const StudyRow& row);
 double sync_off_s(const StudyRow& row);
