@@ -70,7 +70,7 @@ std::string order(const Frontiers& f) {
          R"(
 set title 'Time stepping: error against the step'
 set xlabel 'step h [s]'
-set ylabel '[m]'
+set ylabel 'error, or size of the ball [m]'
 set key bottom right
 plot $midpoint using 3:2 with linespoints linestyle 1 title 'midpoint', \
      $implicit using 3:2 with linespoints linestyle 2 title 'implicit Euler', \
@@ -100,8 +100,8 @@ plot $nearest using 1:2 with points linestyle 4 pointtype 4 title 'nearest', \
      $cubic using 1:2 with linespoints linestyle 1 title 'cubic Hermite', \
      $series using 1:2 with linespoints linestyle 5 title 'Chebyshev', \
      $exact using 1:2 with points linestyle 3 title 'exact', \
-     $nearest using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
-     $linear using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
+     $nearest using 1:2:(sprintf('%d B ', $3)) with labels right offset -0.8,0 font ',11' notitle, \
+     $linear using 1:2:(sprintf('%d B ', $3)) with labels right offset -0.8,0 font ',11' notitle, \
      $cubic using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle, \
      $series using 1:2:(sprintf(' %d B', $3)) with labels left offset 0.8,0 font ',11' notitle
 unset offsets
@@ -122,7 +122,7 @@ std::string plot_periods(const Frontiers& f) {
          R"(
 set title 'Control period: worst error reached'
 set xlabel 'control period [ms]'
-set ylabel '[um]'
+set ylabel 'worst error at rest [um]'
 set key top left
 set format xy '%g'
 set xtics (0.5, 1, 2, 4)
