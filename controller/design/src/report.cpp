@@ -163,17 +163,19 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
       whole_counts,
       "samples are taken and forces begin " +
           (c.jitter_s > 0 ? "within " + brief(c.jitter_s) + " s of whole periods, one against another"
-                          : std::string{"in whole periods"}) +
-          ", and no command is lost; a sample that is lost costs a period",
-      std::string{"SYNC leaves at the same time of every period; "} +
-          "what a frame of somebody else on the wire delays it by is within that",
+                          : std::string{"at whole periods"}) +
+          "; no command is lost, and a sample that is lost costs a period",
+      "SYNC leaves at the same time of every period, and a frame of somebody else on the wire delays it by at most "
+      "[uncertainty] jitter_s = " +
+          brief(c.jitter_s) + " s",
       "the axis rests when it is enabled; the speed of one that moves may be seen too late, and its run end by name",
       tested};
   if (std::isfinite(axis.following_error_m))
-    conditions.push_back("a target moves while the axis rests, or following_error_m leaves it the way to turn");
+    conditions.push_back(
+        "a target moves only while the axis rests, unless following_error_m leaves it the way to turn");
   if (std::isfinite(promise.approach_peak_m_s) && !c.move)
     conditions.push_back(
-        "a target moves while the axis rests or is approached, or the limit of its speed leaves room for " +
+        "a target moves only while the axis rests or is approached, unless the limit of its speed leaves room for " +
         brief_up(law::most_taken_over * static_cast<double>(design.kicks.approach.switch_speed_m_s)) +
         " m/s more: an approach that begins under the brake is taken for one that begins at rest");
   if (c.presliding_stiffness_N_per_m > 0)

@@ -54,6 +54,17 @@ TEST(DesignReport, CountsKicksFromTheOneDistanceAtWhichItSaysThatTheyBegin) {
   EXPECT_DOUBLE_EQ(from_m, number_after(report.braked->promise, "and from ")) << report.braked->promise;
 }
 
+TEST(DesignReport, SaysWithAFigureWhatOthersOnTheWireMayDelay) {
+  AxisDesign axis = braked_example();
+  const auto said = [&axis](const std::string& figure) {
+    const std::vector<std::string> all = design_axis(axis).conditions;
+    return std::ranges::any_of(all, [&](const std::string& text) { return text.ends_with("jitter_s = " + figure); });
+  };
+  EXPECT_TRUE(said("0 s"));
+  axis.braked->jitter_s = 1e-4;
+  EXPECT_TRUE(said("0.0001 s"));
+}
+
 TEST(DesignReport, StatesNoConditionsOfKicksThatAreImpossible) {
   AxisDesign axis = braked_example();
   axis.braked->max_force_N = axis.max_force_N = 4;
