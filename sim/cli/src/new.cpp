@@ -79,14 +79,26 @@ config::KnownAxis known_axis(const NewCommand& options) {
   return known;
 }
 
+// An axis that may rest as far away as it ever moves is certified and of no use: mostly a number has another unit.
+void require_use(const config::KnownAxis& known, double error_m, const design::BindingLimit& limit) {
+  if (error_m < known.longest_move_m) return;
+  throw InputError{
+      fmt::format("the axis may rest {:g} m away from its target, and its longest move is {:g} m; limited most by {}: "
+                  "is that in SI "
+                  "units?",
+                  rounded_up(error_m, 3), known.longest_move_m, limit.name)};
+}
+
 int make_new(const NewCommand& options) {
   const bool to_file = options.file != "-";
-  const config::NewNode made = config::new_node(known_axis(options));
-  format::write_output(options.file, made.text);
-  if (!to_file) return done;
+  const config::KnownAxis known = known_axis(options);
+  const config::NewNode made = config::new_node(known);
   const design::BrakedPromise& promise = *made.report.braked;
   const config::Axis& axis = made.node.axes.front();
   const design::BindingLimit limit = design::binding_limit(config::braked_class(made.node, axis));
+  require_use(known, promise.error_m, limit);
+  format::write_output(options.file, made.text);
+  if (!to_file) return done;
   fmt::print("{} is written, and certified: position_tolerance_m = {:g}, true error at rest at most {:g} m\n",
              options.file, axis.controller.position_tolerance_m, rounded_up(promise.error_m, 3));
   fmt::print("accuracy is limited most by {}: with half of it a tolerance of {:g} m could be certified\n", limit.name,

@@ -106,6 +106,15 @@ TEST_F(Command, NamesTheWorstLawOfAStudyAndTheCommandThatRunsItAgain) {
   EXPECT_NE(spaced.out.find("again: breakaway study '" + path("a b.toml") + "' --start"), std::string::npos);
 }
 
+TEST_F(Command, RefusesANewAxisThatMayRestAsFarAwayAsItsLongestMove) {
+  const auto axis = [](const std::string& encoder, const std::string& move) {
+    return "new --mass 12 --friction-lower 15 --friction-upper 28 --rate 1000 --force 200 --encoder " + encoder +
+           " --move " + move + " -o -";
+  };
+  expect_refused(axis("0.5", "0.4"), {"0.51 m away", "longest move is 0.4 m", "the encoder", "SI units"});
+  EXPECT_EQ(run(axis("0.5e-3", "0.4")).exit_code, 0) << "a count of half a millimetre";
+}
+
 TEST_F(Command, AsksForTheNumbersOfANewAxisThatAreNotGiven) {
   const auto answered = [&](const std::string& answers, const std::string& given) {
     std::ofstream{path("answers")} << answers;
