@@ -1,7 +1,9 @@
 #include "breakaway/law.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <span>
 
@@ -56,10 +58,19 @@ class OwnedLaw {
             .seen_friction_N = static_cast<double>(controller_.seen_friction_N()),
             .max_force_N = static_cast<double>(controller_.max_force_N()),
             .period_s = static_cast<double>(controller_.period_s()),
-            .position_tolerance_m = static_cast<double>(controller_.parameters().position_tolerance_m)};
+            .position_tolerance_m = static_cast<double>(promised_m())};
   }
 
  private:
+  // A fine stage aims nearer than its floor, which is what is promised.
+  Scalar promised_m() const noexcept {
+    const Scalar asked_m = controller_.parameters().position_tolerance_m;
+    if constexpr (law::AxisParts<Kicks>::by_work)
+      return asked_m;
+    else
+      return std::max(asked_m, kicks_.fine_floor_m);
+  }
+
   law::K3Table<Scalar> table_;
   Kicks kicks_;
   law::AxisController<Scalar, Kicks> controller_;

@@ -261,6 +261,16 @@ TEST(LawInC, SaysWhatIsWrong) {
   EXPECT_STREQ(breakaway_mode_name(-3), "unknown mode");
 }
 
+TEST(LawInC, PromisesTheFloorWhereAFineStageAimsNearer) {
+  config::Node node = scene("braked_axis");
+  node.axes[0].controller.position_tolerance_m = 1e-6;
+  const auto reports = config::examine(node);
+  breakaway_law_f law{};
+  ASSERT_EQ(init(law, config::law_image(config::certified(node, reports))), BREAKAWAY_OK);
+  EXPECT_GT(status(law).position_tolerance_m, 1.5e-6);
+  EXPECT_EQ(status(law).position_tolerance_m, double{config::flashed<float>(node).axes[0].kicks.fine_floor_m});
+}
+
 TEST(LawInC, KeepsItsTargetWhereANewOneIsNoNumber) {
   breakaway_law_f law{};
   ASSERT_EQ(init(law, image_of("braked_axis")), BREAKAWAY_OK);

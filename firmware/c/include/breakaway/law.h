@@ -3,6 +3,8 @@
  * The law is the class that C++ uses, law::AxisController, with the numbers that `breakaway design FILE --law-image OUT`
  * has certified. There is one set of functions for float, breakaway_law_f_..., and one for double, breakaway_law_d_...;
  * both take the same image. Nothing here allocates, blocks or throws, and a step takes a bounded number of instructions.
+ * Laws share nothing: two may be called at the same time, from tasks or interrupts, but one only after the other call
+ * of it has returned.
  *
  *   #include <breakaway/law.h>
  *   #include "axis_law.h"                     // breakaway design axis.toml --law-image axis_law.h
@@ -61,7 +63,8 @@ enum breakaway_mode {
 };
 /* "approach", "kick" and so on; "unknown mode" for any other number. */
 BREAKAWAY_PUBLIC const char* breakaway_mode_name(int mode);
-/* "none", "not a number", "jammed" and so on, for the number of a status. */
+/* "none", "measurement is not a number", "axis does not move under kicks" and so on, for the fault of a status; "unknown
+ * control fault" for any other number. */
 BREAKAWAY_PUBLIC const char* breakaway_fault_name(int fault);
 
 typedef struct breakaway_law_status {
@@ -73,7 +76,7 @@ typedef struct breakaway_law_status {
   double seen_friction_N; /* which contradicted the bounds, where that is the fault; 0 otherwise */
   double max_force_N;     /* of every force that update() returns */
   double period_s;        /* update() is to be called once in this time */
-  double position_tolerance_m;
+  double position_tolerance_m; /* BREAKAWAY_HOLD promises it, to half a count: of the file, or the floor above it */
 } breakaway_law_status;
 
 /* The bytes that the caller provides. Their content is nobody's business, but they must be zero or initialised. */
@@ -95,9 +98,11 @@ BREAKAWAY_PUBLIC int breakaway_law_f_init(breakaway_law_f* law, size_t law_bytes
 BREAKAWAY_PUBLIC int breakaway_law_d_init(breakaway_law_d* law, size_t law_bytes, unsigned abi, const void* image, size_t image_bytes,
                          unsigned axis);
 
-/* A float holds a position to a quarter of a count within four million counts (2^22) of 0; further away take double.
- * Once a period, of a law that is not null. fresh: false where no new sample came, so that position_m is not looked at. Returns the force in newtons;
- * 0 from a law that was not initialised, and one that is no number counts as a fault of its own. */
+/* Once a period, of a law that is not null. fresh: false where no new sample came, so that position_m is not looked at;
+ * a law whose samples stay away goes on without them. Returns the force in newtons: 0 from a law that was not
+ * initialised. A position that is no finite number is a fault.
+ * A float holds a position, and a target, to a quarter of a count within four million counts (2^22) of 0, and what is
+ * certified holds so much less exactly; further away take double. */
 BREAKAWAY_PUBLIC float breakaway_law_f_update(breakaway_law_f* law, float position_m, bool fresh);
 BREAKAWAY_PUBLIC double breakaway_law_d_update(breakaway_law_d* law, double position_m, bool fresh);
 
