@@ -72,6 +72,21 @@ def test_design_gives_the_checks_of_the_command(request, name):
     assert breakaway.design(SCENARIOS / name) == command(request, "design", SCENARIOS / name)
 
 
+@pytest.mark.parametrize("changed", [
+    ("k21_Ns_per_m = 32", "k21_Ns_per_m = 39.9999999"),  # no number of the law in float
+    ('kind = "sine_in_time"', 'kind = "sine_in_position", period_m = 1e-6'),  # nothing that simulate takes
+])
+def test_design_refuses_what_the_command_refuses(request, tmp_path, changed):
+    text = (SCENARIOS / "can_axis.toml").read_text(encoding="utf-8")
+    assert changed[0] in text
+    file = tmp_path / "axis.toml"
+    file.write_text(text.replace(*changed).replace(", angular_frequency_rad_s = 4", ""), encoding="utf-8")
+    ended = subprocess.run([request.config.getoption("--command"), "design", file], check=False, capture_output=True,
+                           text=True, timeout=300)
+    assert ended.returncode == 2
+    assert ended.stderr.strip() == f"breakaway: {refused(breakaway.design, file)}"
+
+
 def test_no_kick_of_the_table_goes_beyond_the_distance_that_it_is_for():
     distances = np.geomspace(1e-6, 1e-1, 200)
     table = breakaway.kick_table(SCENARIOS / "braked_axis.toml", distances)
@@ -151,6 +166,18 @@ def test_what_cannot_be_used_is_refused_with_key_and_remedy():
     assert "coast" in str(refused(breakaway.kick_table, SCENARIOS / "can_axis.toml", [1e-3]))
     assert "one coordinator" in str(refused(breakaway.kick_table, SCENARIOS / "coupled_gantry.toml", [1e-3]))
     assert "several axes" in str(refused(breakaway.kick_table, SCENARIOS / "two_axes.toml", [1e-3]))
+    too_much = (SCENARIOS / "braked_axis.toml").read_text(encoding="utf-8").replace("mu_upper = 0.45", "mu_upper = 5.9")
+    assert "no kick that is sure to move" in str(refused(breakaway.kick_table, too_much, [1e-3]))
+    assert "laws" in str(refused(breakaway.tune, SCENARIOS / "can_axis.toml", laws=-1))
+    assert "laws" in str(refused(breakaway.study, SCENARIOS / "can_axis.toml", laws=1_000_001))
+    for call, more in ((breakaway.study, {}), (breakaway.tune, {}), (breakaway.attract, {}),
+                       (breakaway.basin, {"points": 11, "window": 6})):
+        file = SCENARIOS / ("can_axis.toml" if call in (breakaway.study, breakaway.tune) else "two_mass_example.toml")
+        for threads in (-1, 1025):
+            assert "threads" in str(refused(call, file, threads=threads, **more))
+    assert "record" in str(refused(breakaway.identify, SCENARIOS / "braked_axis.toml", record="a\n", highest_m=1))
+    assert str(refused(breakaway.k3, 1e308, mass_kg=1, k1_N_per_m=1, k22_Ns_per_m=3,
+                       friction_lower_N=1)).startswith("position_m of 1e+308 m")
     with pytest.raises(FileNotFoundError):
         breakaway.design("nothere.toml")
 

@@ -310,4 +310,12 @@ WorkNode<float> certified_by_work(const Node& node, const std::vector<design::De
   return certified_with<law::WorkKicks<float>>(node, reports);
 }
 
+void require_flashable(const Node& node, const std::vector<design::DesignReport>& reports) {
+  if (!node.loop || !std::ranges::all_of(reports, &design::DesignReport::certified)) return;
+  if (is_by_work(node))
+    certified_by_work(node, reports);
+  else
+    certified(node, reports);
+}
+
 }  // namespace breakaway::config

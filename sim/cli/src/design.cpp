@@ -152,8 +152,8 @@ std::string law_image_as(const std::string& file, const std::vector<std::uint8_t
 
 // Without --header nothing is written, but what could not be flashed is refused as well.
 Flashed flashed(const DesignCommand& options, const Node& node, const Reports& reports, bool certified) {
-  if (!options.writes() && !node.loop) return {};  // a study of the ideal law, for which no drive is chosen yet
-  if (!certified) return {};
+  if (!options.writes()) config::require_flashable(node, reports);
+  if (!options.writes() || !certified) return {};
   const auto write = [&](const auto& flashed) {
     Flashed files;
     if (!options.header.empty()) files.header = config::node_header(flashed, node, reports);

@@ -8,7 +8,8 @@ arrays, which are read-only where they look into the library's own memory instea
     >>> run = breakaway.simulate("sim/scenarios/can_axis.toml")
     >>> run.figures["settled"], run.axes["x"].position_m[-1]
 
-What cannot be used is refused by InputError, whose text names the place and the remedy. A computation ends on Ctrl-C.
+What cannot be used is refused by InputError, whose text names the place and the remedy. On Ctrl-C `simulate` and
+`identify` end on their way, everything else when it is done.
 """
 
 import json as _json
@@ -37,8 +38,8 @@ class _Result:
 
 class Simulation(_Result):
     """What a run gave: `figures`, and the samples. An axis behind its drive has them in `axes` by its name, each with
-    time_s, position_m, velocity_m_s, force_N, friction_level_N, target_m, bus_load and mode; a machine has time_s, and
-    q and v of shape (samples, coordinates)."""
+    time_s, position_m, velocity_m_s, force_N, friction_level_N, target_m, bus_load and mode, a list of names, and behind
+    a spring load_position_m; a machine has time_s, and q and v of shape (samples, coordinates)."""
 
 
 class Tuning(_Result):
@@ -86,10 +87,10 @@ def k3(position_m, *, mass_kg, k1_N_per_m, k22_Ns_per_m, friction_lower_N):
 def kick_table(file, distance_m, *, axis=""):
     """The pulses of a braked axis for distances from its target, 0 or more: force_N, periods and cut_periods of each,
     and how far it moves an axis of the class at most and at least, most_m and least_m; arrays in the shape of
-    distance_m. least_distance_m and reach_m are the ends of the table. Of several axes one is named; those of a
-    [coupling] have no table.
+    distance_m. least_distance_m and reach_m are the ends of the table, and nearer and further away the pulse is that of
+    the end. Of several axes one is named; those of a [coupling] have no table.
 
-    >>> table = breakaway.kick_table("sim/scenarios/braked_axis.toml", numpy.geomspace(1e-6, 1e-2, 100))
+    >>> table = breakaway.kick_table("sim/scenarios/braked_axis.toml", numpy.geomspace(2e-6, 1e-2, 100))
     """
     return _types.SimpleNamespace(**_core.kick_table(*_text_and_name(file), _np.asarray(distance_m, dtype=float), axis))
 
@@ -118,7 +119,8 @@ def simulate(file, *, trace=True, accuracy_m=None):
 
 def study(file, *, starts=(), laws=100, seed=1, threads=0, axis=""):
     """Runs an axis under every friction law of its class: as `breakaway study --json`. starts: pairs of a position in
-    m and a velocity in m/s; without any, far, near and very near. threads: 0 for all processors.
+    m and a velocity in m/s; without any, far, near and very near. laws: up to a million. threads: 1 to 1024, or 0 for
+    all processors.
 
     >>> breakaway.study("sim/scenarios/can_axis.toml", starts=[(-0.1, 0)])["rows"][0]["worst_settling_time_s"]
     """
@@ -128,7 +130,7 @@ def study(file, *, starts=(), laws=100, seed=1, threads=0, axis=""):
 
 def tune(file, *, objective="time", laws=100, seed=1, threads=0, axis=""):
     """Chooses coast, gains and tolerance of an axis from what it is, certified: a Tuning. objective: "time",
-    "accuracy" or "gentle".
+    "accuracy" or "gentle". laws: up to 100,000. threads as for study.
 
     >>> breakaway.tune("sim/scenarios/can_axis.toml").figures["chosen"]
     """
@@ -138,7 +140,8 @@ def tune(file, *, objective="time", laws=100, seed=1, threads=0, axis=""):
 
 def identify(file, *, record=None, lowest_m=None, highest_m=None, duration_s=60, axis=""):
     """Finds mass, friction and latency of an axis by an experiment on its emulated drive, or from `record`, the CSV
-    file of a run: an Identification. lowest_m, highest_m: the travel, where the file has no [limits] of position.
+    file of a run: an Identification. Of an experiment only: lowest_m and highest_m, the travel, where the file has no
+    [limits] of position; duration_s, 2 to 3600.
 
     >>> breakaway.identify("sim/scenarios/braked_axis.toml", lowest_m=-4.5, highest_m=-3.5).figures["mass_kg"]
     """
@@ -149,7 +152,8 @@ def identify(file, *, record=None, lowest_m=None, highest_m=None, duration_s=60,
 
 def attract(file, *, plane=(0, 1), window=0, depth=10, threads=0):
     """Where a machine with friction is certain to come to rest: an Attraction. plane: two places of (q, v), from 0.
-    window: the axes reach from minus to plus this; 0: what fits. Van de Wouw & Leine, "Stability Properties of
+    window: the axes reach from minus to plus this; 0: what fits. depth: cells are halved at most so often, 0 to 14.
+    threads as for study. Van de Wouw & Leine, "Stability Properties of
     Equilibrium Sets of Controlled Linear Mechanical Systems with Dry Friction", Theorem 1 and beyond.
 
     >>> breakaway.attract("sim/scenarios/two_mass_example.toml", depth=6).figures["rho_star"]
@@ -160,7 +164,7 @@ def attract(file, *, plane=(0, 1), window=0, depth=10, threads=0):
 
 def basin(file, *, points, window, plane=(0, 1), threads=0):
     """The region of attraction of a machine on a grid, by simulation: a Basin. points: along each axis, 2 to 10000.
-    window and plane as for attract.
+    window, above 0: the axes reach from minus to plus this. plane as for attract, threads as for study.
 
     >>> breakaway.basin("sim/scenarios/two_mass_example.toml", points=101, window=6).fates.mean()
     """

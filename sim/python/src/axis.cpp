@@ -11,6 +11,7 @@
 
 #include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
+#include "breakaway/config/flash.hpp"
 #include "breakaway/config/machine_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/design/braked_kicks.hpp"
@@ -50,7 +51,7 @@ Numbers for_each(const Numbers& positions, Function function) {
 double finite(double value, double position_m) {
   if (std::isfinite(value)) return value;
   throw InputError{"position_m",
-                   "of " + std::to_string(position_m) +
+                   "of " + to_text(position_m) +
                        " m is not finite, or k3 there is beyond the range of floating point; check the units"};
 }
 
@@ -153,12 +154,18 @@ std::pair<std::string, py::dict> simulate(const std::string& text, const std::st
   return std::visit([&](auto& s) { return run(std::move(s), trace, accuracy_m); }, any);
 }
 
+// As the command: what simulate refuses is not certified, and what is certified can be flashed.
 std::string design_of(const std::string& text, const std::string& name) {
   const py::gil_scoped_release unlocked;
-  const config::Node node = config::parse_node(text, name);
-  if (!node.coupling) return report::to_json(node, config::examine(node));
-  const config::Node told = scenario::parse_scenario(text, name).node;  // with the [machine] that it is told of
-  return report::to_json(told, config::examine_machine(told));
+  const config::Node node = scenario::parse_scenario(text, name).node;
+  if (node.coupling) {
+    const stability::MachineCertificate certificate = config::examine_machine(node);
+    if (certificate.certified) config::certified_machine(node, certificate);
+    return report::to_json(node, certificate);
+  }
+  const auto reports = config::examine(node);
+  config::require_flashable(node, reports);
+  return report::to_json(node, reports);
 }
 
 const config::Axis& braked_axis(const config::Node& node, const std::string& axis) {
@@ -183,6 +190,7 @@ py::dict kick_table(const std::string& text, const std::string& name, const Numb
   const config::Node node = config::parse_node(text, name);
   const design::BrakedClass axes = config::braked_class(node, braked_axis(node, axis));
   const auto made = design::design_braked_kicks<double>(axes);
+  if (!made.possible()) throw InputError{"has no kick that is sure to move the axis: design() says why"}.in_file(name);
   const auto pulse = [&](double y) {
     if (!(y >= 0)) throw InputError{"distance_m", "must be 0 or more"};
     return made.kicks.table.pulse(y);
@@ -205,13 +213,21 @@ py::dict kick_table(const std::string& text, const std::string& name, const Numb
   return columns;
 }
 
+int checked_laws(int laws, int most) {
+  if (laws >= 0 && laws <= most) return laws;
+  throw InputError{"laws", "must be from 0 to " + std::to_string(most)};
+}
+
 std::string study_of(const std::string& text, const std::string& name,
-                     const std::vector<std::pair<double, double>>& starts, int laws, std::uint64_t seed,
-                     unsigned threads, const std::string& axis) {
+                     const std::vector<std::pair<double, double>>& starts, int laws, std::uint64_t seed, int threads,
+                     const std::string& axis) {
   const py::gil_scoped_release unlocked;
   const Scenario s = study::studied_axis(only(scenario::parse_scenario(text, name), axis));
-  study::StudyOptions options{.starts = {}, .random_laws = laws, .seed = seed, .threads = threads, .progress = {}};
-  if (laws < 0) throw InputError{"laws", "must be 0 or more"};
+  study::StudyOptions options{.starts = {},
+                              .random_laws = checked_laws(laws, 1'000'000),
+                              .seed = seed,
+                              .threads = static_cast<unsigned>(threads_or_all(threads)),
+                              .progress = {}};
   for (const auto& [position_m, velocity_m_s] : starts) options.starts.push_back({position_m, velocity_m_s});
   if (options.starts.empty()) options.starts = study::default_starts(s);
   for (const study::Start& start : options.starts) study::require_within_limits(s, start);
@@ -219,15 +235,15 @@ std::string study_of(const std::string& text, const std::string& name,
 }
 
 std::pair<std::string, std::string> tune_of(const std::string& text, const std::string& name,
-                                            const std::string& objective, int laws, std::uint64_t seed,
-                                            unsigned threads, const std::string& axis) {
+                                            const std::string& objective, int laws, std::uint64_t seed, int threads,
+                                            const std::string& axis) {
   const py::gil_scoped_release unlocked;
   const study::Tuning tuning = study::tune(text, name,
                                            {.objective = study::objective_of(objective),
                                             .axis = axis,
-                                            .random_laws = laws,
+                                            .random_laws = checked_laws(laws, 100'000),
                                             .seed = seed,
-                                            .threads = threads});
+                                            .threads = static_cast<unsigned>(threads_or_all(threads))});
   return {report::to_json(tuning), tuning.text};
 }
 
@@ -237,6 +253,9 @@ std::pair<std::string, std::string> identify_of(const std::string& text, const s
                                                 double duration_s, const std::string& axis) {
   const py::gil_scoped_release unlocked;
   const Scenario s = only(scenario::parse_scenario(text, name), axis);
+  if (!record_name.empty() && (lowest_m || highest_m))
+    throw InputError{lowest_m ? "lowest_m" : "highest_m",
+                     "says how to make an experiment, and record is that of one; leave one of the two out"};
   config::ExperimentRequest request{.duration_s = duration_s};
   if (lowest_m) request.lowest_m = *lowest_m;
   if (highest_m) request.highest_m = *highest_m;

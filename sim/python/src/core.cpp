@@ -1,5 +1,8 @@
 #include "core.hpp"
 
+#include <algorithm>
+#include <thread>
+
 #include "breakaway/input/input_error.hpp"
 
 namespace breakaway::python {
@@ -25,6 +28,12 @@ constexpr const char* about_input_error =
     "`file`, `key` and `problem` are its parts, and empty where no single one is concerned.";
 
 }  // namespace
+
+int threads_or_all(int threads) {
+  if (threads < 0 || threads > 1024) throw InputError{"threads", "must be from 1 to 1024, or 0 for all processors"};
+  return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
 }  // namespace breakaway::python
 
 PYBIND11_MODULE(_core, module) {

@@ -39,6 +39,9 @@ py::array_t<Number> column(const std::shared_ptr<Owner>& owner, const Records& r
   return view<Number>(owner, &(records.front().*field), records.size(), sizeof(records.front()));
 }
 
+// One for each processor where none are said. Throws InputError.
+int threads_or_all(int threads);
+
 // Ends a long computation on Ctrl-C; to be told the share that is done, from the thread that Python called.
 class Interruptible {
  public:

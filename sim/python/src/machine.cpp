@@ -1,11 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "breakaway/input/input_error.hpp"
@@ -32,11 +30,6 @@ Plane checked(const Plane& plane, const scenario::MachineScenario& s) {
 double checked_window(double window) {
   if (window > 0 && window <= study::widest_half_width) return window;
   throw InputError{"window", fmt::format("must be above 0 and at most {:g}", study::widest_half_width)};
-}
-
-int threads_or_all(int threads) {
-  if (threads < 0) throw InputError{"threads", "must be 0, for all processors, or more"};
-  return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 py::tuple attract(const std::string& text, const std::string& name, const Plane& plane, double window, int depth,

@@ -62,6 +62,10 @@ WorkNode<Real> flashed_by_work(const Node& node);
 AnyNode<float> certified(const Node& node, const std::vector<design::DesignReport>& reports);
 WorkNode<float> certified_by_work(const Node& node, const std::vector<design::DesignReport>& reports);
 
+// Throws InputError where the node is certified and could not be flashed all the same. One without a [loop] is a study
+// of the ideal law, for which no drive is chosen yet.
+void require_flashable(const Node& node, const std::vector<design::DesignReport>& reports);
+
 // Returns the header: `inline constexpr breakaway::firmware::FlashedNode<float, N> node` in namespace
 // breakaway::flashed, after a statement of what was certified and on which conditions. Numbers are hexadecimal, so that
 // they are exact; the compiler checks the checksum and that nothing contradicts itself. `source`: the file, for the
