@@ -7,6 +7,7 @@
 // A PD alone would leave this axis up to f_upper / k1 = 11 mm from its target.
 #include <cmath>
 #include <cstdio>
+#include <exception>
 
 #include "breakaway/design/k3_table_builder.hpp"
 #include "breakaway/design/pd_kicks.hpp"
@@ -16,16 +17,17 @@
 
 using namespace breakaway;
 
-int main() {
+int main() try {
+  constexpr double mass_kg = 1, count_m = 1e-6, period_s = 1e-3;
   law::AxisParameters<float> p;
-  p.mass_kg = 1;
+  p.mass_kg = mass_kg;
   p.stiffness_N_per_m = 400;         // k1
   p.approach_damping_Ns_per_m = 32;  // k21: on the way to the first rest, zeta < 1
   p.kick_damping_Ns_per_m = 60;      // k22: from the first kick on, zeta > 1
   p.friction = {2.5F, 4.5F};         // newtons; nothing else is known of the friction
   p.max_force_N = 50;
-  p.encoder_resolution_m = 1e-6F;
-  p.period_s = 1e-3F;
+  p.encoder_resolution_m = static_cast<float>(count_m);
+  p.period_s = static_cast<float>(period_s);
   p.position_tolerance_m = p.accuracy_floor_m();  // what a pulse of one period can still correct
 
   // On a PC, once: the kicks that end on the target under the least friction, as tables over the distance. k3 is the
@@ -36,20 +38,28 @@ int main() {
   law::AxisController<float> controller{p, k3.table, pulses.table};
 
   // The axis, 10 mm short of its target at 0.
-  motion::Slide axis{1.0, {{2.5, 4.5}, model::shape::stribeck(0.01)}, {0, -0.01, 0}};
+  motion::Slide axis{mass_kg, {{2.5, 4.5}, model::shape::stribeck(0.01)}, {0, -0.01, 0}};
 
-  std::printf("%8s  %14s  %s\n", "time", "error", "");
+  const auto show = [&](int period, const char* what) {
+    std::printf("%6g ms  %11.2f um  %s\n", 1e3 * period_s * period, 1e6 * axis.state().position_m, what);
+  };
+  const int periods = static_cast<int>(0.5 / period_s);
+  std::printf("%9s  %14s\n", "time", "error");
   double acting_N = 0;
-  for (int period = 0; period < 500; ++period) {
-    const double counts = std::floor(axis.state().position_m / 1e-6);
-    const auto output = controller.update({static_cast<float>(counts * 1e-6)});
-    if (output.kicked) std::printf("%6d ms  %11.2f um  kick\n", period, 1e6 * axis.state().position_m);
+  for (int period = 0; period < periods; ++period) {
+    const double counts = std::floor(axis.state().position_m / count_m);
+    const auto output = controller.update({static_cast<float>(counts * count_m)});
+    if (output.kicked) show(period, "kick");
 
-    axis.advance_to(1e-3 * (period + 1), {.constant_N = acting_N});
+    axis.advance_to(period_s * (period + 1), {.constant_N = acting_N});
     acting_N = static_cast<double>(output.force_N);
   }
-  const double error_m = axis.state().position_m;
-  std::printf("%6d ms  %11.2f um  %s\n", 500, 1e6 * error_m,
-              controller.mode() == law::Mode::hold ? "held" : "not held");
-  return controller.mode() == law::Mode::hold && std::abs(error_m) < 3e-6 ? 0 : 1;
+  const bool held = controller.mode() == law::Mode::hold;
+  show(periods, held ? "held" : "not held");
+  // What counts round down shows up to a count less.
+  const double promised_m = static_cast<double>(p.position_tolerance_m) + count_m;
+  return held && std::abs(axis.state().position_m) <= promised_m ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }

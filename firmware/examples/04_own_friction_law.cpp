@@ -34,7 +34,7 @@ class BadSpot final : public model::Shape {
 
 int main() try {
   scenario::Scenario scenario = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/sim/scenarios/can_axis.toml");
-  const law::FrictionBounds<double> bounds = scenario.node.axes[0].friction.bounds;
+  const model::FrictionBounds bounds = scenario.worlds[0].friction.bounds();  // the true ones, where [told] has others
   bool kept = true;
   for (const double place_m : {-0.1, -0.0005, 0.0, 0.0005, 0.1}) {  // the target is at 0
     scenario.worlds[0].friction = {bounds, std::make_unique<BadSpot>(place_m)};

@@ -54,6 +54,7 @@ int main(void) {
     slide(&axis, acting_N, status.period_s); /* the force acts one period later */
     acting_N = (double)force_N;
   }
-  printf("%4d ms  %9.2f um  %s\n", 1000, 1e6 * axis.position_m, breakaway_mode_name(status.mode));
+  printf("%4d ms  %9.2f um  %s, fault: %s\n", 1000, 1e6 * axis.position_m, breakaway_mode_name(status.mode),
+         breakaway_fault_name(status.fault));
   return status.mode == BREAKAWAY_HOLD && fabs(axis.position_m) < 5e-6 ? 0 : 1;
 }

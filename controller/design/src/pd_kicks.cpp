@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 #include "breakaway/design/braked_kicks.hpp"
 #include "breakaway/design/k3.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/law/velocity_estimator.hpp"
 #include "kick_curve.hpp"
 #include "rubbed_mass.hpp"
@@ -243,6 +245,9 @@ double pd_travel_m(const law::AxisParameters<double>& p, double lag_s, double di
 
 template <class Real>
 PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, double lag_s, PulseAim aim) {
+  if (const auto error = validate(p); error != law::ParameterError::none)
+    throw InputError{std::string{to_string(error)}};
+  if (!(p.period_s > 0)) throw InputError{"period_s", "is 0: pulses are for a loop with a period"};
   return PdTableBuilder<Real>{in_double(p), lag_s, aim}.build();
 }
 

@@ -11,6 +11,7 @@
 
 #include "../../kicked_axis.hpp"
 #include "breakaway/design/k3_table_builder.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
 
 namespace breakaway::design {
@@ -261,6 +262,13 @@ TEST(PdKicks, CoverAllDistancesAtWhichAnAxisMayStick) {
     EXPECT_LE(wide.least_m(), std::sqrt(8 * p.accuracy_floor_m() + 1e-6F))
         << "a creeping axis is kicked inside it, too";
   }
+}
+
+TEST(PdKicks, AreRefusedForParametersThatAreNotValidOrHaveNoPeriod) {
+  EXPECT_THROW(design_pd_kicks(example<double>(0)), InputError);
+  auto p = example<double>();
+  p.max_force_N = p.friction.upper_N;
+  EXPECT_THROW(design_pd_kicks(p), InputError);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct PdKicks {
 };
 
 // p: valid, with a period; lag_s: time constant of the current loop. Distances from what is left alone, or a 64th of
-// the accuracy floor, up to where the axis may stick.
+// the accuracy floor, up to where the axis may stick. Throws InputError for any other p.
 template <class Real>
 PdKicks<Real> design_pd_kicks(const law::AxisParameters<Real>& p, double lag_s = 0, PulseAim aim = PulseAim::target);
 
