@@ -87,7 +87,7 @@ static double force_of(struct axis* a) {
   const bool begins = !a->was_enabled;
   const int fault_before = a->status.fault;
   double force_N;
-  if (begins) breakaway_law_d_reset(&a->law);
+  if (begins && fault_before == 0) breakaway_law_d_reset(&a->law);
   breakaway_law_d_set_target(&a->law, *a->command);
   force_N = breakaway_law_d_update(&a->law, *a->position, *a->fresh);
   breakaway_law_d_status(&a->law, &a->status);
