@@ -60,8 +60,9 @@ int main() try {
   firmware::ControlNode node{port, flashed};
   std::printf("%s\n", std::string{to_string(node.verdict().error)}.c_str());
 
-  // The world: an axis of 1 kg at position 0, with friction that the controller is not told, and its drive.
-  sil::BrakedSlide axis{motion::Slide{1.0, {{2.5, 4.5}, model::shape::constant(0.5)}, {}}};
+  // The world: an axis at position 0, of 1 kg and with friction midway between its bounds in that file, and its drive.
+  const config::Truth truth = config::truth_of(description.axes[0]);
+  sil::BrakedSlide axis{motion::Slide{truth.mass_kg, {truth.bounds, model::shape::constant(0.5)}, {}}};
   axis.release(0);
   const config::Drive& motor = *description.axes[0].drive;
   drive_emulator::EmulatorConfig drive_config;
@@ -86,7 +87,8 @@ int main() try {
     drive.advance_mechanism_to(now + network.period);
   }
   const double error_m = axis.slide().state().position_m - 0.02;
-  const bool arrived = axis.slide().sticking() && std::abs(error_m) < 3e-6;
+  const bool arrived =
+      axis.slide().sticking() && std::abs(error_m) <= config::judged_tolerance_m(description, description.axes[0]);
   std::printf("after 3 s the axis %s, %.2f um from 20 mm\n", arrived ? "rests" : "does NOT rest", 1e6 * error_m);
   return arrived ? 0 : 1;
 } catch (const std::exception& error) {

@@ -13,6 +13,7 @@
 #include "breakaway/config/flash.hpp"
 #include "breakaway/firmware/control_loop.hpp"
 #include "breakaway/firmware/node_laws.hpp"
+#include "breakaway/input/input_error.hpp"
 #include "breakaway/law/axis_controller.hpp"
 #include "breakaway/scenario/read_scenario.hpp"
 #include "breakaway/sil/axis_mechanism.hpp"
@@ -23,10 +24,6 @@ using namespace breakaway;
 using Port = sil::SimulatedNetwork::Port;
 using Loop = firmware::ControlLoop<Port, cia402::Drive<float>, law::AxisController<float>, float>;
 
-bool near(const sil::BrakedMechanism& axis, double place_m) {
-  return std::abs(axis.state().position_m - place_m) < 3e-6;
-}
-
 void show(const char* name, const sil::BrakedMechanism& axis, firmware::AxisFault fault) {
   std::printf("  %s is at %8.4f mm, fault: %s\n", name, 1e3 * axis.state().position_m,
               std::string{to_string(fault)}.c_str());
@@ -34,7 +31,12 @@ void show(const char* name, const sil::BrakedMechanism& axis, firmware::AxisFaul
 
 int main() try {
   const scenario::Scenario scenario = scenario::read_scenario(BREAKAWAY_SOURCE_DIR "/firmware/examples/two_axes.toml");
+  if (scenario.axes() != 2) throw InputError{"this example runs two axes: give it a file with two [[axis]]"};
   const auto node = config::certified(scenario.node, config::examine(scenario.node));
+  const auto near = [&](const sil::BrakedMechanism& axis, double place_m) {
+    return std::abs(axis.state().position_m - place_m) <=
+           config::judged_tolerance_m(scenario.node, scenario.node.axes[0]);
+  };
 
   // The world: a bus with two emulated drives, and an axis behind each.
   const sil::AxisMechanism x = sil::axis_mechanism(scenario.node.axes[0], scenario.worlds[0]);
