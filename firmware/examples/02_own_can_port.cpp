@@ -60,7 +60,7 @@ int main() try {
   firmware::ControlNode node{port, flashed};
   std::printf("%s\n", std::string{to_string(node.verdict().error)}.c_str());
 
-  // The world: an axis at position 0, of 1 kg and with friction midway between its bounds in that file, and its drive.
+  // The world: an axis of the mass in that file at position 0, with friction midway between its bounds, and its drive.
   const config::Truth truth = config::truth_of(description.axes[0]);
   sil::BrakedSlide axis{motion::Slide{truth.mass_kg, {truth.bounds, model::shape::constant(0.5)}, {}}};
   axis.release(0);
