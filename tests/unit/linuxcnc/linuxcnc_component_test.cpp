@@ -63,19 +63,34 @@ int hal_exit(int) { return 0; }
 void* hal_malloc(long bytes) {
   return breakaway::loaded.memory.emplace_back(static_cast<std::size_t>(bytes) / sizeof(std::max_align_t) + 1).data();
 }
-#define PIN(type, value, pins)                                                          \
-  int hal_pin_##type##_newf(hal_pin_dir_t, value** pin, int, const char* format, ...) { \
-    std::va_list arguments;                                                             \
-    va_start(arguments, format);                                                        \
-    breakaway::add_pin(breakaway::loaded.pins, pin, format, arguments);                 \
-    va_end(arguments);                                                                  \
-    return 0;                                                                           \
-  }
-PIN(float, double, floats)
-PIN(bit, bool, bits)
-PIN(s32, int, signed_numbers)
-PIN(u32, unsigned, numbers)
-#undef PIN
+int hal_pin_float_newf(hal_pin_dir_t, double** pin, int, const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  breakaway::add_pin(breakaway::loaded.floats, pin, format, arguments);
+  va_end(arguments);
+  return 0;
+}
+int hal_pin_bit_newf(hal_pin_dir_t, bool** pin, int, const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  breakaway::add_pin(breakaway::loaded.bits, pin, format, arguments);
+  va_end(arguments);
+  return 0;
+}
+int hal_pin_s32_newf(hal_pin_dir_t, int** pin, int, const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  breakaway::add_pin(breakaway::loaded.signed_numbers, pin, format, arguments);
+  va_end(arguments);
+  return 0;
+}
+int hal_pin_u32_newf(hal_pin_dir_t, unsigned** pin, int, const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  breakaway::add_pin(breakaway::loaded.numbers, pin, format, arguments);
+  va_end(arguments);
+  return 0;
+}
 int hal_export_funct(const char*, void (*function)(void*, long), void* argument, int, int, int) {
   breakaway::loaded.update = function;
   breakaway::loaded.argument = argument;
