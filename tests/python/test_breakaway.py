@@ -182,6 +182,16 @@ def test_what_cannot_be_used_is_refused_with_key_and_remedy():
         breakaway.design("nothere.toml")
 
 
+@pytest.mark.parametrize(("call", "name", "options"), [
+    (breakaway.simulate, "accuracy_m", {"accuracy_m": "1e-6"}), (breakaway.study, "laws", {"laws": 1.5}),
+    (breakaway.tune, "seed", {"seed": -1}), (breakaway.identify, "lowest_m", {"lowest_m": "left"}),
+    (breakaway.kick_table, "axis", {"distance_m": 1e-3, "axis": None}), (breakaway.attract, "plane", {"plane": (0, 1, 2)}),
+    (breakaway.basin, "points", {"points": 1.5, "window": 6})])
+def test_a_signature_with_names_says_which_types_there_are(call, name, options):
+    with pytest.raises(TypeError, match=rf"\b{name}: "):
+        call(SCENARIOS / "braked_axis.toml", **options)
+
+
 def test_every_function_is_explained_with_an_example():
     for name in breakaway.__all__:
         thing = getattr(breakaway, name)

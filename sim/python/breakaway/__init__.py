@@ -8,8 +8,8 @@ arrays, which are read-only where they look into the library's own memory instea
     >>> run = breakaway.simulate("sim/scenarios/can_axis.toml")
     >>> run.figures["settled"], run.axes["x"].position_m[-1]
 
-What cannot be used is refused by InputError, whose text names the place and the remedy. On Ctrl-C `simulate` and
-`identify` end on their way, everything else when it is done.
+What cannot be used is refused by InputError, whose text names the place and the remedy, and what is of a wrong type by
+TypeError. On Ctrl-C `simulate` and `identify` end on their way, everything else when it is done.
 """
 
 import json as _json

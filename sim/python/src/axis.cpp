@@ -273,13 +273,15 @@ std::pair<std::string, std::string> identify_of(const std::string& text, const s
 }  // namespace
 
 void add_axis(py::module_& module) {
-  module.def("k3", &k3);
-  module.def("simulate", &simulate);
-  module.def("design", &design_of);
-  module.def("kick_table", &kick_table);
-  module.def("study", &study_of);
-  module.def("tune", &tune_of);
-  module.def("identify", &identify_of);
+  using namespace py::literals;
+  module.def("k3", &k3, "position_m"_a, "mass_kg"_a, "k1_N_per_m"_a, "k22_Ns_per_m"_a, "friction_lower_N"_a);
+  module.def("simulate", &simulate, "text"_a, "name"_a, "trace"_a, "accuracy_m"_a);
+  module.def("design", &design_of, "text"_a, "name"_a);
+  module.def("kick_table", &kick_table, "text"_a, "name"_a, "distance_m"_a, "axis"_a);
+  module.def("study", &study_of, "text"_a, "name"_a, "starts"_a, "laws"_a, "seed"_a, "threads"_a, "axis"_a);
+  module.def("tune", &tune_of, "text"_a, "name"_a, "objective"_a, "laws"_a, "seed"_a, "threads"_a, "axis"_a);
+  module.def("identify", &identify_of, "text"_a, "name"_a, "record"_a, "record_name"_a, "lowest_m"_a, "highest_m"_a,
+             "duration_s"_a, "axis"_a);
 }
 
 }  // namespace breakaway::python

@@ -85,8 +85,9 @@ py::tuple basin(const std::string& text, const std::string& name, int points, do
 }  // namespace
 
 void add_machine(py::module_& module) {
-  module.def("attract", &attract);
-  module.def("basin", &basin);
+  using namespace py::literals;
+  module.def("attract", &attract, "text"_a, "name"_a, "plane"_a, "window"_a, "depth"_a, "threads"_a);
+  module.def("basin", &basin, "text"_a, "name"_a, "points"_a, "window"_a, "plane"_a, "threads"_a);
 }
 
 }  // namespace breakaway::python
