@@ -195,7 +195,9 @@ std::vector<std::string> conditions_of_brake(const AxisDesign& axis, const Brake
     conditions.push_back(
         "the limits of a move hold until brake and kicks take over, within " + brief_up(promise.hand_over_m) +
         " m of the target, or where friction has stopped four approaches on their way; that of the jerk is of what is "
-        "planned; tested, not proved: that the speed stays within its limit to 1 %, also where samples are lost");
+        "planned; tested, not proved: that the speed stays within its limit to 1 %, also where samples are lost; the "
+        "acceleration may exceed its limit where a target moves on under the brake, and back before readings show the "
+        "speed");
   return conditions;
 }
 

@@ -143,6 +143,20 @@ TEST(ApproachPlan, CountsFrictionAgainstTheForceWhereNoiseIsAllThatIsRead) {
   EXPECT_NEAR(noisy_N, quiet_N, 2);
 }
 
+// An approach that begins under the brake is over with its first reading where its target moved by little, and what its
+// current loop owes differs from nothing by its rounding: a brake along the motion would let the axis go further.
+TEST(ApproachPlan, HeadsForItsTargetWhereRoundingIsAllThatIsKnownOfItsSpeed) {
+  const BrakedApproach<double> approach = approach_behind(5e-3);
+  const double near_m = 0.9 * (approach.short_of_target_m + approach.switch_distance_m), braked_N = -2;
+  for (const double side : {-1.0, 1.0}) {
+    ApproachPlan<double> plan{approach, sampling_s, 1, 0};
+    ASSERT_TRUE(plan.see(side * near_m, side * -braked_N, side * -braked_N * (1 - 1e-15)));
+    EXPECT_EQ(plan.heading(), -side);
+    ASSERT_TRUE(plan.see(side * near_m, side * -braked_N * (1 - 1e-15), side * -braked_N));
+    EXPECT_EQ(plan.heading(), -side);
+  }
+}
+
 // What follows an approach whose target moved is no slow one: it may have passed the target only.
 TEST(ApproachPlan, BeginsInMotionWhereItsTargetMovesOnTheWay) {
   const BrakedApproach<double> approach = approach_behind(0);

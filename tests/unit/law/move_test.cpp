@@ -184,6 +184,91 @@ TEST(Move, WithoutLimitsKnowsItsSpeedWhenItsTargetMovesBehindIt) {
   EXPECT_LT(out.force_N, 0) << "it brakes";
 }
 
+// The axis of the scenes under one constant friction, read late, whose target may move in any period.
+class LateAxis {
+ public:
+  LateAxis(const design::BrakedClass& c, double friction_N)
+      : kicks_{design::design_braked_kicks<float>(c).kicks},
+        p_{campaign::parameters(c, 2.5e-6)},
+        slider_{{1, 1, c.lag_s.most, 0, c.latency_periods}, [=](const auto&) { return friction_N; }, -0.4, 0},
+        readings_(static_cast<std::size_t>(c.latency_periods), slider_.position_m()) {
+    p_.max_approach_speed_m_s = 1e6F;
+    controller_ = {p_, unused_, kicks_};
+  }
+
+  ControlOutput<float> step() {
+    readings_.push_back(std::round(slider_.position_m() / 1e-6) * 1e-6);
+    const auto out = controller_.update({static_cast<float>(readings_.front() - target_m_)});
+    readings_.erase(readings_.begin());
+    const double before_m_s = slider_.velocity_m_s();
+    slider_.run(static_cast<double>(out.force_N), 1e-3, 4);
+    m_s2_ = std::fabs(slider_.velocity_m_s() - before_m_s) / 1e-3;
+    return out;
+  }
+  void go_to(double target_m) {
+    controller_.shift_target(static_cast<float>(target_m - target_m_));
+    target_m_ = target_m;
+  }
+  double position_m() const { return slider_.position_m(); }
+  double velocity_m_s() const { return slider_.velocity_m_s(); }
+  double acceleration_m_s2() const { return m_s2_; }  // of the last period, either way
+
+ private:
+  K3Table<float> unused_;
+  BrakedKicks<float> kicks_;
+  AxisParameters<float> p_;
+  breakaway::testing::Slider slider_;
+  std::vector<double> readings_;
+  AxisController<float> controller_{p_, unused_, kicks_};
+  double target_m_ = 0, m_s2_ = 0;
+};
+
+// It is reckoned past its target for some periods before a reading shows it. Taken for as many turns, it would be let
+// go at full speed, and go eight times as far.
+TEST(Move, BrakesAllTheWayWhereItPassesItsTargetAndIsReadLate) {
+  design::BrakedClass c = axes_of_the_scenes(1e-4);
+  c.move = design::MoveRequest{0.4, 1, 20, {}};
+  for (const int latency : {0, 1, 2, 3, 4, 8}) {
+    c.latency_periods = latency;
+    for (const double left_m : {0.002, 0.005, 0.01, 0.02}) {
+      LateAxis axis{c, 2.5};
+      for (int k = 0; k < 200; ++k) axis.step();
+      const double target_m = std::round((axis.position_m() + left_m) / 1e-6) * 1e-6;
+      axis.go_to(target_m);
+      double furthest_m = 0;
+      for (int k = 0; k < 1000; ++k) {
+        axis.step();
+        furthest_m = std::max(furthest_m, axis.position_m() - target_m);
+      }
+      EXPECT_LT(furthest_m, 0.04) << latency << " periods late, " << left_m << " m before it";
+      EXPECT_NEAR(axis.position_m(), target_m, 3e-6) << latency << " periods late, " << left_m << " m before it";
+    }
+  }
+}
+
+// What was read of its speed says nothing of which way it moves once it was sent back and forth since then.
+TEST(Move, KeepsItsAccelerationWhereItsTargetMovesToAndFro) {
+  design::BrakedClass c = axes_of_the_scenes(0);
+  std::mt19937_64 random{1};
+  std::uniform_real_distribution<> share{0, 1};
+  for (const double jerk_m_s3 : {0.0, 2000.0}) {
+    c.move = design::MoveRequest{0.4, 1, 20, {}};
+    if (jerk_m_s3 > 0) c.move->jerk_m_s3 = jerk_m_s3;
+    for (int run = 0; run < 60; ++run) {
+      c.latency_periods = run % 4;
+      LateAxis axis{c, run % 2 == 0 ? 2.5 : 4.5};
+      double hardest_m_s2 = 0;
+      for (int k = 0; k < 400; ++k) {
+        // As far away as no brake and no kick begins.
+        if (share(random) < 0.15) axis.go_to(axis.position_m() + (share(random) < 0.5 ? 0.2 : -0.2));
+        axis.step();
+        hardest_m_s2 = std::max(hardest_m_s2, axis.acceleration_m_s2());
+      }
+      EXPECT_LE(hardest_m_s2, 20.02) << "run " << run << ", " << jerk_m_s3 << " m/s3";
+    }
+  }
+}
+
 // One that was sent back meanwhile would be driven on by the last force.
 TEST(Move, HasNoForceWhereTheAxisIsReckonedToBeThereAndNothingIsRead) {
   UnderWay axis{axes_of_the_scenes(0)};

@@ -47,7 +47,7 @@ class ApproachPlan {
         max_speed_m_s_{speed_limit_m_s_},
         hard_m_s2_{a.hard_m_s2},
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
-        turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.1) * a.switch_speed_m_s)
+        turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.3) * a.switch_speed_m_s)
                                             : a.standing_m_s},
         passed_m_{-2 * a.switch_distance_m},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {
@@ -122,6 +122,7 @@ class ApproachPlan {
     // A force that has yet to come brings no axis near that is not there.
     const Scalar there_m = distance_;
     count_owed(force_N, command_N);
+    if (is_read) watch_turns(velocity_ * direction_);
     const Scalar take_over = take_over_m();
     const bool is_near = distance_ <= take_over && there_m <= take_over;
     if (!is_read) {
@@ -140,8 +141,9 @@ class ApproachPlan {
   }
 
   bool turned_often() const noexcept { return turns_ >= most_turns; }
-  // In which the axis moves as the plan ends; a lag or a latency may have it on its way back by then.
-  Scalar heading() const noexcept { return speed_ < 0 ? -direction_ : direction_; }
+  // In which the axis moves as the plan ends; a lag or a latency may have it on its way back by then. One that hardly
+  // moves counts as on its way to the target: rounding alone may say otherwise.
+  Scalar heading() const noexcept { return speed_ < -a_->switch_speed_m_s / 64 ? -direction_ : direction_; }
   Scalar velocity_m_s() const noexcept { return velocity_; }
   // Periods in which the brake alone is sure to stop the axis at its present speed.
   Scalar braking_periods() const noexcept {
@@ -204,16 +206,15 @@ class ApproachPlan {
 
   // A move whose target came too near for it to stop passes it and turns.
   void face(Scalar x) noexcept {
-    if (passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
-    retargeted_ = passed_ = false;
     const Scalar towards = x > 0 ? Scalar{-1} : Scalar{1};
     const bool turns = towards != direction_;
-    if (turns) move_.turn();
+    // It may be reckoned past for several periods before a reading shows it.
+    if (turns && passed_ && !retargeted_ && turns_ < most_turns) ++turns_;
+    retargeted_ = passed_ = false;
+    if (!turns) return;
+    move_.turn();
     direction_ = towards;
-    if (velocity_ * direction_ > turning_m_s_)
-      heading_ = Heading::towards;
-    else if (turns)
-      heading_ = Heading::away;
+    heading_ = Heading::away;
   }
 
   void begin(Scalar x, Scalar force_N) noexcept {
@@ -266,7 +267,6 @@ class ApproachPlan {
     }
     velocity_ += a_->correction * surprise_m_s;
     previous_m_ = x;
-    watch_turns(velocity_ * direction_);
   }
 
   // Where the axis was a latency ago, and its speed.
@@ -278,10 +278,11 @@ class ApproachPlan {
     return previous_m_ + skipped_m_;
   }
 
-  // What is read of an axis that hardly moves may point either way.
+  // What is read of an axis that hardly moves may point either way; and one that was sent back may have turned since it
+  // was read.
   void watch_turns(Scalar towards_m_s) noexcept {
     if (towards_m_s > turning_m_s_) {
-      heading_ = Heading::towards;
+      if (speed_ > turning_m_s_) heading_ = Heading::towards;
     } else if (towards_m_s < -turning_m_s_) {
       if (heading_ == Heading::towards && turns_ < most_turns) ++turns_;
       heading_ = Heading::away;
@@ -331,8 +332,10 @@ class ApproachPlan {
   Scalar hard_brake_m_{};   // in which it stops the axis from the speed at which the brake takes over
   Curve far_{}, near_{};
   Scalar half_per_gentle_{};
-  Scalar turning_m_s_{};  // an axis that is seen with more speed, either way, is sure to go that way
-  Scalar passed_m_{};     // and one that is nearer to its target has passed it
+  // An axis that is seen with more speed, either way, is sure to go that way: the speed at which the brake takes over
+  // is five times what is not seen of it, or more.
+  Scalar turning_m_s_{};
+  Scalar passed_m_{};  // and one that is nearer to its target has passed it
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar skipped_m_{};  // the way since then, in periods without a reading
