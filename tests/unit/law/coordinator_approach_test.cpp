@@ -206,6 +206,56 @@ TEST(KickCoordinator, NoKickIsChosenByASampleFromBeforeTheRelease) {
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::pulse) << "once it was seen";
 }
 
+// An encoder that stands still, or an axis that is held: its force would go on for ever.
+TEST(KickCoordinator, AMachineThatStandsBeyondAGateIsJammed) {
+  const Parameters p = two_axes();
+  // Four times D/P, twice the release, and what an approach that ends needs.
+  constexpr int patience = 400 + 2 * 5 + 3;
+  Bench bench{p};
+  bench.steps(patience, -0.05, 1e-3);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+  EXPECT_NE(bench.force_N(0), 0);
+  for (int n = 0; n < 3; ++n) bench.step(-0.05 + n % 2 * 1e-6, 1e-3);  // it flickers
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::jammed);
+  bench.step(-0.05, 1e-3);
+  EXPECT_EQ(bench.force_N(0), 0);
+}
+
+// One that moves may hold another one for a while, but not for three times as long.
+TEST(KickCoordinator, AnAxisThatStandsBeyondItsGateWhileAnotherOneMovesIsJammedLater) {
+  const Parameters p = two_axes();
+  constexpr int patience = 3 * (401 + 2 * 5 + 3);
+  Bench bench{p};
+  const auto creep = [&](int from, int to) {
+    for (int n = from; n < to; ++n) bench.step(-0.05, 1e-3 - n / 100 * 2e-6);
+  };
+  creep(0, patience - 10);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+  creep(patience - 10, patience + 10);
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::jammed);
+}
+
+TEST(KickCoordinator, AnApproachThatBeginsAnewHasAllItsPatience) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  for (int n = 0; n < 20; ++n) {
+    bench.steps(350, -0.05, 1e-3);
+    bench.coordinator.reset(0);
+  }
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+}
+
+TEST(KickCoordinator, PeriodsWithoutASampleSayNothingOfWhetherAMachineStands) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(10, -0.05, 1e-3);
+  for (int n = 0; n < 1000; ++n) {
+    bench.coordinator.update(0, {0, 0, false});
+    bench.coordinator.update(1, {1e-3, 0, true});
+  }
+  EXPECT_EQ(bench.coordinator.fault(), ControlFault::none);
+}
+
 TEST(CoordinatedAxis, IsTheLawOfOneAxis) {
   const Parameters p = two_axes();
   Coordinator coordinator{p};

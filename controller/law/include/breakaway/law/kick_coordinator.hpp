@@ -2,7 +2,8 @@
 // after another.
 //
 //   gather    u = 0, until every axis was asked in one period
-//   approach  every axis: u = -P z - D (z - z before)/T, until none of them moves and each is within its gate
+//   approach  every axis: u = -P z - D (z - z before)/T, until none of them moves and each is within its gate; one that
+//             stays beyond it while none moves is jammed, or its encoder shows nothing
 //   release   u = 0, until the machine is sure to rest
 //   choice    u = 0; of the axes that are off their targets one is looked at in a period, each in its turn
 //   pulse     the kicked axis: a force towards its target for whole periods; every other one: k (F - (A + B)/2), which
@@ -55,6 +56,7 @@ class KickCoordinator {
         count_{std::min<std::size_t>(parameters.count, Axes)},
         all_{count_ < 32 ? bit(count_) - 1 : ~Word{0}} {
     for (std::size_t i = 0; i < count_; ++i) prepare(i);
+    patience_ = whole(4 * slowest_s_ / p_->period_s) + 2 * std::uint32_t{p_->release_periods} + p_->still_periods;
   }
 
   // Takes the reading of one axis, and gives its force of the next period. To be called once a period for every axis,
@@ -110,12 +112,13 @@ class KickCoordinator {
     Scalar reading_m{};
     Scalar force_N{};  // of the approach
     Scalar limit_N{};
-    Scalar at_kick_m{};
+    Scalar stood_m{};            // as its kick began; in the approach, where it was seen to leave
     Scalar stiffness_N_per_m{};  // P
     Scalar damping_N_per_m{};    // D/T
     Scalar gate_m{};
-    Scalar count_m{};    // another count may show at the edge of one; this is less than two
-    Scalar allowed_m{};  // the tolerance; none where the axis is never kicked
+    Scalar count_m{};          // another count may show at the edge of one; this is less than two
+    Scalar allowed_m{};        // the tolerance; none where the axis is never kicked
+    std::uint32_t stands = 0;  // periods in which it did not leave its place beyond its gate
   };
 
   // What was rounded on the way to a force is less than this, so that no kick goes further than it aims.
@@ -153,6 +156,9 @@ class KickCoordinator {
                     .per_g_N = 1 / g,
                     .middle_N = (a.lower_N + a.upper_N) / 2,
                     .coast_N = -(a.upper_N + a.brake_N) / 2};
+    if (!(a.position_gain_N_per_m > 0)) return;
+    const Scalar swing_s = std::sqrt(a.mass_kg / a.position_gain_N_per_m);
+    slowest_s_ = std::max({slowest_s_, swing_s, a.velocity_gain_Ns_per_m / a.position_gain_N_per_m});
   }
 
   // A period begins with the first axis. Where one is left out, or asked before those in front of it, it does not run
@@ -175,9 +181,17 @@ class KickCoordinator {
     const Scalar change_m = (primed_ & mine) != 0 ? z.position_error_m - s.reading_m : Scalar{0};
     s.reading_m = z.position_error_m;
     s.force_N = limited(-s.stiffness_N_per_m * s.reading_m - s.damping_N_per_m * change_m, s.limit_N);
+    const bool begun = (driven_ & mine) != 0;
     primed_ |= mine;
     driven_ |= mine;
-    if (!(std::abs(change_m) <= s.count_m && std::abs(s.reading_m) <= s.gate_m)) all_still_ = false;
+    const bool beyond = !(std::abs(s.reading_m) <= s.gate_m);
+    if (beyond || !(std::abs(change_m) <= s.count_m)) all_still_ = false;
+    if (!begun || std::abs(s.reading_m - s.stood_m) > s.count_m) {
+      s.stood_m = s.reading_m;
+      stands_ = s.stands = 0;
+    } else if (beyond && ++s.stands > 3 * patience_) {
+      return failed(ControlFault::jammed);
+    }
     return {s.force_N, Scalar{0}, Mode::approach, false};
   }
 
@@ -189,7 +203,7 @@ class KickCoordinator {
     } else {
       fresh_ = false;
     }
-    if (pulse_starts_) s.at_kick_m = s.reading_m;
+    if (pulse_starts_) s.stood_m = s.reading_m;
     if (axis != kicked_)
       return {limited(held_N_ * p_->axes[kicked_].hold_off[axis], s.limit_N), Scalar{0}, Mode::coast, false};
     return {force_N_, Scalar{0}, phase_ == CoordinatorPhase::pulse ? Mode::kick : Mode::coast, pulse_starts_};
@@ -217,7 +231,7 @@ class KickCoordinator {
   // After a kick: no other axis moved, and the kicked one did not go beyond. Else the machine is not what was
   // certified.
   bool is_lawful(const State& s, std::size_t axis) const noexcept {
-    return axis == kicked_ ? s.reading_m * direction_ <= s.count_m : std::abs(s.reading_m - s.at_kick_m) <= s.count_m;
+    return axis == kicked_ ? s.reading_m * direction_ <= s.count_m : std::abs(s.reading_m - s.stood_m) <= s.count_m;
   }
 
   Mode standing_mode() const noexcept {
@@ -290,7 +304,7 @@ class KickCoordinator {
   void approach() noexcept {
     phase_ = CoordinatorPhase::approach;
     end_ = CoordinatorEnd::none;
-    still_ = 0;
+    still_ = stands_ = 0;
     all_still_ = true;
     pulse_starts_ = false;
     driven_ = 0;
@@ -298,6 +312,9 @@ class KickCoordinator {
 
   void watch_approach() noexcept {
     still_ = all_still_ && fresh_ ? still_ + 1 : 0;
+    // Wherever the machine can rest is within its gates: an encoder that stands still, or an axis that is held. Axes
+    // that still move may hold another one for a while; see draw_near().
+    if (!all_still_ && fresh_ && ++stands_ > patience_) return fail(ControlFault::jammed);
     all_still_ = true;
     if (still_ < p_->still_periods) return;
     kicks_ = 0;
@@ -427,6 +444,8 @@ class KickCoordinator {
   Scalar force_N_{};  // of the kicked axis
   Scalar held_N_{};   // of the others for each unit of k
   std::uint32_t left_ = 0, coast_periods_ = 0, kicks_ = 0, still_ = 0;
+  std::uint32_t stands_ = 0, patience_ = 0;  // periods in which no axis leaves its place, though one is beyond its gate
+  Scalar slowest_s_{};                       // of all axes, sqrt(m/P) or D/P
   bool all_still_ = true, fresh_ = true, pulse_starts_ = false;
 };
 
