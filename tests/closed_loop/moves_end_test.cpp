@@ -107,6 +107,22 @@ TEST(MovesEnd, TogetherAnAxisWithAVeryShortWaySetsOffLater) {
   }
 }
 
+// The drives are enabled in the same period.
+TEST(MovesEnd, TogetherFromTheStart) {
+  for (const bool limits_jerk : {false, true}) {
+    for (const double near_m : {0.0005, 0.01, 0.2}) {
+      const auto starts_at = [&](const std::string& text, double start_m) {
+        std::string moved = text;
+        return moved.replace(moved.find("mass_kg = 1"), 11, "mass_kg = 1\nposition_m = " + std::to_string(start_m));
+      };
+      const auto s = axes("together", starts_at(axis_text("far", 1, "target_m = 0.4\n", limits_jerk), 0) +
+                                          starts_at(axis_text("near", 2, "target_m = 0\n", limits_jerk), -near_m));
+      const auto both = arrivals_s(s, 0, 3.5, 0);
+      EXPECT_NEAR(both[1], both[0], 0.1 * both[0]) << near_m << (limits_jerk ? " of limited jerk" : "");
+    }
+  }
+}
+
 // Ways that do not reach the acceleration, whose jerk takes twenty or fifty periods to build it up.
 TEST(MovesEnd, TogetherWhereTheJerkTakesMostOfAWay) {
   for (const double jerk_m_s3 : {400.0, 1000.0}) {

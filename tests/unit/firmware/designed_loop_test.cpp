@@ -222,6 +222,25 @@ TEST(DesignedLoop, MovesThatSetOffAtOnceTakeTheTimeOfTheSlowest) {
   EXPECT_EQ(times[0].size(), 1U) << "they are on their way";
 }
 
+// A move that has begun waits for none.
+TEST(DesignedLoop, MovesOfAxesThatStartAreMatchedBeforeTheirFirstForce) {
+  for (const MovesEnd moves_end : {MovesEnd::together, MovesEnd::each}) {
+    std::vector<float> times, distances;
+    DesignedLaw law;
+    law.taken_times = &times;
+    law.distances = &distances;
+    Rig rig{moves_end};
+    rig.add(law);
+    rig.probes[0].feedback.position_offset_m = -0.1F;
+    while (rig.probes[0].commands.empty() || rig.probes[0].commands.back() == 0) {
+      EXPECT_TRUE(times.empty());
+      rig.step();
+      ASSERT_LT(rig.now, hal::Time{1s});
+    }
+    EXPECT_EQ(times.size(), moves_end == MovesEnd::together ? 1U : 0U);
+  }
+}
+
 TEST(DesignedLoop, AnAxisThatIsNotRunningHoldsNobodyUp) {
   std::array<std::vector<float>, 2> times, distances;
   Rig rig{MovesEnd::together};

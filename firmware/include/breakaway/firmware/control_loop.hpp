@@ -332,7 +332,9 @@ class ControlLoop {
     if (!a.status.running) return;
     if (feedback.fresh) a.last_error_m = feedback.position_offset_m;
     if (!was_running) begin(a);
-    a.status.output = a.controller.update({feedback.position_offset_m, Scalar{0}, feedback.fresh});
+    // Where moves end together, that of an axis that starts is matched with the others' before its first force.
+    if (was_running || config_.moves_end == MovesEnd::each)
+      a.status.output = a.controller.update({feedback.position_offset_m, Scalar{0}, feedback.fresh});
     a.drive.command(a.status.output.force_N);
     a.supervisor.command(a.status.output.force_N);
   }
