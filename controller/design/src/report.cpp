@@ -136,7 +136,8 @@ std::vector<Check> all_checks(const AxisDesign& axis, const DesignReport& report
 // What an approach keeps, in figures: a reader of the flashed header has no others.
 std::string tested_of_approach(const BrakedDesign<float>& design, const BrakedPromise& p) {
   std::string tested = "that one of four approaches ends where kicks begin, within " + brief_up(kicks_begin_m(design)) +
-                       " m of the target, and none goes further than " + brief_up(p.approach_beyond_m) + " m beyond it";
+                       " m of the target, and none from rest goes further than " + brief_up(p.approach_beyond_m) +
+                       " m beyond it";
   if (std::isfinite(p.approach_peak_m_s)) tested += ", nor faster than " + brief_up(p.approach_peak_m_s) + " m/s";
   return tested;
 }
