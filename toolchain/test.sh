@@ -129,9 +129,9 @@ if ! $quick; then
 fi
 step 'release tests' run_tests release -LE "$not_run"
 if ! $quick; then
-  step 'stm32f405 on an emulated machine' toolchain/emulate.sh stm32f405
-  step 'zynqmp_r5 on an emulated machine' toolchain/emulate.sh zynqmp_r5
+  meanwhile boards toolchain/emulate.sh stm32f405 zynqmp_r5
   step 'sanitizer build' build asan-ubsan -DBREAKAWAY_TESTS_OF_INPUT_ONLY="$input_only"
+  step 'stm32f405 and zynqmp_r5 on emulated machines' wait_for boards
   step 'sanitizer tests, fuzzers' run_tests asan-ubsan -LE '^(slow|package)$' -E "$long_computations"
   step 'clang-tidy' check_tidy
   step 'linux node in a guest' wait_for guest
