@@ -110,11 +110,11 @@ static_assert(sizeof(Object<double>) <= sizeof(breakaway_law_d) && alignof(Objec
 
 template <class Storage>
 ObjectIn<Storage>& object_in(Storage& storage) noexcept {
-  return *std::launder(reinterpret_cast<ObjectIn<Storage>*>(storage.bytes));
+  return *std::launder(reinterpret_cast<ObjectIn<Storage>*>(&storage));
 }
 template <class Storage>
 const ObjectIn<Storage>& object_in(const Storage& storage) noexcept {
-  return *std::launder(reinterpret_cast<const ObjectIn<Storage>*>(storage.bytes));
+  return *std::launder(reinterpret_cast<const ObjectIn<Storage>*>(&storage));
 }
 
 // Calls `use` with the law that is there; returns `otherwise` where there is none.
