@@ -78,6 +78,7 @@ class FlashedGantry {
     return all_run();
   }
   void say(bool enable, bool reset = false) {
+    enables_ = enable;
     for (std::uint8_t i = 0; i < axes; ++i) port_.command({.axis = i, .enable = enable, .reset_fault = reset});
   }
   void say_of(std::size_t axis, bool enable) {
@@ -88,7 +89,7 @@ class FlashedGantry {
     network_.advance_to(now_);
     node_.step(now_);
     // The commander says its commands again.
-    if (++steps_ % 100 == 0 && said_) say(true);
+    if (++steps_ % 100 == 0 && said_) say(enables_);
   }
   void repeat(bool said) { said_ = said; }
   void run(hal::Duration duration) {
@@ -115,7 +116,7 @@ class FlashedGantry {
   std::vector<drive_emulator::DriveEmulator*> drives_;
   hal::Time now_{};
   int steps_ = 0;
-  bool said_ = true;
+  bool said_ = true, enables_ = false;
 };
 
 TEST(CoupledNode, IsFlashedAsItsFileIsCertified) {
