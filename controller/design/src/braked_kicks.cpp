@@ -9,6 +9,7 @@
 #include "breakaway/design/spring_load.hpp"
 #include "kick_class.hpp"
 #include "kick_table_builder.hpp"
+#include "memo.hpp"
 #include "planned_force.hpp"
 
 namespace breakaway::design {
@@ -195,10 +196,8 @@ bool is_fine(double tolerance_m, const BrakedDesign<Real>& design) {
   return read && below && design.possible() && !design.kicks.table.list;
 }
 
-}  // namespace
-
 template <class Real>
-BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
+BrakedDesign<Real> braked_made(const BrakedClass& axes) {
   const KickClass kicks{axes};
   BrakedDesign<Real> design;
   const double A = kicks.least_friction_N();
@@ -234,6 +233,14 @@ BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
   design.least_tolerance_m = std::max(design.floor_m, design.least_reading_m);
   if (is_fine(axes.fine_tolerance_m, design)) design.kicks.fine_floor_m = static_cast<Real>(design.least_tolerance_m);
   return design;
+}
+
+}  // namespace
+
+template <class Real>
+BrakedDesign<Real> design_braked_kicks(const BrakedClass& axes) {
+  static detail::Memo<BrakedClass, BrakedDesign<Real>> memo;
+  return memo.of(axes, braked_made<Real>);
 }
 
 // Against friction A the axis would have lost A^2 / s0 more, and 1.75 times that where a force had bent friction the

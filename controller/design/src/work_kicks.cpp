@@ -7,6 +7,7 @@
 
 #include "breakaway/law/work_aim.hpp"
 #include "jointed.hpp"
+#include "memo.hpp"
 #include "work_approach.hpp"
 
 namespace breakaway::design {
@@ -109,10 +110,16 @@ class WorkTable {
   Table table_{};
 };
 
-}  // namespace
+struct Asked {
+  BrakedClass axes;
+  double max_approach_speed_m_s;
+
+  friend bool operator==(const Asked&, const Asked&) = default;
+};
 
 template <class Real>
-WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_speed_m_s) {
+WorkDesign<Real> work_made(const Asked& asked) {
+  const BrakedClass& axes = asked.axes;
   const Jointed axis{axes};
   WorkDesign<Real> d;
   const int swing = WorkTable<Real>::swing_periods(axis);
@@ -160,11 +167,19 @@ WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_
       std::sqrt((2 * axis.g * d.reach_m + axis.Bs * axis.Bs / axis.K) / (axis.lighter * axis.load.motor_kg));
   k.longest_coast_periods =
       static_cast<std::uint16_t>(std::min(most_Ns / axis.g / axes.period_s + k.still_periods, 15000.0));
-  d.longest_stop_s = detail::longest_stop_s(axis, k.approach, max_approach_speed_m_s);
+  d.longest_stop_s = detail::longest_stop_s(axis, k.approach, asked.max_approach_speed_m_s);
   k.patient_periods = static_cast<std::uint16_t>(
       std::min(k.still_periods + 4.0 * swing + 50 + std::ceil(d.longest_stop_s / axes.period_s), 65535.0));
   d.table_bytes = k.table.count * (sizeof k.table.entries[0] + 2);
   return d;
+}
+
+}  // namespace
+
+template <class Real>
+WorkDesign<Real> design_work_kicks(const BrakedClass& axes, double max_approach_speed_m_s) {
+  static detail::Memo<Asked, WorkDesign<Real>> memo;
+  return memo.of({axes, max_approach_speed_m_s}, work_made<Real>);
 }
 
 template <class Real>

@@ -211,6 +211,7 @@ position_tolerance_m = {tolerance} # the least that is certified, rounded up
 mass = 0.02
 force_gain = 0.02
 current_loop_time_constant = 0.2
+# jitter_s = {frame} # s; the longest frame of others, such as a drive's heartbeat, holds SYNC up by so much now and then
 
 [loop]
 period_s = {period}
@@ -241,9 +242,10 @@ settle_time_s = 0.2
       fmt::arg("torque", force.torque_Nm), fmt::arg("per_torque", force.per_torque), fmt::arg("bit_rate", bit_rate),
       fmt::arg("speed", chosen.approach_speed_m_s), fmt::arg("tolerance", chosen.tolerance_m),
       fmt::arg("period", 1 / known.rate_Hz), fmt::arg("count", known.encoder_resolution_m),
-      fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)), fmt::arg("travel", chosen.travel_m),
-      fmt::arg("speed_limit", chosen.speed_limit_m_s), fmt::arg("duration", chosen.duration_s),
-      fmt::arg("settle", chosen.settle_tolerance_m));
+      fmt::arg("lag", std::min(2e-4, 0.2 / known.rate_Hz)),
+      fmt::arg("frame", static_cast<double>(hal::worst_case_wire_bits(8)) / bit_rate),
+      fmt::arg("travel", chosen.travel_m), fmt::arg("speed_limit", chosen.speed_limit_m_s),
+      fmt::arg("duration", chosen.duration_s), fmt::arg("settle", chosen.settle_tolerance_m));
 }
 
 NewNode written(const KnownAxis& known, const Chosen& chosen) {

@@ -84,8 +84,7 @@ void require_use(const config::KnownAxis& known, double error_m, const design::B
   if (error_m < known.longest_move_m) return;
   throw InputError{
       fmt::format("the axis may rest {:g} m away from its target, and its longest move is {:g} m; limited most by {}: "
-                  "is that in SI "
-                  "units?",
+                  "is that in SI units?",
                   rounded_up(error_m, 3), known.longest_move_m, limit.name)};
 }
 

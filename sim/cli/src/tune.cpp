@@ -43,7 +43,7 @@ void print_limit(const DoubledLimit& limit, const Tuning& tuning) {
   if (now_m > 0 && now_m != before_m) fmt::print(", certified to {:g} m instead of {:g} m", now_m, before_m);
   if (tuning.objective == Objective::gentle)
     fmt::print(", with {:.4g} N instead of {:.4g} N", limit.best.peak_force_N, tuning.chosen.peak_force_N);
-  fmt::print("{}\n", limit.gain > 0 ? "" : ", which gains nothing");
+  fmt::print("{}\n", limit.gain > 0 || now_m < before_m ? "" : ", which gains nothing");
 }
 
 void print_limits(const Tuning& tuning) {

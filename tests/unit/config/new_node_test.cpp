@@ -10,6 +10,7 @@
 
 #include "../number_after.hpp"
 #include "../refusal.hpp"
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/input/input_error.hpp"
 
@@ -41,6 +42,18 @@ TEST(NewNode, DescribesTheAxisThatIsKnown) {
   EXPECT_EQ(axis.drive->encoder_resolution_m, 5e-7);
   EXPECT_EQ(axis.controller.max_force_N, 200);
   EXPECT_EQ(node.loop->period, std::chrono::milliseconds{1});
+}
+
+TEST(NewNode, HasALineThatTakesFramesOfOthersInAtThePriceOfAccuracy) {
+  const NewNode made = new_node(table);
+  std::string text = made.text;
+  const std::string comment = "# jitter_s = ";
+  ASSERT_NE(text.find(comment), std::string::npos);
+  text.erase(text.find(comment), 2);
+  const Axis axis = parse_node(text, "axis.toml").axes.front();
+  EXPECT_EQ(axis.uncertainty.jitter_s, 135e-6) << "the longest frame at 1 Mbit/s";
+  const double least_m = examine(parse_node(text, "axis.toml")).front().braked->least_tolerance_m;
+  EXPECT_GT(least_m, made.report.braked->least_tolerance_m);
 }
 
 TEST(NewNode, NamesTheNumberThatIsImpossible) {

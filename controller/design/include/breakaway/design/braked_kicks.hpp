@@ -24,6 +24,8 @@ namespace breakaway::design {
 struct Interval {
   double least = 0;
   double most = 0;
+
+  friend constexpr bool operator==(const Interval&, const Interval&) = default;
 };
 
 // What a move may take until brake and kicks end it. All must be above 0.
@@ -32,6 +34,8 @@ struct MoveRequest {
   double speed_m_s = 0;
   double acceleration_m_s2 = 0;       // either way, of every axis of the class
   std::optional<double> jerk_m_s3{};  // of what is planned; friction that jumps moves the axis as it likes
+
+  friend constexpr bool operator==(const MoveRequest&, const MoveRequest&) = default;
 };
 
 // By how much readings of an axis at rest may differ [m]. Noise however small takes a place at the edge of a count to
@@ -66,6 +70,8 @@ struct BrakedClass {
 
   double reading_error_m() const { return encoder_resolution_m / 2 + encoder_noise_m; }
   double flicker_m() const { return design::flicker_m(encoder_noise_m, rounding_m, encoder_resolution_m); }
+
+  friend constexpr bool operator==(const BrakedClass&, const BrakedClass&) = default;
 };
 
 constexpr int longest_pulse_periods = 255;

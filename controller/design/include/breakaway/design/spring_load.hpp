@@ -38,6 +38,8 @@ struct SpringLoad {
   // The side that the encoder does not see may rest so far from where it seems to, while a force of at most load_N acts
   // beside the drive's.
   double unseen_m(double load_N) const;
+
+  friend constexpr bool operator==(const SpringLoad&, const SpringLoad&) = default;
 };
 
 // Motion of the whole, as a rigid axis would have made it, that the encoder need not show while no count of it changes;
