@@ -20,7 +20,7 @@ struct Sloped {
 Sloped product(const Sloped& a, const Sloped& b) { return {a.value * b.value, a.slope * b.value + a.value * b.slope}; }
 
 // Of a number whose square is not near the ends of the range: std::complex takes ten times as long to allow for those.
-Complex reciprocal(Complex z) { return std::conj(z) / std::norm(z); }
+Complex one_over(Complex z) { return std::conj(z) / std::norm(z); }
 
 // e^(-s n T), of e^(-s T).
 Sloped delay(Complex of_period, int periods, double T) {
@@ -41,7 +41,7 @@ Sloped feedback_N_per_m(const BrakedClass& c, const law::ShapedApproach<Real>& a
   const Sloped mean = delay(z, a.mean_periods, T), span = delay(z, a.speed_periods, T), period{z, -T * z};
   const Complex place = half_stiffness * (1.0 + mean.value), speed = damping_per_span * (1.0 - span.value);
   const Sloped read{place + speed, half_stiffness * mean.slope - damping_per_span * span.slope};
-  const Complex per_s = reciprocal(s), held = (1.0 - period.value) * per_s / T, followed = reciprocal(1.0 + s * lag_s);
+  const Complex per_s = one_over(s), held = (1.0 - period.value) * per_s / T, followed = one_over(1.0 + s * lag_s);
   const Sloped hold{held, (period.value - held) * per_s}, loop{followed, -lag_s * followed * followed};
   return product(product(read, delay(z, c.latency_periods, T)), product(hold, loop));
 }
@@ -76,7 +76,7 @@ double growth_of_swing(const Jointed& axis, const law::ShapedApproach<Real>& a, 
   };
   const auto step_to_root = [&](Complex s, double share) {
     const Sloped alone = free(s), fed = fed_back(s);
-    return -(alone.value + share * fed.value) * reciprocal(alone.slope + share * fed.slope);
+    return -(alone.value + share * fed.value) * one_over(alone.slope + share * fed.slope);
   };
   Complex root{0, w};
   double growth = -((free(root).value + fed_back(root).value) / free(root).slope).real() / w;
