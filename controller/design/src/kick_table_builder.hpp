@@ -122,7 +122,6 @@ class KickTableBuilder {
   }
 
  private:
-  static constexpr double about_as_much = 1e-6;    // of a score
   static constexpr int samples = 32;               // of an interval
   static constexpr int longest_cut_periods = 255;  // that the table's bytes hold
   static constexpr int sure_counts = 64;           // beyond the least tolerance, where kicks are sure to lead further
@@ -203,16 +202,15 @@ class KickTableBuilder {
     }
   }
 
-  // The pulse length whose kicks take the most away at worst; of those that take about as much the shortest. Without a
-  // lag all do that have the force, and rounding must not choose among them.
+  // The pulse length whose kicks take the most away at worst.
   int best_periods(int from, int to, double left, double right) const {
     int best = from;
-    double to_beat = -1;
+    double best_score = -1;
     for (int n = from; n <= std::min(to, longest_pulse_periods); ++n) {
-      const double score = score_of(n, {left, (left + right) / 2, right}, to_beat);
-      if (score <= to_beat) continue;
+      const double score = score_of(n, {left, (left + right) / 2, right}, best_score);
+      if (score <= best_score) continue;
       best = n;
-      to_beat = score + about_as_much;
+      best_score = score;
     }
     return best;
   }
