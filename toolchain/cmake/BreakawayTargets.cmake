@@ -69,9 +69,10 @@ if(BREAKAWAY_DEVELOPER_WARNINGS)
 endif()
 
 # breakaway_test(<name> SOURCES file... USES target... [LABELS label])
-# A GoogleTest executable whose cases are found and registered with CTest one by one. The label `slow` keeps it out of the
-# runs under the sanitizers. One label only: gtest_discover_tests cannot pass on a list. Tests are breakaway_cold, as what
-# computes is in the libraries, unless their folder sets BREAKAWAY_TESTS_COMPUTE.
+# A GoogleTest executable whose cases are found and registered with CTest one by one, or as a whole where only the tests of
+# input are built. The label `slow` keeps it out of the runs under the sanitizers. One label only: gtest_discover_tests cannot
+# pass on a list. Tests are breakaway_cold, as what computes is in the libraries, unless their folder sets
+# BREAKAWAY_TESTS_COMPUTE.
 function(breakaway_test name)
   cmake_parse_arguments(PARSE_ARGV 1 TEST "" "LABELS" "SOURCES;USES")
   if(TEST_UNPARSED_ARGUMENTS)
@@ -97,5 +98,11 @@ function(breakaway_test name)
   if(TEST_LABELS)
     set(labels LABELS ${TEST_LABELS})
   endif()
-  gtest_discover_tests(${name} PROPERTIES TIMEOUT 1800 ${labels} DISCOVERY_TIMEOUT 60)
+  if(BREAKAWAY_TESTS_OF_INPUT_ONLY)
+    # Under the sanitizers a program takes longer to start than most of its cases take.
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 1800 ${labels})
+  else()
+    gtest_discover_tests(${name} PROPERTIES TIMEOUT 1800 ${labels} DISCOVERY_TIMEOUT 60)
+  endif()
 endfunction()
