@@ -33,7 +33,7 @@ for argument in "$@"; do
 done
 ((${#rooms[@]} == 0)) || options+=(--rooms "${rooms[@]}")
 
-require_packages run test
+require_packages run build test
 cd -- "$root"
 build=$root/build/coverage
 

@@ -24,7 +24,7 @@ for argument in "$@"; do
   esac
 done
 ((EUID == 0)) || die "LinuxCNC loads modules from a folder of root's: run this as root, in a container for example"
-require_packages test linuxcnc
+require_packages build test linuxcnc
 
 # A build that is there saves time: BREAKAWAY_BUILD=build/release
 build=$root/${BREAKAWAY_BUILD:-build/linuxcnc}

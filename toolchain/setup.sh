@@ -1,5 +1,5 @@
 # Common part of run.sh and test.sh, which source it.
-#   require_packages <run|test>...  installs what packages.txt lists for these uses and the machine lacks: as root, or by
+#   require_packages <use>...     installs what packages.txt lists for these uses and the machine lacks: as root, or by
 #                                   sudo; with neither it names the packages and exits with 2. When nothing is missing
 #                                   it neither installs nor updates anything, and needs no network.
 # Exit codes of both scripts: 0 done, 1 the job itself failed, 2 the machine or the command line is at fault.

@@ -54,8 +54,8 @@ step() {
 }
 
 # meanwhile <name> <command...>: begins the command, whose output and time are shown when `step <name> wait_for <name>` waits
-# for it. The guest keeps one processor busy, and in virtual time: what runs beside it changes nothing of what it does.
-# It leads a group of its own, which ends with this script.
+# for it. It leads a group of its own, which ends with this script. The guest keeps one processor busy, and in virtual time:
+# what runs beside it changes nothing of what it does.
 meanwhile() {
   setsid "${@:2}" >"build/$1.log" 2>&1 &
   meanwhile_process[$1]=$!
@@ -106,22 +106,27 @@ check_tidy() {
     sort -u | timeout 3600 xargs -d '\n' -n 1 -P "$(nproc)" clang-tidy --quiet -p build/asan-ubsan
 }
 
-require_packages run test
+uses=(test)
+$quick || uses+=(emulate guest)
 # Where npm comes from elsewhere than Debian, Debian's would not go with it.
-command -v npm >/dev/null || require_packages npm
-# Who may have to type a password is asked at the start.
-$quick || ((EUID == 0)) || require_packages emulate guest
+command -v npm >/dev/null || uses+=(npm)
+require_packages run build
+# Who may have to type a password is asked at the start; else the compiler does not wait for what only the checks need.
+((EUID == 0)) || require_packages "${uses[@]}"
 cd -- "$root"
 
-if ! $quick; then
+mkdir -p build
+is_formatted=false
+if command -v clang-format >/dev/null; then
   step 'format' check_format
-  # The compiler does not wait for what only emulated machines need.
-  mkdir -p build
-  meanwhile packages bash -c 'source toolchain/setup.sh; require_packages emulate guest'
+  is_formatted=true
 fi
+meanwhile packages bash -c 'source toolchain/setup.sh; require_packages "$@"' test.sh "${uses[@]}"
 step 'release build' build release -DBREAKAWAY_BUILD_TESTS=ON
+step 'the other packages' wait_for packages
+$is_formatted || step 'format' check_format
+step 'release build of what needs them' build release
 if ! $quick; then
-  step 'packages for emulated machines' wait_for packages
   meanwhile guest toolchain/emulate.sh linux "${guest_cases[@]}"
   # What follows leaves the guest the processor that it asks for: one that waits for this machine computes what happens
   # in the meantime.

@@ -35,7 +35,7 @@ done
 [[ -n $folder ]] || die "give a folder; see --help"
 mkdir -p -- "$folder/findings"
 folder=$(cd -- "$folder" && pwd)
-require_packages run test
+require_packages run build test
 cd -- "$root"
 all=$(sed -n 's/^ *breakaway_fuzzer(\([a-z0-9_]*\) .*/\1/p' tests/fuzz/CMakeLists.txt)
 ((${#wanted[@]} > 0)) || mapfile -t wanted <<<"$all"

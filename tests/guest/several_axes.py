@@ -107,7 +107,7 @@ def a_killed_drive_of_three_is_named_and_stops_all(build):
         time.sleep(2)
         reset_s = time.time()
         node.signal(signal.SIGUSR1)
-        time.sleep(6)
+        time.sleep(4)
         code = node.terminate()
         require(code == 0, f"exit code {code}:\n{node.output()}")
         require_all_at_rest(node)

@@ -38,7 +38,9 @@ double longest_way_m(const Node& node, const Axis& axis) {
 
 design::AxisDesign axis_design(const Node& node, const Axis& axis) {
   if (!axis.controller.impulsive)
-    throw InputError{at_axis(node, axis) + "[controller] kind is \"pid\"; design checks the impulsive law only"}
+    throw InputError{at_axis(node, axis) +
+                     "[controller] kind is \"pid\"; design checks the impulsive law only: "
+                     "leave kind out for that one, or try this one by `breakaway study`"}
         .in_file(node.file);
   const auto p = axis_parameters<double>(node, axis);
   return {.mass_kg = p.mass_kg,

@@ -34,14 +34,14 @@ void require_described(const Node& node, const Axis& axis, const ExperimentReque
 
 // Beyond the file's limits the supervisor would end the experiment.
 void require_inside(const Limits& limits, const ExperimentRequest& request) {
-  const auto require = [](bool within, double asked_m, const char* key, double limit_m) {
+  const auto require = [](bool within, double asked_m, const char* end, double limit_m) {
     if (within || !std::isfinite(asked_m)) return;
     throw InputError{fmt::format(
-        "the travel that is asked for ends at {:g} m, beyond [limits] {} = {:g}: ask for less, or widen the limit",
-        asked_m, key, limit_m)};
+        "the travel that is asked for ends at {:g} m, beyond the {} end of [limits], {:g} m: ask for less, or widen it",
+        asked_m, end, limit_m)};
   };
-  require(request.lowest_m >= limits.position_min_m, request.lowest_m, "position_min_m", limits.position_min_m);
-  require(request.highest_m <= limits.position_max_m, request.highest_m, "position_max_m", limits.position_max_m);
+  require(request.lowest_m >= limits.position_min_m, request.lowest_m, "lower", limits.position_min_m);
+  require(request.highest_m <= limits.position_max_m, request.highest_m, "upper", limits.position_max_m);
 }
 
 }  // namespace

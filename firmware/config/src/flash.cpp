@@ -38,7 +38,7 @@ void require_runnable(const Node& node) {
   for (const Axis& axis : node.axes) {
     if (!axis.drive) refuse(node, axis, "[drive] is missing: what runs on a controller needs one");
     if (!axis.controller.impulsive)
-      refuse(node, axis, "[controller] kind is \"pid\"; a node runs the impulsive law only");
+      refuse(node, axis, "[controller] kind is \"pid\"; a node runs the impulsive law only: leave kind out");
   }
 }
 

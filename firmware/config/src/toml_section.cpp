@@ -82,12 +82,18 @@ struct NearestKey {
   std::size_t distance = std::numeric_limits<std::size_t>::max();
 };
 
+// A key without its unit, as `mass` for `mass_kg` or the papers' `k1`, is like it whatever else is as short.
+std::size_t unlikeness(std::string_view name, std::string_view key) {
+  const bool lacks_unit = name.size() > key.size() && name.starts_with(key) && name[key.size()] == '_';
+  return lacks_unit ? 1 : edit_distance(name, key);
+}
+
 // The first of the rows that are most like this key; rows that only refuse are not offered.
 NearestKey nearest_key(const std::vector<Key>& rows, std::string_view key) {
   NearestKey nearest;
   for (const Key& row : rows) {
     if (row.value.form.type == Form::Type::refused) continue;
-    const std::size_t distance = edit_distance(row.name, key);
+    const std::size_t distance = unlikeness(row.name, key);
     if (distance < nearest.distance) nearest = {row.name, distance};
   }
   return nearest;

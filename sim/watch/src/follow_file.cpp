@@ -33,7 +33,8 @@ class Input {
   explicit Input(const std::string& path)
       : descriptor_{is_standard_input(path) ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)} {
     if (std::filesystem::is_directory(path)) throw InputError{path + ": is a folder; give a file of samples"};
-    if (descriptor_ < 0) throw InputError{fmt::format("{}: cannot be read: {}", path, std::strerror(errno))};
+    if (descriptor_ < 0)
+      throw InputError{fmt::format("{}: cannot be read: {}; check the path", path, std::strerror(errno))};
   }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;

@@ -154,9 +154,9 @@ TEST(ExperimentParameters, RefuseATravelBeyondTheLimitsOfTheFile) {
   const auto why = [&](const ExperimentRequest& request) {
     return refusal([&] { experiment_parameters<double>(node, node.axes.front(), request); });
   };
-  EXPECT_NE(why({.lowest_m = -0.5, .highest_m = 11}).find("ends at 11 m, beyond [limits] position_max_m = 10"),
+  EXPECT_NE(why({.lowest_m = -0.5, .highest_m = 11}).find("ends at 11 m, beyond the upper end of [limits], 10 m"),
             std::string::npos);
-  EXPECT_NE(why({.lowest_m = -11}).find("ends at -11 m, beyond [limits] position_min_m = -10"), std::string::npos);
+  EXPECT_NE(why({.lowest_m = -11}).find("ends at -11 m, beyond the lower end of [limits], -10 m"), std::string::npos);
   EXPECT_NE(why({.lowest_m = 2, .highest_m = 1}).find("from 2 to 1 m is empty"), std::string::npos);
   EXPECT_EQ(why({.lowest_m = -10, .highest_m = 10}), "");
 }

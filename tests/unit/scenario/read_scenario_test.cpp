@@ -82,6 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"HeaderBeyondAscii", with(sound, "[plant]", "[\u00b5plant]"), {":2:", "not valid TOML"}},
         BadInput{"KeyWithLineBreak", "\"a\\nb\" = 1\n" + sound, {":1:", "a b"}},
         BadInput{"BeyondAsciiInLongString", "title = \"\"\"\\\n\u00a7\"\"\"\n" + sound, {":2:", "ASCII"}},
+        BadInput{"KeyWithoutItsUnit", with(sound, "k1_N_per_m", "k1"), {"[controller]", "k1 is", "key is k1_N_per_m"}},
         BadInput{"MisspeltSection", with(sound, "[friction]", "[fricton]"), {":4:", "fricton", "friction"}},
         BadInput{"MissingKey", with(sound, "mass_kg = 1", ""), {"[plant]", "mass_kg", "missing", "kg"}},
         BadInput{"MissingSection", with(sound, "[plant]\nmass_kg = 1", ""), {"plant", "missing"}},
