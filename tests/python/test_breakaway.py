@@ -3,6 +3,7 @@
 import gc
 import json
 import pathlib
+import signal
 import subprocess
 import tomllib
 
@@ -198,3 +199,29 @@ def test_every_function_is_explained_with_an_example():
         assert thing.__doc__, name
         if callable(thing) and not isinstance(thing, type):
             assert ">>> " in thing.__doc__ and f"breakaway.{name}" in thing.__doc__, name
+
+
+class Stopped(Exception):
+    """What the handler of a signal throws, as Python's own does on Ctrl-C."""
+
+
+@pytest.mark.parametrize("takes_hours", [
+    lambda: breakaway.simulate((SCENARIOS / "can_axis.toml").read_text().replace(
+        "duration_s = 30", "duration_s = 1e6\nstop_when_settled = false"), trace=False),
+    lambda: breakaway.study(SCENARIOS / "can_axis.toml", laws=100_000, threads=2),
+    lambda: breakaway.tune(SCENARIOS / "can_axis.toml", laws=100_000, threads=2),
+    lambda: breakaway.attract(SCENARIOS / "two_mass_example.toml", depth=14, threads=2),
+    lambda: breakaway.basin(SCENARIOS / "two_mass_example.toml", points=4000, window=10, threads=2),
+], ids=["simulate", "study", "tune", "attract", "basin"])
+def test_a_signal_ends_what_would_take_hours(takes_hours):
+    def stop(*_):
+        raise Stopped
+
+    before = signal.signal(signal.SIGALRM, stop)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Stopped):
+            takes_hours()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

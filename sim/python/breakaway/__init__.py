@@ -9,7 +9,7 @@ arrays, which are read-only where they look into the library's own memory instea
     >>> run.figures["settled"], run.axes["x"].position_m[-1]
 
 What cannot be used is refused by InputError, whose text names the place and the remedy, and what is of a wrong type by
-TypeError. On Ctrl-C `simulate` and `identify` end on their way, everything else when it is done.
+TypeError. Ctrl-C ends what takes long on its way.
 """
 
 import json as _json

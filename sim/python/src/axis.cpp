@@ -227,7 +227,7 @@ std::string study_of(const std::string& text, const std::string& name,
                               .random_laws = checked_laws(laws, 1'000'000),
                               .seed = seed,
                               .threads = static_cast<unsigned>(threads_or_all(threads)),
-                              .progress = {}};
+                              .progress = Interruptible{}};
   for (const auto& [position_m, velocity_m_s] : starts) options.starts.push_back({position_m, velocity_m_s});
   if (options.starts.empty()) options.starts = study::default_starts(s);
   for (const study::Start& start : options.starts) study::require_within_limits(s, start);
@@ -243,7 +243,8 @@ std::pair<std::string, std::string> tune_of(const std::string& text, const std::
                                             .axis = axis,
                                             .random_laws = checked_laws(laws, 100'000),
                                             .seed = seed,
-                                            .threads = static_cast<unsigned>(threads_or_all(threads))});
+                                            .threads = static_cast<unsigned>(threads_or_all(threads)),
+                                            .progress = Interruptible{}});
   return {report::to_json(tuning), tuning.text};
 }
 

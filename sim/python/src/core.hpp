@@ -7,10 +7,12 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace breakaway::python {
@@ -42,18 +44,23 @@ py::array_t<Number> column(const std::shared_ptr<Owner>& owner, const Records& r
 // One for each processor where none are said. Throws InputError.
 int threads_or_all(int threads);
 
-// Ends a long computation on Ctrl-C; to be told the share that is done, from the thread that Python called.
+// Ends a long computation on Ctrl-C: a callback for progress, from any of its threads. Only the one that Python called
+// looks for signals, and not so often that other threads of Python would wait for it.
 class Interruptible {
  public:
-  void operator()(double share) {
-    if (share < asked_ + 0.01 && share >= asked_) return;
-    asked_ = share;
+  template <class... Progress>
+  void operator()(const Progress&...) {
+    if (std::this_thread::get_id() != called_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_look_) return;
+    next_look_ = now + std::chrono::milliseconds{50};
     const py::gil_scoped_acquire locked;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set{};
   }
 
  private:
-  double asked_ = 0;
+  std::thread::id called_ = std::this_thread::get_id();
+  std::chrono::steady_clock::time_point next_look_{};
 };
 
 }  // namespace breakaway::python

@@ -43,7 +43,8 @@ py::tuple attract(const std::string& text, const std::string& name, const Plane&
     found->emplace(study::find_attraction(s, {.plane = checked(plane, s),
                                               .half_width = window == 0 ? 0 : checked_window(window),
                                               .depth = depth,
-                                              .threads = threads_or_all(threads)}));
+                                              .threads = threads_or_all(threads),
+                                              .progress = Interruptible{}}));
     json = report::to_json(s, **found);
   }
   using study::Cell;
@@ -71,7 +72,7 @@ py::tuple basin(const std::string& text, const std::string& name, int points, do
     const auto certificates = sil::certify(s);
     grid = std::make_shared<Basin>(study::Grid{points, checked_window(window), checked(plane, s)}, study::Shard{});
     const auto begin = std::chrono::steady_clock::now();
-    const std::size_t simulated = study::decide_pending(*grid, s, threads_or_all(threads), [](int, std::size_t) {});
+    const std::size_t simulated = study::decide_pending(*grid, s, threads_or_all(threads), Interruptible{});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     json = report::to_json(s, *grid, certificates, {simulated, seconds});
   }

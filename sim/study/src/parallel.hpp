@@ -11,9 +11,9 @@
 
 namespace breakaway::study {
 
-// Does the jobs 0 .. count - 1 on `threads` >= 1 threads, `at_a_time` >= 1 of them to whichever thread is free. Each
-// thread asks make_worker(thread) once for what does a job(i), so that it can have an integrator of its own. The first
-// exception ends all threads and is thrown again here.
+// Does the jobs 0 .. count - 1 on `threads` >= 1 threads, of which the caller's is one, `at_a_time` >= 1 of them to
+// whichever thread is free. Each thread asks make_worker(thread) once for what does a job(i), so that it can have an
+// integrator of its own. The first exception ends all threads and is thrown again here.
 template <class MakeWorker>
 void in_parallel(std::size_t count, int threads, std::size_t at_a_time, const MakeWorker& make_worker) {
   std::atomic<std::size_t> next = 0;
@@ -35,7 +35,8 @@ void in_parallel(std::size_t count, int threads, std::size_t at_a_time, const Ma
   {
     std::vector<std::jthread> pool;
     pool.reserve(static_cast<std::size_t>(threads));
-    for (int thread = 0; thread < threads; ++thread) pool.emplace_back(work, thread);
+    for (int thread = 1; thread < threads; ++thread) pool.emplace_back(work, thread);
+    work(0);  // a signal that ends the caller is seen on the caller's thread only
   }
   if (failure) std::rethrow_exception(failure);
 }

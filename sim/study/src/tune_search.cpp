@@ -162,7 +162,8 @@ double Search::first_duration_s() const {
   return std::max(given_s, 2 + 20 * axis_.distance_m() / axis_.fastest_m_s());
 }
 
-TunedPoint Search::judged(const Gains& gains, int random_laws, double longest_s, unsigned threads) const {
+TunedPoint Search::judged(const Gains& gains, int random_laws, double longest_s, unsigned threads,
+                          const std::function<void(int, int)>& progress) const {
   TunedPoint point{.gains = gains, .why_not = {}};
   try {
     scenario::Scenario s = axis_.with(gains);
@@ -174,7 +175,7 @@ TunedPoint Search::judged(const Gains& gains, int random_laws, double longest_s,
     // What is said is how long the longest move takes. Another target would be a move of its own, from which its time
     // is counted, or come after all that is tried.
     s.node.axes.front().controller.targets.clear();
-    const StudyRow row = run_study(s, {{axis_.start()}, random_laws, options_.seed, threads, {}}).front();
+    const StudyRow row = run_study(s, {{axis_.start()}, random_laws, options_.seed, threads, progress}).front();
     point.laws = row.runs.size();
     point.why_not = unsettled(row);
     point.worst_settling_s = worst_settling_time_s(row);
@@ -187,6 +188,10 @@ TunedPoint Search::judged(const Gains& gains, int random_laws, double longest_s,
   return point;
 }
 
+TunedPoint Search::judged_alone(const Gains& gains, int random_laws, double longest_s) const {
+  return judged(gains, random_laws, longest_s, threads_of(options_), [this](int, int) { progress_(share_); });
+}
+
 TunedPoint Search::best_of(const std::vector<Gains>& gains, double longest_s) {
   const int few = std::min(few_random_laws, options_.random_laws);
   std::vector<TunedPoint> points(gains.size());
@@ -196,7 +201,7 @@ TunedPoint Search::best_of(const std::vector<Gains>& gains, double longest_s) {
     return [&](std::size_t i) {
       points[i] = judged(gains[i], few, longest_s, 1);
       const std::scoped_lock lock{mutex};
-      progress_(0.6 * static_cast<double>(++done) / static_cast<double>(gains.size()));
+      tell(0.6 * static_cast<double>(++done) / static_cast<double>(gains.size()));
     };
   });
   std::ranges::stable_sort(points, faster);
@@ -205,8 +210,7 @@ TunedPoint Search::best_of(const std::vector<Gains>& gains, double longest_s) {
     if (!point.good() || (best.good() && !faster(point, best))) continue;
     if (few < options_.random_laws) {
       const double enough_s = best.good() ? 1.01 * best.worst_settling_s + settle_time_s() : longest_s;
-      const TunedPoint all =
-          judged(point.gains, options_.random_laws, std::min(longest_s, enough_s), threads_of(options_));
+      const TunedPoint all = judged_alone(point.gains, options_.random_laws, std::min(longest_s, enough_s));
       if (!all.good() && !best.good()) best.why_not = all.why_not;
       // What was cut short at the best time so far is no better: of that, what a few laws have shown stays.
       if (all.good() || !best.good()) point = all;
@@ -214,7 +218,7 @@ TunedPoint Search::best_of(const std::vector<Gains>& gains, double longest_s) {
     }
     best = point;
   }
-  progress_(1);
+  tell(1);
   std::ranges::move(points, std::back_inserter(tried_));
   return best;
 }
@@ -230,7 +234,7 @@ TunedPoint Search::fastest(const Tolerance& tolerance) {
     for (const Gains& gains : fast_gains(axis_, coast, GainGrid::fine)) all.push_back(toleranced(gains));
   double longest_s = first_duration_s();
   for (const Gains& gains : all) {
-    const TunedPoint first = judged(gains, 0, longest_s, threads_of(options_));
+    const TunedPoint first = judged_alone(gains, 0, longest_s);
     if (!first.good()) continue;
     longest_s = std::min(longest_s, lost_cause * first.worst_settling_s + settle_time_s());
     break;
@@ -245,8 +249,7 @@ TunedPoint Search::without_overshoot(const TunedPoint& fastest) {
   if (stays_within(fastest)) return fastest;
   for (TunedPoint& point : tried_) {  // the fastest first
     if (!point.good() || point.worst_settling_s > longest_s || !stays_within(point)) continue;
-    if (point.laws < fastest.laws)
-      point = judged(point.gains, options_.random_laws, longest_s + settle_time_s(), threads_of(options_));
+    if (point.laws < fastest.laws) point = judged_alone(point.gains, options_.random_laws, longest_s + settle_time_s());
     if (point.good() && point.worst_settling_s <= longest_s && stays_within(point)) return point;
   }
   return fastest;
@@ -257,7 +260,7 @@ TunedPoint Search::gentlest(const TunedPoint& fastest, double longest_s) {
   constexpr double shown = 1.5;  // times the longest, so that a picture has what was too slow
   const auto run = [&](double share, int random_laws) {
     const Gains gains = with_force(axis_, fastest.gains, share);
-    tried_.push_back(judged(gains, random_laws, shown * longest_s + settle_time_s(), threads_of(options_)));
+    tried_.push_back(judged_alone(gains, random_laws, shown * longest_s + settle_time_s()));
     return tried_.back();
   };
   const auto allowed = [=](const TunedPoint& p) { return p.good() && p.worst_settling_s <= longest_s; };

@@ -39,7 +39,11 @@ class Search {
   const std::vector<TunedPoint>& tried() const { return tried_; }
 
  private:
-  TunedPoint judged(const Gains& gains, int random_laws, double longest_s, unsigned threads) const;
+  TunedPoint judged(const Gains& gains, int random_laws, double longest_s, unsigned threads,
+                    const std::function<void(int, int)>& progress = {}) const;
+  // By all threads. On the way the share that is behind is told again, so that whoever is told can end it.
+  TunedPoint judged_alone(const Gains& gains, int random_laws, double longest_s) const;
+  void tell(double share) { progress_(share_ = share); }
   // The fastest of them: all under a few laws, those that may be it under all.
   TunedPoint best_of(const std::vector<Gains>& gains, double longest_s);
   // These, or others that take a little longer and overshoot by no more than the tolerance.
@@ -50,6 +54,7 @@ class Search {
   const TunedAxis& axis_;
   const TuneOptions& options_;
   std::function<void(double share)> progress_;
+  double share_ = 0;  // that was told last
   std::vector<TunedPoint> tried_;
 };
 
