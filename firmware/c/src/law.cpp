@@ -1,6 +1,5 @@
 #include "breakaway/law.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -62,13 +61,12 @@ class OwnedLaw {
   }
 
  private:
-  // A fine stage aims nearer than its floor, which is what is promised.
   Scalar promised_m() const noexcept {
     const Scalar asked_m = controller_.parameters().position_tolerance_m;
     if constexpr (law::AxisParts<Kicks>::by_work)
       return asked_m;
     else
-      return std::max(asked_m, kicks_.fine_floor_m);
+      return kicks_.promised_m(asked_m);
   }
 
   law::K3Table<Scalar> table_;

@@ -94,6 +94,8 @@ struct BrakedKicks {
   BrakedApproach<Scalar> approach{};
   KickTable<Scalar> table{};
 
+  // How near a hold is promised to be where this is asked: a fine stage aims nearer than its floor.
+  constexpr Scalar promised_m(Scalar asked_m) const noexcept { return std::max(asked_m, fine_floor_m); }
   constexpr bool kicks_show_friction() const noexcept { return most_seen_N < std::numeric_limits<Scalar>::max(); }
   // The distance at which an approach gives way to brake and kicks.
   constexpr Scalar hand_over_m() const noexcept { return approach.switch_distance_m + approach.short_of_target_m; }

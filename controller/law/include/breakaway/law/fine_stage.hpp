@@ -120,7 +120,7 @@ class FineStage {
     way.tried_N = force_N - Scalar(0.03) * friction_.upper_N;
   }
 
-  constexpr Scalar most_m() const noexcept { return std::max(asked_m_, kicks_->fine_floor_m); }
+  constexpr Scalar most_m() const noexcept { return kicks_->promised_m(asked_m_); }
   // A kick that does not move the axis goes nowhere wrong.
   constexpr void count_move() noexcept {
     if (++moves_ <= patient_moves || count_ == most_fine_kicks) return;
