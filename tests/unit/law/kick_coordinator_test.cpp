@@ -222,6 +222,42 @@ TEST(KickCoordinator, AMissingSampleIsWaitedForBeforeAKickIsChosen) {
   EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
 }
 
+TEST(KickCoordinator, AKickIsAimedFromReadingsOfTheMachineAtRestThoughSamplesAreLostAsTheReleaseEnds) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  while (bench.coordinator.phase() != CoordinatorPhase::release) bench.step(3e-4, 5e-6);
+  bench.step(3e-4, 5e-6);
+  for (int n = 0; n < 10; ++n) {  // the springs move it meanwhile
+    bench.coordinator.update(0, {nan, 0, false});
+    bench.coordinator.update(1, {5e-6, 0, true});
+    EXPECT_EQ(bench.coordinator.kicks(), 0U);
+  }
+  for (int n = 0; n < 100; ++n) bench.step(5e-6, 5e-6);
+  EXPECT_EQ(bench.coordinator.phase(), CoordinatorPhase::hold);
+  EXPECT_EQ(bench.coordinator.kicks(), 0U);
+}
+
+// One drive answers every odd SYNC and another every even one: no period brings readings of both.
+TEST(KickCoordinator, SamplesThatAreLostNowOfOneAxisAndNowOfAnotherEndNothing) {
+  const Parameters p = two_axes();
+  Coordinator coordinator{p};
+  unsigned n = 0;
+  const auto kicked_at = [&](double first_m, double second_m) {
+    for (int patience = 0; patience < 300; ++patience) {
+      const bool first = (++n & 1U) != 0;
+      const bool kicked = coordinator.update(0, {first ? first_m : nan, 0, first}).kicked;
+      if (coordinator.update(1, {first ? nan : second_m, 0, !first}).kicked || kicked) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(kicked_at(3e-4, 2e-4)) << "the approach ends";
+  EXPECT_TRUE(kicked_at(5e-6, 2e-4)) << "a kick is judged";
+  EXPECT_FALSE(kicked_at(5e-6, 5e-6));
+  EXPECT_EQ(coordinator.phase(), CoordinatorPhase::hold);
+  EXPECT_TRUE(kicked_at(5e-6, 2e-4)) << "something pushes an axis that is held";
+  EXPECT_EQ(coordinator.fault(), ControlFault::none);
+}
+
 TEST(KickCoordinator, ASampleThatIsLostAsAKickStartsIsNoSignOfMotion) {
   const Parameters p = two_axes();
   Bench bench{p};

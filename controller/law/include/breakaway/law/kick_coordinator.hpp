@@ -173,10 +173,7 @@ class KickCoordinator {
   static bool is_number(Scalar reading_m) noexcept { return std::abs(reading_m) <= std::numeric_limits<Scalar>::max(); }
 
   ControlOutput<Scalar> draw_near(State& s, Word mine, const Measurement<Scalar>& z) noexcept {
-    if (!z.fresh) {
-      fresh_ = false;
-      return {(driven_ & mine) != 0 ? s.force_N : Scalar{0}, Scalar{0}, Mode::approach, false};
-    }
+    if (!z.fresh) return {(driven_ & mine) != 0 ? s.force_N : Scalar{0}, Scalar{0}, Mode::approach, false};
     if (!is_number(z.position_error_m)) return failed(ControlFault::not_a_number);
     const Scalar change_m = (primed_ & mine) != 0 ? z.position_error_m - s.reading_m : Scalar{0};
     s.reading_m = z.position_error_m;
@@ -184,6 +181,7 @@ class KickCoordinator {
     const bool begun = (driven_ & mine) != 0;
     primed_ |= mine;
     driven_ |= mine;
+    heard_ |= mine;
     const bool beyond = !(std::abs(s.reading_m) <= s.gate_m);
     if (beyond || !(std::abs(change_m) <= s.count_m)) all_still_ = false;
     if (!begun || std::abs(s.reading_m - s.stood_m) > s.count_m) {
@@ -200,8 +198,6 @@ class KickCoordinator {
     if (z.fresh) {
       if (!is_number(z.position_error_m)) return failed(ControlFault::not_a_number);
       s.reading_m = z.position_error_m;
-    } else {
-      fresh_ = false;
     }
     if (pulse_starts_) s.stood_m = s.reading_m;
     if (axis != kicked_)
@@ -210,12 +206,10 @@ class KickCoordinator {
   }
 
   ControlOutput<Scalar> stand(State& s, std::size_t axis, const Measurement<Scalar>& z) noexcept {
-    if (!z.fresh)
-      fresh_ = false;
-    else if (!is_number(z.position_error_m))
-      return failed(ControlFault::not_a_number);
-    else
+    if (z.fresh) {
+      if (!is_number(z.position_error_m)) return failed(ControlFault::not_a_number);
       look(s, axis, z.position_error_m);
+    }
     return {Scalar{0}, Scalar{0}, standing_mode(), false};
   }
 
@@ -223,6 +217,7 @@ class KickCoordinator {
     const Word mine = bit(axis);
     s.reading_m = reading_m;
     primed_ |= mine;
+    heard_ |= mine;
     mark(outside_, mine, std::abs(reading_m) > s.allowed_m);
     if (phase_ == CoordinatorPhase::rest) mark(unlawful_, mine, !is_lawful(s, axis));
     if (phase_ == CoordinatorPhase::hold) mark(far_, mine, std::abs(reading_m) > s.gate_m);
@@ -257,7 +252,6 @@ class KickCoordinator {
     seen_ = 0;
     pulse_starts_ = false;
     decide();
-    fresh_ = true;
   }
 
   void decide() noexcept {
@@ -267,7 +261,7 @@ class KickCoordinator {
       case CoordinatorPhase::approach:
         return watch_approach();
       case CoordinatorPhase::release:
-        if (elapsed()) begin_choice();
+        if (elapsed_and_heard()) begin_choice();
         return;
       case CoordinatorPhase::choice:
         return choose();
@@ -278,10 +272,10 @@ class KickCoordinator {
         if (elapsed()) rest();
         return;
       case CoordinatorPhase::rest:
-        if (elapsed() && fresh_) judge_kick();
+        if (elapsed_and_heard()) judge_kick();
         return;
       case CoordinatorPhase::hold:
-        if (fresh_) watch_hold();
+        if (all_heard()) watch_hold();
         return;
       case CoordinatorPhase::fault:
         return;
@@ -292,12 +286,23 @@ class KickCoordinator {
     if (left_ > 0) --left_;
     return left_ == 0;
   }
+  // Every axis gave a reading since the last time that all had. Samples are lost of one axis and of another, and those
+  // of one period may never come together.
+  bool all_heard() noexcept {
+    if (heard_ != all_) return false;
+    heard_ = 0;
+    return true;
+  }
+  bool elapsed_and_heard() noexcept {
+    if (elapsed()) return all_heard();
+    heard_ = 0;  // what is read before is of a machine that may move
+    return false;
+  }
 
   void gather() noexcept {
     phase_ = CoordinatorPhase::gather;
     end_ = CoordinatorEnd::none;
     seen_ = 0;
-    fresh_ = true;
     pulse_starts_ = false;
   }
 
@@ -307,14 +312,17 @@ class KickCoordinator {
     still_ = stands_ = 0;
     all_still_ = true;
     pulse_starts_ = false;
-    driven_ = 0;
+    driven_ = heard_ = 0;
   }
 
   void watch_approach() noexcept {
-    still_ = all_still_ && fresh_ ? still_ + 1 : 0;
+    if (!all_still_)
+      still_ = heard_ = 0;
+    else if (all_heard())
+      ++still_;
     // Wherever the machine can rest is within its gates: an encoder that stands still, or an axis that is held. Axes
     // that still move may hold another one for a while; see draw_near().
-    if (!all_still_ && fresh_ && ++stands_ > patience_) return fail(ControlFault::jammed);
+    if (!all_still_ && ++stands_ > patience_) return fail(ControlFault::jammed);
     all_still_ = true;
     if (still_ < p_->still_periods) return;
     kicks_ = 0;
@@ -343,7 +351,7 @@ class KickCoordinator {
     candidates_ &= outside_;
     if (candidates_ == 0) {
       phase_ = CoordinatorPhase::hold;
-      far_ = 0;
+      far_ = heard_ = 0;
       return;
     }
     const Word ahead = candidates_ >> kicked_;
@@ -395,7 +403,7 @@ class KickCoordinator {
 
   void rest() noexcept {
     left_ = p_->settling_periods;
-    unlawful_ = 0;
+    unlawful_ = heard_ = 0;
     phase_ = CoordinatorPhase::rest;
   }
 
@@ -432,6 +440,7 @@ class KickCoordinator {
   Word outside_ = 0;     // off their targets
   Word far_ = 0;         // beyond their gates, in the hold
   Word unlawful_ = 0;    // did what no kick may make them do
+  Word heard_ = 0;       // gave a reading since all of them last had
   Word weak_ = 0;        // their drives give less than kicks of another axis may ask of them
   Word candidates_ = 0;  // still to be looked at in this choice
   std::array<State, Axes> state_{};
@@ -446,7 +455,7 @@ class KickCoordinator {
   std::uint32_t left_ = 0, coast_periods_ = 0, kicks_ = 0, still_ = 0;
   std::uint32_t stands_ = 0, patience_ = 0;  // periods in which no axis leaves its place, though one is beyond its gate
   Scalar slowest_s_{};                       // of all axes, sqrt(m/P) or D/P
-  bool all_still_ = true, fresh_ = true, pulse_starts_ = false;
+  bool all_still_ = true, pulse_starts_ = false;
 };
 
 }  // namespace breakaway::law
