@@ -281,8 +281,12 @@ TEST(CoordinatedAxis, IsTheLawOfOneAxis) {
   first.update({5e-6, 0, true});
   EXPECT_EQ(second.update({-1, 0, true}).force_N, 3);
   first.update({nan, 0, true});
-  EXPECT_EQ(second.fault(), ControlFault::not_a_number);
-  EXPECT_EQ(second.mode(), Mode::fault);
+  EXPECT_EQ(second.fault(), ControlFault::none) << "it is not the second one's alone";
+  EXPECT_EQ(second.update({-1, 0, true}).force_N, 0);
+  for (const auto* axis : {&first, &second}) {
+    EXPECT_EQ(axis->fault(), ControlFault::not_a_number);
+    EXPECT_EQ(axis->mode(), Mode::fault);
+  }
 }
 
 }  // namespace

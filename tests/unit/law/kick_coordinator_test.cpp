@@ -210,6 +210,24 @@ TEST(KickCoordinator, ItsFirstFaultIsTheOneThatIsNamed) {
   EXPECT_EQ(bench.coordinator.fault(), ControlFault::contradicted);
 }
 
+// The loop looks at it before each axis' turn: one that saw it in the same period would be named for another's fault.
+TEST(KickCoordinator, AFaultOfTheFirstAxisIsShownToAllInOnePeriod) {
+  const Parameters p = two_axes();
+  Bench bench{p};
+  bench.steps(2, -0.05, 1e-3);
+  bench.coordinator.update(0, {nan, 0, true});
+  EXPECT_EQ(bench.coordinator.shown_fault(), ControlFault::none);
+  EXPECT_EQ(bench.coordinator.update(1, {1e-3, 0, true}).force_N, 0) << "no force meanwhile";
+  EXPECT_EQ(bench.coordinator.shown_fault(), ControlFault::not_a_number);
+  bench.coordinator.reset(0);
+  EXPECT_EQ(bench.coordinator.shown_fault(), ControlFault::none);
+  Bench alone{p};
+  alone.steps(2, -0.05, 1e-3);
+  alone.coordinator.update(0, {nan, 0, true});
+  alone.coordinator.update(0, {nan, 0, true});
+  EXPECT_EQ(alone.coordinator.shown_fault(), ControlFault::not_a_number) << "though the other one is asked no more";
+}
+
 TEST(KickCoordinator, AMissingSampleIsWaitedForBeforeAKickIsChosen) {
   const Parameters p = two_axes();
   Bench bench{p};

@@ -26,7 +26,7 @@ class CoordinatedAxis {
   Scalar period_s() const noexcept { return coordinator_->parameters().period_s; }
   Scalar encoder_resolution_m() const noexcept { return mine().resolution_m; }
   Scalar max_force_N() const noexcept { return mine().max_force_N; }
-  ControlFault fault() const noexcept { return coordinator_->fault(); }
+  ControlFault fault() const noexcept { return coordinator_->shown_fault(); }
   Mode mode() const noexcept {
     if (fault() != ControlFault::none) return Mode::fault;
     const CoordinatorPhase phase = coordinator_->phase();

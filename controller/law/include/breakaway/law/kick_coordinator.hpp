@@ -82,7 +82,7 @@ class KickCoordinator {
     primed_ &= ~bit(axis);
     weak_ &= ~bit(axis);
     state_[axis].limit_N = p_->axes[axis].max_force_N;
-    fault_ = ControlFault::none;
+    fault_ = shown_fault_ = ControlFault::none;
     gather();
   }
 
@@ -98,6 +98,9 @@ class KickCoordinator {
   CoordinatorPhase phase() const noexcept { return phase_; }
   CoordinatorEnd end() const noexcept { return end_; }
   ControlFault fault() const noexcept { return fault_; }
+  // The same from the end of the period in which it was seen, so that all axes show it at once: where one fails in its
+  // turn, the next one in the same period would be named for it.
+  ControlFault shown_fault() const noexcept { return shown_fault_; }
   std::size_t kicked() const noexcept { return kicked_; }  // the axis of the last kick
   // Which axis showed the fault `contradicted`: the kicked one went beyond its target, or another one moved.
   std::size_t moved() const noexcept { return moved_; }
@@ -165,6 +168,7 @@ class KickCoordinator {
   // with the others, and none of them has force.
   void lose_step() noexcept {
     if (fault_ == ControlFault::none) gather();
+    shown_fault_ = fault_;
     seen_ = 0;
   }
 
@@ -252,6 +256,7 @@ class KickCoordinator {
     seen_ = 0;
     pulse_starts_ = false;
     decide();
+    shown_fault_ = fault_;
   }
 
   void decide() noexcept {
@@ -447,7 +452,7 @@ class KickCoordinator {
   std::array<Prepared, Axes> prepared_{};
   CoordinatorPhase phase_ = CoordinatorPhase::gather;
   CoordinatorEnd end_ = CoordinatorEnd::none;
-  ControlFault fault_ = ControlFault::none;
+  ControlFault fault_ = ControlFault::none, shown_fault_ = ControlFault::none;
   std::size_t kicked_ = 0, moved_ = 0;
   Scalar direction_ = 1;
   Scalar force_N_{};  // of the kicked axis
