@@ -107,9 +107,10 @@ decltype(Configuration::node) certified(const Node& node) {
   return config::certified(node, reports);
 }
 
-double promised_m(const Configuration& c, std::size_t place, double asked_m) {
+// 0 of an axis without a fine stage.
+double fine_floor_m(const Configuration& c, std::size_t place) {
   const auto* const single = std::get_if<config::AnyNode<float>>(&c.node);
-  return single != nullptr ? double{single->axes[place].kicks.promised_m(static_cast<float>(asked_m))} : asked_m;
+  return single != nullptr ? double{single->axes[place].kicks.fine_floor_m} : 0;
 }
 
 // But for its visits and how near it must come to them.
@@ -141,10 +142,11 @@ Configuration read_configuration(const Options& options) {
   Configuration c{.file = node, .node = certified(node), .axes = {}, .odrives = {}, .timed = options.targets.empty()};
   for (std::size_t i = 0; i < node.axes.size(); ++i) {
     const Axis& axis = node.axes[i];
+    const double promised_m = std::max(tolerance_m(node, axis), fine_floor_m(c, i));
     c.axes.push_back(unplanned(axis));
     if (axis.drive->odrive) c.odrives.push_back(config::odrive_config<float>(axis));
     // Held is what is within the tolerance and a reading's error of its target, and may read as much further away.
-    c.axes.back().reached_m = promised_m(c, i, tolerance_m(node, axis)) + 2 * reading_error_m(axis);
+    c.axes.back().reached_m = promised_m + 2 * reading_error_m(axis);
     if (c.timed) plan_times(c.axes.back(), axis);
   }
   plan_tour(c, node, options.targets);
