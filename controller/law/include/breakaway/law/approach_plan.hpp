@@ -49,7 +49,8 @@ class ApproachPlan {
         half_per_gentle_{Scalar(0.5) / a.gentle_m_s2},
         turning_m_s_{a.move.are_asked_for() ? std::max(a.standing_m_s, Scalar(0.3) * a.switch_speed_m_s)
                                             : a.standing_m_s},
-        passed_m_{-2 * a.switch_distance_m},
+        passed_m_{a.move.are_asked_for() ? -2 * a.switch_distance_m : -std::numeric_limits<Scalar>::infinity()},
+        least_braked_m_{a.switch_distance_m / 9},
         latency_{std::min<std::uint8_t>(latency, most_latency_periods)} {
     plan_curves();
   }
@@ -107,7 +108,9 @@ class ApproachPlan {
   // this period begins; command_N: what was commanded in the last one. Where the reading is lost x is not looked at:
   // the axis is reckoned on under its least friction, and reckons() says whether force_N() is to be asked. Otherwise
   // it is reckoned to have arrived or passed its target, which only a reading shows, and no force is to be given.
-  bool see(Scalar x, Scalar force_N, Scalar command_N, Reading reading = Reading::there) noexcept {
+  // It and force_N() have one caller, which a compiler cannot know: calls would cost a period some 30 instructions.
+  [[gnu::always_inline]] bool see(Scalar x, Scalar force_N, Scalar command_N,
+                                  Reading reading = Reading::there) noexcept {
     const bool is_read = reading == Reading::there;
     if (!primed_) {
       reckons_ = false;
@@ -129,13 +132,13 @@ class ApproachPlan {
       reckons_ = !is_near && !passed_;
       return false;
     }
-    passed_ = a_->move.are_asked_for() && distance_ < passed_m_;
+    passed_ = distance_ < passed_m_;
     return is_near && !passed_ && std::abs(speed_) <= a_->switch_speed_m_s * Scalar(most_taken_over);
   }
   bool reckons() const noexcept { return reckons_; }
 
   // The force of the next period, unlimited. To be called once a period, after see() and unless that ended the plan.
-  Scalar force_N() noexcept {
+  [[gnu::always_inline]] Scalar force_N() noexcept {
     if (a_->move.are_asked_for()) return force_of_move_N();
     return direction_ * (a_->mass_kg * down_the_curves(-2 * hard_m_s2_) + a_->friction_N);
   }
@@ -158,7 +161,7 @@ class ApproachPlan {
     const Scalar most_m = a_->switch_distance_m;
     if (!move_.brakes_less_than(a_->gentle_m_s2)) return most_m;
     const Scalar braked_m = speed_ * speed_ * half_per_gentle_;
-    return braked_m > most_m / 9 ? std::min(braked_m, most_m) : most_m;
+    return braked_m > least_braked_m_ ? std::min(braked_m, most_m) : most_m;
   }
 
   // In which the axis was last seen to move for certain, as seen from its target.
@@ -189,7 +192,7 @@ class ApproachPlan {
   }
 
   // A move that was sent back is braked by friction as well, until it is seen to have turned.
-  Scalar force_of_move_N() noexcept {
+  [[gnu::always_inline]] Scalar force_of_move_N() noexcept {
     const MoveLimits<Scalar>& limits = a_->move;
     const bool away = heading_ == Heading::away;
     const Scalar acceleration = move_.limits_jerk() ? move_.next(distance_, speed_, away)
@@ -228,16 +231,15 @@ class ApproachPlan {
     missed_ = -1;  // the first reading tells no speed
     primed_ = true;
     // Only those that are looked at, because a first period has work enough.
-    for (std::size_t ago = 0; ago < latency_; ++ago) accelerations_[place(ago)] = 0;
+    for (std::size_t ago = 1; ago <= latency_; ++ago) gains_m_s_[ago] = 0;
   }
 
-  // Keeps the acceleration of the period that has just passed, friction at its least.
+  // Keeps the gain in speed of the period that has just passed, friction at its least.
   void remember(Scalar force_N, Scalar command_N) noexcept {
     const Scalar mean_N = command_N + (last_force_N_ - force_N) * a_->lag_s * per_period_;
     last_force_N_ = force_N;
     const Scalar friction_N = friction_against(velocity_, mean_N);
-    newest_ = newest_ > 0 ? newest_ - 1 : accelerations_.size() - 1;
-    accelerations_[newest_] = (mean_N - friction_N) * per_mass_;
+    gains_m_s_[0] = (mean_N - friction_N) * per_mass_ * period_s_;
   }
   // Friction opposes motion, whichever way the force acts; at rest it holds what it can. What noise alone may show says
   // nothing of which way the axis moves: one that has set out is seen late, and moves as the force acts.
@@ -246,14 +248,8 @@ class ApproachPlan {
     if (v < -a_->standing_m_s) return -a_->friction_N;
     return limited(force_N, a_->friction_N);
   }
-  std::size_t place(std::size_t periods_ago) const noexcept {
-    const std::size_t index = newest_ + periods_ago;
-    return index < accelerations_.size() ? index : index - accelerations_.size();
-  }
-  Scalar acceleration(std::size_t periods_ago) const noexcept { return accelerations_[place(periods_ago)]; }
-
   void estimate(Scalar x) noexcept {
-    const Scalar gain_m_s = acceleration(latency_) * period_s_;
+    const Scalar gain_m_s = gains_m_s_[latency_];
     if (missed_ < 0) {
       missed_ = 0;
       return;
@@ -271,7 +267,7 @@ class ApproachPlan {
 
   // Where the axis was a latency ago, and its speed.
   Scalar reckon() noexcept {
-    const Scalar gain_m_s = acceleration(latency_) * period_s_;
+    const Scalar gain_m_s = gains_m_s_[latency_];
     skipped_m_ += (velocity_ + gain_m_s / 2) * period_s_;
     velocity_ += gain_m_s;
     if (missed_ < 1000) ++missed_;
@@ -299,7 +295,8 @@ class ApproachPlan {
   void predict(Scalar x) noexcept {
     Scalar v = velocity_;
     for (std::size_t ago = latency_; ago-- > 0;) {
-      const Scalar gain_m_s = acceleration(ago) * period_s_;
+      const Scalar gain_m_s = gains_m_s_[ago];
+      gains_m_s_[ago + 1] = gain_m_s;  // for the next period
       x += (v + gain_m_s / 2) * period_s_;
       v += gain_m_s;
     }
@@ -335,7 +332,8 @@ class ApproachPlan {
   // An axis that is seen with more speed, either way, is sure to go that way: the speed at which the brake takes over
   // is five times what is not seen of it, or more.
   Scalar turning_m_s_{};
-  Scalar passed_m_{};  // and one that is nearer to its target has passed it
+  Scalar passed_m_{};  // and one that is nearer to its target has passed it, where moves have limits
+  Scalar least_braked_m_{};
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar skipped_m_{};  // the way since then, in periods without a reading
@@ -344,9 +342,8 @@ class ApproachPlan {
   Scalar distance_{};   // to the point aimed at now
   Scalar last_force_N_{};
   Scalar direction_ = 1;
-  std::array<Scalar, most_latency_periods + 1> accelerations_{};
-  std::size_t newest_ = 0;
-  std::int32_t waiting_periods_ = 0;  // before the move sets off
+  std::array<Scalar, most_latency_periods + 1> gains_m_s_{};  // of speed, in the period so many before the last
+  std::int32_t waiting_periods_ = 0;                          // before the move sets off
   std::int16_t missed_ = -1;
   std::uint8_t latency_ = 0;
   static constexpr std::uint8_t most_turns = 3;

@@ -31,24 +31,29 @@ class ApproachProgress {
   }
 
   // The target moved on.
-  void shift_origin(Scalar shift_m) noexcept { mark_m_ -= shift_m; }
+  void shift_origin(Scalar shift_m) noexcept { mark(mark_m_ - shift_m); }
 
   // To be called once a period of an approach, with the newest position error.
   bool hardly_gets_on(Scalar x) noexcept {
-    if (periods_ == 0) mark_m_ = x;
+    if (periods_ == 0) mark(x);
     if (++periods_ < span_periods_) return false;
     periods_ = 0;
-    const Scalar side = mark_m_ < 0 ? Scalar{-1} : Scalar{1};
-    const Scalar way_m = (mark_m_ - x) * side;
-    const bool gains = side != last_side_ || way_m > last_way_m_;
-    last_side_ = side;
+    const Scalar way_m = (mark_m_ - x) * side_;
+    const bool gains = side_ != last_side_ || way_m > last_way_m_;
+    last_side_ = side_;
     last_way_m_ = way_m;
     return !gains && std::abs(way_m) < slow_m_;
   }
 
  private:
+  void mark(Scalar x) noexcept {
+    mark_m_ = x;
+    side_ = x < 0 ? Scalar{-1} : Scalar{1};
+  }
+
   Scalar slow_m_{};      // that a span leads on at least
   Scalar mark_m_{};      // where the approach was when this span began,
+  Scalar side_ = 1;      // on this side of the target,
   Scalar last_way_m_{};  // and how far it had come in the one before,
   Scalar last_side_{};   // which began on this side of the target; 0: there was none
   std::int32_t span_periods_ = 1;

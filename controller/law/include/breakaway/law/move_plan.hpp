@@ -134,13 +134,13 @@ class MovePlan {
   // The least distance from the target at which the move must be at this speed; negative where it moves away fast.
   Scalar stop_m(Scalar speed_m_s, Scalar acceleration) const noexcept {
     const Scalar w = speed_m_s - more_m_s_, t = std::abs(acceleration) * per_jerk_, gain_m_s = acceleration * t / 2;
-    const Scalar without = w + gain_m_s;  // the speed at which the acceleration is taken back
-    const bool braking = acceleration * without < 0;
+    // A stop that is under way began |a| / j ago, and faster.
+    const bool braking = acceleration * (w + gain_m_s) < 0;
+    const Scalar back_s = braking ? -t : t, with_m_s = braking ? -gain_m_s : gain_m_s;
     // One that is slower than the end asks for has no need to stop.
-    const Scalar from = std::max(braking ? w - gain_m_s : without, Scalar{0});
+    const Scalar from = std::max(w + with_m_s, Scalar{0});
     const Scalar stop_s = time_from_no_acceleration_s(from);
-    const Scalar first_m = braking ? -t * (w - acceleration * t / 3) : t * (w + acceleration * t / 3);
-    return end_m_ + first_m + from * stop_s / 2 + more_m_s_ * (braking ? stop_s - t : stop_s + t);
+    return end_m_ + back_s * (w + acceleration * back_s / 3) + from * stop_s / 2 + more_m_s_ * (stop_s + back_s);
   }
 
  private:
