@@ -70,9 +70,9 @@ class AxisController {
   ControlOutput<Scalar> update(const Measurement<Scalar>& z) noexcept {
     if (!z.fresh) return without_sample();
     if (!(std::abs(z.position_error_m) <= largest)) return fail(ControlFault::not_a_number);
-    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
+    if (mode_ == Mode::fault) return nothing();
     const Scalar x = z.position_error_m;
-    if (braked_ != nullptr) return flow_braked(x);
+    if (braked_ != nullptr) return braked_output(flow_braked(x));
     const Scalar v = pd_.see(p_, z);
     if (!(std::abs(v) <= largest)) return fail(ControlFault::not_a_number);
     return mode_ == Mode::kick ? pulse(pd_.feedback_N(p_, x, v)) : flow(x, v);
@@ -172,18 +172,23 @@ class AxisController {
   // Under the coast "pd"; under the brake it is longer, because a proof of rest may take longer there.
   static constexpr std::int32_t long_hold_periods = 400;
 
-  // The first fault is the one to know.
-  [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> fail(ControlFault fault) noexcept {
+  // The first fault is the one to know. Returns the force from then on.
+  [[gnu::cold, gnu::noinline]] Scalar latch(ControlFault fault) noexcept {
     if (mode_ != Mode::fault) fault_ = fault;
     mode_ = Mode::fault;
-    return {Scalar{0}, Scalar{0}, mode_, false};
+    return 0;
   }
+  [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> fail(ControlFault fault) noexcept {
+    latch(fault);
+    return nothing();
+  }
+  ControlOutput<Scalar> nothing() const noexcept { return {Scalar{0}, Scalar{0}, Mode::fault, false}; }
 
   // A period whose sample was lost: a pulse goes on and ends on time, an approach by its plan; everything else holds
   // its force and concludes nothing.
   ControlOutput<Scalar> without_sample() noexcept {
-    if (mode_ == Mode::fault) return {Scalar{0}, Scalar{0}, mode_, false};
-    if (braked_ != nullptr) return braked_without_sample();
+    if (mode_ == Mode::fault) return nothing();
+    if (braked_ != nullptr) return braked_output(braked_without_sample());
     pd_.skip();
     return mode_ == Mode::kick ? pulse(last_force_N_ - pd_.pulse_N()) : output(last_force_N_);
   }
@@ -207,8 +212,9 @@ class AxisController {
     return output(mode_ == Mode::approach ? pd_.approach_N(p_, x, v) : pd_.feedback_N(p_, x, v));
   }
 
-  // One period of the coast "brake".
-  ControlOutput<Scalar> flow_braked(Scalar x) noexcept {
+  // One period of the coast "brake". What makes it up returns the force, and braked_output() what is told with it:
+  // a result of several numbers would be carried through memory by every call in between.
+  Scalar flow_braked(Scalar x) noexcept {
     expect_kick();
     cycle_.see(x);
     before_m_ = newest_m_;
@@ -217,7 +223,7 @@ class AxisController {
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return keep_holding(x);
       if (held_ >= long_braked_hold()) fine_.restart();  // it has been pushed
-      if (judge_.left_hold()) return fail(ControlFault::hunting);
+      if (judge_.left_hold()) return latch(ControlFault::hunting);
       if (std::abs(x) > far_m()) return approach_again(false);
       mode_ = Mode::coast;
       if (!spring_.active()) cycle_.release(0);
@@ -225,7 +231,7 @@ class AxisController {
     if (spring_.active()) return finish_on_spring(x);
     if (cycle_.at_rest()) return conclude(x);
     if (!cycle_.overdue()) return give(0);
-    return finishes_on_spring(x) ? conclude(x) : fail(ControlFault::drifting);
+    return finishes_on_spring(x) ? conclude(x) : latch(ControlFault::drifting);
   }
 
   // A kick or a brake is under way in which an axis whose moves have limits can only move away from its target.
@@ -242,9 +248,9 @@ class AxisController {
       return 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m);
   }
 
-  ControlOutput<Scalar> keep_holding(Scalar x) noexcept {
+  Scalar keep_holding(Scalar x) noexcept {
     note_holding(long_braked_hold());
-    if (!spring_.active()) return give(0);
+    if (!spring_.active()) return give_freely(0);
     spring_.see(x);
     return give_on_spring();
   }
@@ -257,18 +263,16 @@ class AxisController {
   }
 
   // Ends in a hold, or in a kick from where the spring has led the axis.
-  ControlOutput<Scalar> finish_on_spring(Scalar x) noexcept {
+  Scalar finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
     if (!(spring_.waits() && cycle_.stays()) && !spring_.overdue()) return give_on_spring();
     if (std::abs(x) > fine_.tolerance_m())
-      return judge_.has_no_more() ? fail(ControlFault::hunting) : start_braked_kick(x);
+      return judge_.has_no_more() ? latch(ControlFault::hunting) : start_braked_kick(x);
     mode_ = Mode::hold;
     held_ = 0;
     return give_on_spring();
   }
-  ControlOutput<Scalar> give_on_spring() noexcept {
-    return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2));
-  }
+  Scalar give_on_spring() noexcept { return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2)); }
 
   std::int32_t long_braked_hold() const noexcept { return 8 * braked_->patient_periods; }
   // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
@@ -278,7 +282,7 @@ class AxisController {
   }
 
   // A period in which the move does not set off yet. One that waits does not stick.
-  ControlOutput<Scalar> wait() noexcept {
+  Scalar wait() noexcept {
     plan_.wait();
     cycle_.forget_patience();
     return give(0);
@@ -292,10 +296,10 @@ class AxisController {
     }
   }
 
-  ControlOutput<Scalar> approach_to_brake(Scalar x, Reading reading = Reading::there) noexcept {
+  Scalar approach_to_brake(Scalar x, Reading reading = Reading::there) noexcept {
     if (plan_.waits()) return wait();
     const bool arrived = plan_.see(x, cycle_.interval().middle_N(), last_force_N_, reading);
-    if (!(std::abs(plan_.velocity_m_s()) <= largest)) return fail(ControlFault::not_a_number);
+    if (!(std::abs(plan_.velocity_m_s()) <= largest)) return latch(ControlFault::not_a_number);
     if (arrived) {
       mode_ = Mode::coast;
       cycle_.brake(plan_.heading(), plan_.braking_periods());
@@ -311,7 +315,7 @@ class AxisController {
       return give(0);
     }
     const Scalar force_N = is_read || plan_.reckons() ? plan_.force_N() : Scalar{0};
-    return give(cycle_.whole_steps(force_N + braked_->force_step_N / 2));
+    return give_freely(cycle_.whole_steps(force_N + braked_->force_step_N / 2));
   }
 
   void expect_kick() noexcept {
@@ -328,11 +332,11 @@ class AxisController {
   }
 
   // The axis rests: holds it there, or kicks it.
-  ControlOutput<Scalar> conclude(Scalar x) noexcept {
+  Scalar conclude(Scalar x) noexcept {
     // What its kicks show says nothing against an axis that they led near enough, the last of all that it may have,
     // too.
     const ControlFault proved = judge_kick(x);
-    if (proved != ControlFault::none && !is_near_enough(x)) return fail(proved);
+    if (proved != ControlFault::none && !is_near_enough(x)) return latch(proved);
     fine_.learn(x, cycle_.pulse_N());
     if (finishes_on_spring(x)) {
       spring_.start(x);
@@ -357,23 +361,23 @@ class AxisController {
     if constexpr (Parts::by_work)
       return std::abs(x) <= fine_.tolerance_m();
     else
-      return is_led_near_enough(x);
+      return is_led_near_enough(std::abs(x));
   }
-  [[gnu::noinline]] bool is_led_near_enough(Scalar x) const noexcept {
-    const Scalar error_m = std::abs(x), tolerance_m = fine_.tolerance_m();
-    const Scalar promised_m = tolerance_m + p_.encoder_resolution_m / 2;
-    return error_m <= tolerance_m || (error_m <= promised_m && judge_.at_most_m() <= promised_m);
+  bool is_led_near_enough(Scalar error_m) const noexcept {
+    const Scalar tolerance_m = fine_.tolerance_m(), promised_m = tolerance_m + p_.encoder_resolution_m / 2;
+    if (!(error_m <= promised_m)) return false;
+    return error_m <= tolerance_m || judge_.at_most_m() <= promised_m;
   }
 
-  [[gnu::cold, gnu::noinline]] ControlOutput<Scalar> approach_again(bool slowly) noexcept {
+  [[gnu::cold, gnu::noinline]] Scalar approach_again(bool slowly) noexcept {
     start_approach();
     if (slowly) plan_.go_slowly();
     return give(0);
   }
 
-  ControlOutput<Scalar> start_braked_kick(Scalar x) noexcept {
+  Scalar start_braked_kick(Scalar x) noexcept {
     if constexpr (Parts::by_work) {
-      if (const ControlFault why_not = fine_.refusal(x); why_not != ControlFault::none) return fail(why_not);
+      if (const ControlFault why_not = fine_.refusal(x); why_not != ControlFault::none) return latch(why_not);
     }
     spring_.stop();
     judge_.kicked(x);
@@ -386,7 +390,7 @@ class AxisController {
     return give(0);
   }
 
-  ControlOutput<Scalar> braked_without_sample() noexcept {
+  Scalar braked_without_sample() noexcept {
     expect_kick();
     if constexpr (Parts::by_work) cycle_.skip();
     if (mode_ == Mode::approach) return approach_to_brake(newest_m_, Reading::lost);
@@ -394,12 +398,14 @@ class AxisController {
   }
 
   // free_steps: of the force where no kick is under way.
-  ControlOutput<Scalar> give(std::int32_t free_steps) noexcept {
+  Scalar give(std::int32_t free_steps) noexcept {
     const std::int32_t steps = cycle_.next_steps(free_steps);
     if (mode_ != Mode::hold && mode_ != Mode::approach) mode_ = cycle_.pulsed() ? Mode::kick : Mode::coast;
-    ControlOutput<Scalar> out = output(static_cast<Scalar>(steps) * braked_->force_step_N);
-    out.kicked = cycle_.pulse_starts();
-    return out;
+    return given(static_cast<Scalar>(steps) * braked_->force_step_N);
+  }
+  // The same in an approach, and in a hold.
+  Scalar give_freely(std::int32_t steps) noexcept {
+    return given(static_cast<Scalar>(cycle_.next_free_steps(steps)) * braked_->force_step_N);
   }
 
   // Leaving hold needs one count more than entering it, so that a reading between two counts does not toggle the mode.
@@ -443,10 +449,16 @@ class AxisController {
   }
 
   ControlOutput<Scalar> output(Scalar force_N) noexcept {
-    const Scalar force = limited(force_N, p_.max_force_N);
+    return {given(force_N) + p_.feedforward_N, Scalar{0}, mode_, false};
+  }
+  ControlOutput<Scalar> braked_output(Scalar force_N) const noexcept {
+    if (mode_ == Mode::fault) return nothing();
+    return {force_N + p_.feedforward_N, Scalar{0}, mode_, cycle_.pulse_starts()};
+  }
+  Scalar given(Scalar force_N) noexcept {
     force_before_N_ = last_force_N_;
-    last_force_N_ = force;
-    return {force + p_.feedforward_N, Scalar{0}, mode_, false};
+    last_force_N_ = limited(force_N, p_.max_force_N);
+    return last_force_N_;
   }
 
   // What is read exactly shows the least motion, and the ideal law is proved to reach its target.

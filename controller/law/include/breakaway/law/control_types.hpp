@@ -90,9 +90,9 @@ constexpr std::string_view to_string(ControlFault fault) noexcept {
 // Returns the force within +-limit. NaN becomes zero, because a force that nobody computed must not act.
 template <class Scalar>
 constexpr Scalar limited(Scalar force_N, Scalar limit_N) noexcept {
-  if (force_N > limit_N) return limit_N;
-  if (force_N < -limit_N) return -limit_N;
-  return force_N == force_N ? force_N : Scalar{0};
+  if (std::abs(force_N) <= limit_N) return force_N;
+  if (force_N > 0) return limit_N;
+  return force_N < 0 ? -limit_N : Scalar{0};
 }
 
 }  // namespace breakaway::law

@@ -1,6 +1,7 @@
 // Forces as whole steps of a drive, which take 16 bits on the bus.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace breakaway::law {
@@ -18,8 +19,10 @@ std::int32_t force_limit_steps(Scalar force_N, Scalar step_N) noexcept {
 template <class Scalar>
 std::int32_t whole_force_steps(Scalar force_N, Scalar step_N) noexcept {
   const Scalar steps = force_N / step_N;
-  if (!(steps > Scalar(-most_force_steps))) return steps <= Scalar(-most_force_steps) ? -most_force_steps : 0;
-  if (!(steps < Scalar(most_force_steps))) return most_force_steps;
+  if (!(std::abs(steps) < Scalar(most_force_steps))) {
+    if (steps > 0) return most_force_steps;
+    return steps < 0 ? -most_force_steps : 0;
+  }
   const auto truncated = static_cast<std::int32_t>(steps);
   return static_cast<Scalar>(truncated) > steps ? truncated - 1 : truncated;
 }

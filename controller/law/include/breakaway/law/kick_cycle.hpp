@@ -52,7 +52,8 @@ class KickCycle {
         still_m_{ringing_m_},
         reverse_limit_m_{unseen_m * Scalar(2.5)},
         brake_steps_{whole_steps(kicks.brake_N + kicks.force_step_N / 2)},
-        latency_{latency} {
+        latency_{latency},
+        lags_{kicks.slow_lag > 0} {
     limit_force(max_force_N);
     reduced_ = false;
   }
@@ -60,19 +61,20 @@ class KickCycle {
   void limit_force(Scalar force_N) noexcept {
     reduced_ = true;
     most_steps_ = force_limit_steps(force_N, kicks_->force_step_N);
+    brake_steps_ = std::min(brake_steps_, most_steps_);
   }
 
   // Lets the force come from elsewhere, at rest. From now on an axis that shows another count is not still.
   void set_free() noexcept {
-    phase_ = Phase::free;
+    set_phase_free();
     still_m_ = half_count_m_;
   }
 
   // Forgets what was seen; the force may be anything that was commanded before.
   void restart() noexcept {
-    phase_ = Phase::free;
+    set_phase_free();
     still_m_ = ringing_m_;
-    still_ = calm_ = 0;
+    still_ = 0;
     anchored_ = false;
   }
 
@@ -90,14 +92,14 @@ class KickCycle {
     const Scalar moved_m = position_m - anchor_m_;
     // Millions of counts away a number of this type no longer holds each of them.
     const Scalar unseen_m = still_m_ + std::abs(position_m) * std::numeric_limits<Scalar>::epsilon();
-    if (!anchored_ || moved_m > unseen_m || moved_m < -unseen_m) {
+    if (!anchored_ || std::abs(moved_m) > unseen_m) {
       anchor_m_ = position_m;
       anchored_ = true;
       still_ = 0;
     } else if (still_ < longest) {
       ++still_;
     }
-    watch_direction(position_m);
+    if (phase_ == Phase::pulse || phase_ == Phase::cut || phase_ == Phase::brake) watch_direction(position_m);
   }
 
   // Starts a kick along `direction`, +1 or -1.
@@ -110,7 +112,7 @@ class KickCycle {
     cut_periods_ = kicks_->fast_lag > 0 ? pulse.cut_periods : std::uint8_t{0};
     either_way_ = driven_back_ = false;
     overdue_in_ = longest;  // until it brakes
-    if (kicks_->slow_lag > 0)
+    if (lags_)
       enter(Phase::preload, kicks_->patient_periods + kicks_->settling_periods);
     else
       enter(Phase::pulse, pulse_periods_);
@@ -121,7 +123,6 @@ class KickCycle {
     direction_ = direction;
     either_way_ = true;
     furthest_m_ = anchor_m_ * direction;
-    calm_ = 0;
     enter_brake(within_range(longest_periods));
   }
 
@@ -133,17 +134,14 @@ class KickCycle {
 
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
-    if (phase_ == Phase::free) return next_free_steps(within_limit(free_steps));
-    if (phase_ == Phase::preload && preloaded()) enter(Phase::pulse, pulse_periods_);
-    pulsed_ = phase_ == Phase::pulse;
-    pulse_starts_ = pulsed_ && left_ == pulse_periods_;
-    const std::int32_t steps = steps_of_phase();
-    // Without a lag the force of the whole period is what is commanded, else its start is the worst of it.
-    if (kicks_->slow_lag > 0) note_calm();
-    follow(steps);
-    if (!(kicks_->slow_lag > 0)) note_calm();
-    count_down();
-    return steps;
+    if (phase_ == Phase::free) return next_free_steps(free_steps);
+    return brakes() ? next_resting_steps() : next_kicking_steps();
+  }
+  // The same where that is sure to be free; or for an axis that is held without a force, of which nothing is counted.
+  std::int32_t next_free_steps(std::int32_t steps) noexcept {
+    const std::int32_t given = within_limit(steps);
+    follow(given);
+    return given;
   }
 
   // A force that was commanded without it.
@@ -165,7 +163,7 @@ class KickCycle {
 
   // Rest is certified, or there is no more to wait for.
   bool at_rest() const noexcept {
-    if (phase_ != Phase::brake && phase_ != Phase::released) return false;
+    if (!brakes()) return false;
     if (patient()) return true;
     const std::int32_t shown = std::min(still_, calm_ - latency_);
     return shown >= (either_way_ ? kicks_->either_way_periods : kicks_->still_periods);
@@ -186,21 +184,19 @@ class KickCycle {
   std::int32_t within_limit(std::int32_t steps) const noexcept { return std::clamp(steps, -most_steps_, most_steps_); }
 
  private:
-  // Nothing is counted before a kick, a brake or a release, each of which starts its counts itself.
-  std::int32_t next_free_steps(std::int32_t steps) noexcept {
-    pulsed_ = pulse_starts_ = false;
-    calm_ = 0;
-    follow(steps);
-    return steps;
-  }
-
   static constexpr std::int32_t longest = 65535;  // count of periods
 
   static std::int32_t within_range(Scalar periods) noexcept {
     return periods < Scalar(longest) ? static_cast<std::int32_t>(periods) : longest;
   }
 
-  ForceInterval<Scalar> force() const noexcept { return interval_.along(direction_); }
+  // Nothing is counted until a kick, a brake or a release, each of which starts its counts itself.
+  void set_phase_free() noexcept {
+    phase_ = Phase::free;
+    pulsed_ = pulse_starts_ = false;
+  }
+  // The axis slows down or rests.
+  bool brakes() const noexcept { return phase_ >= Phase::brake; }
 
   void enter(Phase phase, std::int32_t periods) noexcept {
     phase_ = phase;
@@ -215,6 +211,8 @@ class KickCycle {
   void enter_brake(std::int32_t longest_periods) noexcept {
     expect_rest_within(longest_periods);
     enter(Phase::brake, longest_periods);
+    calm_N_ = {-kicks_->holding_force_N, either_way_ ? kicks_->holding_force_N : kicks_->resting_force_N};
+    if (!either_way_) calm_N_ = calm_N_.along(direction_);
   }
 
   // The brake must not drive the axis back.
@@ -227,38 +225,54 @@ class KickCycle {
     }
   }
 
-  std::int32_t steps_of_phase() const noexcept {
-    const std::int32_t along = direction_ < 0 ? -1 : 1;
-    switch (phase_) {
-      case Phase::free:
-        return 0;  // next_free_steps()
-      case Phase::preload:
-        return along * within_limit(preload_steps());
-      case Phase::pulse:
-        return along * pulse_steps_;
-      case Phase::cut:
-        return -along * within_limit(cut_steps());
-      case Phase::brake:
-        return -along * within_limit(brake_steps_);
-      case Phase::released:
-        return 0;
+  std::int32_t next_kicking_steps() noexcept {
+    const std::int32_t steps = along(steps_of_kick());
+    follow(steps);
+    count_down();
+    if (overdue_in_ > 0) --overdue_in_;
+    return steps;
+  }
+
+  std::int32_t next_resting_steps() noexcept {
+    pulsed_ = pulse_starts_ = false;
+    const std::int32_t steps = phase_ == Phase::brake ? -along(brake_steps_) : 0;
+    // Without a lag the force of the whole period is what is commanded, else its start is the worst of it.
+    if (lags_) note_calm();
+    follow(steps);
+    if (!lags_) note_calm();
+    if (phase_ == Phase::brake && (left_ == 0 || --left_ == 0)) take_brake_off();
+    if (overdue_in_ > 0) --overdue_in_;
+    return steps;
+  }
+
+  std::int32_t along(std::int32_t steps) const noexcept { return direction_ < 0 ? -steps : steps; }
+
+  // Along its direction.
+  std::int32_t steps_of_kick() noexcept {
+    pulsed_ = pulse_starts_ = false;
+    if (phase_ == Phase::cut) return -within_limit(cut_steps());
+    if (phase_ == Phase::preload) {
+      const ForceInterval<Scalar> u = interval_.along(direction_);
+      if (!preloaded(u)) return within_limit(preload_steps(u));
+      enter(Phase::pulse, pulse_periods_);
     }
-    return 0;
+    pulsed_ = true;
+    pulse_starts_ = left_ == pulse_periods_;
+    return pulse_steps_;
   }
 
   // A pulse that started from more force than the brake's would go further than the table says.
-  bool preloaded() const noexcept {
-    const ForceInterval<Scalar> u = force();
+  bool preloaded(const ForceInterval<Scalar>& u) const noexcept {
     const Scalar most_N = kicks_->brake_N + (kicks_->holding_force_N - kicks_->brake_N) / 512;
     return u.lower_N >= kicks_->preload_N && u.upper_N <= most_N;
   }
 
   // So much that the fastest loop reaches the brake's force at the end of the period. From above it comes down by
   // itself. Rounding must not lose the brake's last step, which a pulse may need to start from.
-  std::int32_t preload_steps() const noexcept {
-    if (force().upper_N > kicks_->brake_N) return brake_steps_;
+  std::int32_t preload_steps(const ForceInterval<Scalar>& u) const noexcept {
+    if (u.upper_N > kicks_->brake_N) return brake_steps_;
     const Scalar left = kicks_->fast_lag;
-    return std::max(whole_steps((kicks_->brake_N - force().upper_N * left) / (1 - left)), brake_steps_);
+    return std::max(whole_steps((kicks_->brake_N - u.upper_N * left) / (1 - left)), brake_steps_);
   }
 
   // So much that the fastest loop has come down to the brake's force at the end of the longest cut, from the least
@@ -282,13 +296,7 @@ class KickCycle {
 
   // Counts the periods whose force proves rest.
   void note_calm() noexcept {
-    if (phase_ != Phase::brake && phase_ != Phase::released) {
-      calm_ = 0;
-      return;
-    }
-    const ForceInterval<Scalar> u = force();
-    const Scalar most_N = either_way_ ? kicks_->holding_force_N : kicks_->resting_force_N;
-    const bool calm = u.upper_N <= most_N && u.lower_N >= -kicks_->holding_force_N;
+    const bool calm = interval_.upper_N <= calm_N_.upper_N && interval_.lower_N >= calm_N_.lower_N;
     calm_ = calm ? std::min(calm_ + 1, longest) : 0;
   }
 
@@ -299,14 +307,12 @@ class KickCycle {
       cut_periods_ > 0 ? enter(Phase::cut, cut_periods_) : enter_brake(longest_coast());
     else if (phase_ == Phase::cut && --left_ == 0)
       enter_brake(longest_coast());
-    else if (phase_ == Phase::brake && (left_ == 0 || --left_ == 0))
-      take_brake_off();
-    if (overdue_in_ > 0) --overdue_in_;
   }
 
   void take_brake_off() noexcept {
     either_way_ = true;
     calm_ = 0;
+    calm_N_ = {-kicks_->holding_force_N, kicks_->holding_force_N};
     enter(Phase::released, 0);
   }
 
@@ -323,6 +329,7 @@ class KickCycle {
 
   const BrakedKicks<Scalar>* kicks_ = nullptr;
   ForceInterval<Scalar> interval_{};
+  ForceInterval<Scalar> calm_N_{};  // within it the force proves rest
   Scalar half_count_m_{};
   Scalar ringing_m_{};  // by which the reading of an axis may change that rings on its friction
   Scalar still_m_{};    // by which the reading of an axis that counts as still may change
@@ -341,6 +348,7 @@ class KickCycle {
   std::uint8_t cut_periods_ = 0;
   std::uint8_t latency_ = 0;
   Phase phase_ = Phase::free;
+  bool lags_ = false;     // the force behind the command
   bool reduced_ = false;  // the force limit is below the one that the table was made for
   bool pulse_limited_ = false;
   bool anchored_ = false;

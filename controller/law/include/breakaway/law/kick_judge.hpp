@@ -114,7 +114,7 @@ class KickJudge {
 
   std::uint32_t kicks() const noexcept { return kicks_; }
   // In a row, and without a count of motion.
-  std::uint8_t futile() const noexcept { return futile_; }
+  std::uint32_t futile() const noexcept { return futile_; }
   // About the friction that the last kick showed which contradicts what was told, or the brake, where that drove the
   // axis back; 0: there was none.
   Scalar seen_friction_N() const noexcept { return seen_friction_N_; }
@@ -144,8 +144,8 @@ class KickJudge {
     const bool moved = std::abs(x - kicked_from_m_) > unseen_m_ / 2;
     if (cycle != nullptr) compare_with_told(p, *cycle, (x - kicked_from_m_) * cycle->direction());
     const bool grew = error_m > lawful_m;
-    futile_ = moved ? std::uint8_t{0} : static_cast<std::uint8_t>(futile_ + 1);
-    growing_ = grew ? static_cast<std::uint8_t>(growing_ + 1) : std::uint8_t{0};
+    futile_ = moved ? 0 : futile_ + 1;
+    growing_ = grew ? growing_ + 1 : 0;
     note_least_error<all_count>(p, error_m, moved, fine != nullptr);
     if (fine == nullptr && futile_ >= futile_limit) accuse(ControlFault::jammed);
     if (growing_ >= growing_limit) accuse(ControlFault::diverging);
@@ -201,10 +201,10 @@ class KickJudge {
   Scalar seen_friction_N_{};
   std::uint32_t kicks_ = 0;
   ControlFault proved_ = ControlFault::none;
-  std::uint8_t futile_ = 0;
-  std::uint8_t growing_ = 0;
-  std::uint8_t kicks_counted_ = 0;
-  std::uint8_t contradictions_ = 0;
+  std::uint32_t futile_ = 0;
+  std::uint32_t growing_ = 0;
+  std::uint32_t kicks_counted_ = 0;
+  std::uint32_t contradictions_ = 0;
   std::uint8_t far_ends_ = 0;
   bool moved_since_least_ = false;
   bool awaiting_result_ = false;

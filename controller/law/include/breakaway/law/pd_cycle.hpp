@@ -97,7 +97,7 @@ class PdCycle {
   }
 
   // rest_m: from which distance a kick from rest is as strong; futile: kicks in a row that did not move the axis.
-  void begin_pulse(const Parameters& p, Scalar x, Scalar rest_m, std::uint8_t futile) noexcept {
+  void begin_pulse(const Parameters& p, Scalar x, Scalar rest_m, std::uint32_t futile) noexcept {
     const Pulse<Scalar> pulse = pulse_from(rest_m);
     const Scalar least_N = futile > 0 ? p.friction.upper_N * (1 + escalation * static_cast<Scalar>(futile)) : Scalar{0};
     const Scalar in_all_N = limited(std::max(pulse.force_N, least_N), p.max_force_N);

@@ -35,9 +35,12 @@ class WorkCycle {
 
   void limit_force(Scalar force_N) noexcept { most_steps_ = force_limit_steps(force_N, kicks_->force_step_N); }
 
-  void set_free() noexcept { phase_ = Phase::free; }
-  void restart() noexcept {
+  void set_free() noexcept {
     phase_ = Phase::free;
+    pulse_starts_ = pulsed_ = false;
+  }
+  void restart() noexcept {
+    set_free();
     still_ = blind_ = 0;
     anchored_ = false;
     last_full_ = 0;
@@ -97,7 +100,7 @@ class WorkCycle {
   // Returns the force of the next period in whole steps; `free_steps` in the phase free.
   std::int32_t next_steps(std::int32_t free_steps) noexcept {
     pulse_starts_ = pulsed_ = false;
-    if (phase_ == Phase::free) return free_force(free_steps);
+    if (phase_ == Phase::free) return next_free_steps(free_steps);
     if (overdue_in_ > 0) --overdue_in_;
     if (phase_ == Phase::pulse && kicks_->metered) {
       if (given_ == 1) set_meter();
@@ -109,6 +112,16 @@ class WorkCycle {
     ++given_;
     if (--left_ == 0) coast();
     return direction_ < 0 ? -pulse_steps_ : pulse_steps_;
+  }
+
+  // The same where the phase is free, or in a hold, and none.
+  std::int32_t next_free_steps(std::int32_t steps) noexcept {
+    const std::int32_t given = within_limit(steps);
+    if (given == steps) return given;
+    const std::int8_t side = given < 0 ? -1 : 1;
+    if (side + last_full_ == 0 && swings_ < most_swings) ++swings_;
+    last_full_ = side;
+    return given;
   }
 
   Scalar pulse_N() const noexcept { return static_cast<Scalar>(pulse_steps_) * kicks_->force_step_N; }
@@ -131,15 +144,6 @@ class WorkCycle {
   enum class Phase : std::uint8_t { free, pulse, coast };
   static constexpr std::int32_t longest = 65535;  // count of periods
   static constexpr std::uint8_t most_swings = 16;
-
-  std::int32_t free_force(std::int32_t steps) noexcept {
-    const std::int32_t given = within_limit(steps);
-    if (given == steps) return given;
-    const std::int8_t side = given < 0 ? -1 : 1;
-    if (side + last_full_ == 0 && swings_ < most_swings) ++swings_;
-    last_full_ = side;
-    return given;
-  }
 
   void coast() noexcept {
     phase_ = Phase::coast;
