@@ -23,7 +23,7 @@ from check_image import examine  # noqa: E402
 KINDS = ["approach", "coast", "hold", "kick of one period", "kick of many periods starts", "kick goes on", "lost sample",
          "fault"]
 AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move", "belt_axis": "coast work"}  # by scenario
-WORK, MOST_OF_WORK = "belt_axis", 350  # instructions of a step under the coast "work", on either core
+WORK, MOST_OF_WORK = "belt_axis", 330  # instructions of a step under the coast "work", on either core
 PID = "can_axis/pid"
 RUNS = [f"{axis}/{tape}" for axis in AXES for tape in ("axis", "hostile")] + [PID]  # by axis in the order of its image
 RESULT = struct.Struct("<ffIBBBB")
@@ -52,7 +52,7 @@ class Target:
         return instructions * self.cycles_per_instruction / (self.core_Hz * self.period_s)
 
 
-TARGETS = {"stm32f405": Target("M4F", 168e6, 600, 1, 1), "zynqmp_r5": Target("R5F", 500e6, 600, 2, 2)}
+TARGETS = {"stm32f405": Target("M4F", 168e6, 520, 1, 1), "zynqmp_r5": Target("R5F", 500e6, 520, 2, 2)}
 
 
 def read_results(path):
