@@ -187,6 +187,28 @@ TEST_F(AxisControllerTest, LatchesAFaultWhenTheVelocityOverflows) {
   EXPECT_EQ(controller.update({0.01F}).mode, Mode::approach) << "nothing of the overflow is left";
 }
 
+TEST_F(AxisControllerTest, DoesAfterAResetTheSameWhateverItDidBefore) {
+  std::mt19937 random{17};
+  float x = 0;
+  const auto read = [&] {
+    return x += p.encoder_resolution_m * static_cast<float>(static_cast<int>(random() % 5) - 2);
+  };
+  for (int trial = 0; trial < 400; ++trial) {
+    x = 1e-6F * static_cast<float>(random() % 20000) - 0.01F;
+    for (auto left = random() % 200; left > 0; --left) controller.update({read()});
+    controller.update({std::nanf("")});
+    controller.reset();
+    AxisController<float> fresh{p, table, pulses};
+    fresh.reset();
+    for (int i = 0; i < 100; ++i) {
+      const float reading = read();
+      const auto expected = fresh.update({reading}), given = controller.update({reading});
+      ASSERT_EQ(given.force_N, expected.force_N) << trial << ", " << i;
+      ASSERT_EQ(given.mode, expected.mode) << trial << ", " << i;
+    }
+  }
+}
+
 TEST_F(AxisControllerTest, NeverExceedsTheForceLimitForAnyInputBits) {
   std::mt19937 random{11};
   const auto any_float = [&] { return std::bit_cast<float>(static_cast<std::uint32_t>(random())); };

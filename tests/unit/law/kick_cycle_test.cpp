@@ -344,6 +344,30 @@ TEST(KickCycle, LatchesAFaultWhenTheSpeedOfTheApproachOverflows) {
   EXPECT_EQ(axis.controller().velocity_m_s(), 0);
 }
 
+TEST(KickCycle, DoesAfterAResetTheSameWhateverItDidBefore) {
+  const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  std::mt19937_64 random{17};
+  AxisController<float> controller{braked_axis(), no_k3, kicks};
+  for (int trial = 0; trial < 200; ++trial) {
+    float x = 1e-6F * static_cast<float>(random() % 4000) - 2e-3F;
+    const auto reading = [&] { return Measurement<float>{x, 0, random() % 20 != 0}; };
+    for (auto left = random() % 300; left > 0; --left) {
+      if (random() % 4 == 0) x += 1e-6F * static_cast<float>(random() % 3) - 1e-6F;
+      controller.update(reading());
+    }
+    controller.update({std::numeric_limits<float>::quiet_NaN()});
+    controller.reset();
+    AxisController<float> other{braked_axis(), no_k3, kicks};
+    other.reset();
+    for (int i = 0; i < 200; ++i) {
+      const auto next = reading();
+      const auto expected = other.update(next), given = controller.update(next);
+      ASSERT_EQ(given.force_N, expected.force_N) << trial << ", " << i;
+      ASSERT_EQ(given.mode, expected.mode) << trial << ", " << i;
+    }
+  }
+}
+
 TEST(KickCycle, NeverExceedsTheForceLimitWhateverTheTableHolds) {
   std::mt19937_64 random{7};
   auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
@@ -412,6 +436,20 @@ TEST(KickCycle, ScalesExactlyWithForceAndMass) {
   };
   const auto reference = force_of(1), scaled = force_of(16);
   for (std::size_t i = 0; i < reference.size(); ++i) ASSERT_EQ(16 * reference[i], scaled[i]) << i;
+}
+
+// The target moves in the period in which a pulse begins.
+TEST(KickCycle, TellsOfNoPulseOnceItBeginsAnew) {
+  const auto kicks = design::design_braked_kicks<float>(axes_of_the_scenes(0)).kicks;
+  KickCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.see(0);
+  cycle.kick(1, {10, 3, 0});
+  cycle.next_steps(0);
+  ASSERT_TRUE(cycle.pulse_starts());
+  cycle.restart();
+  cycle.next_free_steps(0);
+  EXPECT_FALSE(cycle.pulse_starts());
+  EXPECT_FALSE(cycle.pulsed());
 }
 
 // A drive whose limit was lowered may never get to where a pulse is to start from.

@@ -27,6 +27,21 @@ TEST(WorkCycle, TakesAnAxisForRestingOnlyAfterTheOtherMassCanHaveSwungOut) {
   EXPECT_FALSE(cycle.at_rest()) << "a count starts the wait anew";
 }
 
+// The target moves in the period in which a pulse begins.
+TEST(WorkCycle, TellsOfNoPulseOnceItBeginsAnew) {
+  const auto kicks = design::design_work_kicks<float>(belt()).kicks;
+  WorkCycle<float> cycle{kicks, 1e-6F, 50, 1};
+  cycle.set_period(1e-3F);
+  cycle.see(-1e-3F);
+  cycle.kick(1, 1e-3F, {10, 3, 0});
+  cycle.next_steps(0);
+  ASSERT_TRUE(cycle.pulse_starts());
+  cycle.restart();
+  cycle.next_free_steps(0);
+  EXPECT_FALSE(cycle.pulse_starts());
+  EXPECT_FALSE(cycle.pulsed());
+}
+
 // A motor that is let go half a count from where a load that sticks would have it.
 double swings_within_a_count_s(const design::BrakedClass& c) {
   const design::SpringLoad& load = *c.spring_load;
