@@ -29,6 +29,7 @@ class KickTime {
         either_way_{kicks.either_way_periods},
         patient_{kicks.patient_periods},
         settling_{kicks.settling_periods},
+        choice_periods_{kicks.fine_floor_m > 0 ? 1 : 0},
         preload_periods_{preload_periods()} {}
 
   double periods(double force_N, int pulse_periods, int cut_periods, double cut_N) const {
@@ -36,7 +37,8 @@ class KickTime {
     const double given = preload_periods_ + pulse_periods;
     const double calm = cut_periods + periods_to_calm(force_N, pulse_periods, cut_periods, cut_N);
     const int proofs = proofs_of_rest(axes_);
-    const double braking = std::max(calm, stop_periods(force_N, pulse_periods)) + proofs * still_ + latency + 2;
+    const double braking =
+        std::max(calm, stop_periods(force_N, pulse_periods)) + proofs * still_ + latency + 2 + choice_periods_;
     // An axis that rests later than the controller waits for has its brake taken off, and the longer proof begins.
     const double waited = force_N * coast_per_N_ * pulse_periods + still_ + settling_ + latency + 3;
     return given + braking + (braking - cut_periods > waited ? proofs * either_way_ + latency + 2 : 0);
@@ -78,6 +80,7 @@ class KickTime {
   const BrakedClass& axes_;
   double brake_N_, preload_N_, resting_N_, holding_N_, fast_, slow_, coast_per_N_;
   int still_, either_way_, patient_, settling_;
+  int choice_periods_;  // until a fine stage chooses the next kick
   double preload_periods_;
 };
 

@@ -26,6 +26,7 @@ TEST_F(Command, CertifiesNoAxisWhoseDriveIsTooWeak) {
 TEST_F(Command, SaysTheSameOfACertificateWhicheverIsAsked) {
   const std::vector<std::pair<std::string, std::string>> scenes{{"can_axis.toml", ""},
                                                                 {"presliding_axis.toml", ""},
+                                                                {"fine_axis.toml", ""},
                                                                 {"belt_axis.toml", ""},
                                                                 {"worn_axis.toml", "[plant] backlash: "}};
   for (const auto& [file, reason] : scenes) {

@@ -152,6 +152,22 @@ TEST(FineStage, EndsNearTheTargetUnderConstantFrictionOfAnySize) {
   }
 }
 
+TEST(FineStage, ChoosesItsNextKickAPeriodAfterThatInWhichItsAxisIsProvedAtRest) {
+  const auto periods_between_kicks = [](const BrakedKicks<float>& kicks) {
+    AxisController<float> controller{slow_axis(), no_k3, kicks};
+    const auto periods_to_kick = [&] {
+      for (int periods = 1; periods < 400; ++periods) {
+        if (controller.update({-40e-6F}).kicked) return periods;
+      }
+      return 0;
+    };
+    periods_to_kick();
+    return periods_to_kick();
+  };
+  EXPECT_GT(periods_between_kicks(table_alone), 2);
+  EXPECT_EQ(periods_between_kicks(fine), periods_between_kicks(table_alone) + 1);
+}
+
 // What the axis reads at its next kicks.
 class Shown {
  public:

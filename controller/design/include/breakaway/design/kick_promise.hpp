@@ -7,7 +7,8 @@
 // from the sample that says how far to go to the one that proves rest. The axis stops within
 //   gain (F n T + 2 b tau) / (A' + gain b)
 // after its pulse, under any friction of the class: at the stop the impulse of the force, that of a lagging current
-// loop with what it owes, is spent by friction. A sample that is lost adds a period.
+// loop with what it owes, is spent by friction. A fine stage chooses its next kick a period later, and a sample that is
+// lost adds a period.
 //
 // With a fine stage the least tolerance is what is promised to be reached: by kicks to the floor, all of the fine
 // stage's, and from where these may have led as many of the table's as lead back to the floor.

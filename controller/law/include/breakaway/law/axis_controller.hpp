@@ -335,6 +335,7 @@ class AxisController {
   Scalar conclude(Scalar x) noexcept {
     // What its kicks show says nothing against an axis that they led near enough, the last of all that it may have,
     // too.
+    const bool was_kicked = judge_.awaits_result();
     const ControlFault proved = judge_kick(x);
     if (proved != ControlFault::none && !is_near_enough(x)) return latch(proved);
     fine_.learn(x, cycle_.pulse_N());
@@ -349,6 +350,8 @@ class AxisController {
       cycle_.release(0);
       return give(0);
     }
+    // A fine stage chooses its next kick a period later: this one has work enough with what the last has shown.
+    if (was_kicked && fine_.is_there()) return give(0);
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
     // moved may have passed it only.

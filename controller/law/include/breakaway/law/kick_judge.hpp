@@ -49,6 +49,8 @@ class KickJudge {
     awaiting_result_ = expects_ = true;
   }
 
+  // Where the last kick led the axis is still to be judged.
+  bool awaits_result() const noexcept { return awaiting_result_; }
   // Under the brake a kick has begun of which expect() has not been asked yet. That is for the period after it began,
   // which has less to do than its own.
   bool expects() const noexcept { return expects_; }
