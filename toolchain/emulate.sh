@@ -12,8 +12,9 @@ QEMU and beside it on this host:
   proofs       no heap, no double arithmetic, a bounded stack, and a size
   closed loop  the controller node moves the simulated axes over a tour of targets: every frame equal to the same node's on
                the host
-  replay       of four axes, one each under the coasts "pd", "brake" and "work" and one on moves with limits, 5000 recorded
-               steps and 20000 hostile ones: equal to the host's bit for bit, and no step above its bound of instructions
+  replay       of six axes, under the coasts "pd", "brake" and "work", on moves with limits, with a tolerance below the floor
+               and on friction that bends, 5000 recorded steps and 20000 hostile ones: equal to the host's bit for bit, and no
+               step above its bound of instructions
 
   stm32f405    Cortex-M4F over slcan with one axis, the world on this host
   zynqmp_r5    Cortex-R5F on CAN with two axes at 1 kHz for 10 s, the world on the other core of the emulated machine

@@ -93,8 +93,9 @@ Written by `toolchain/emulate.sh {" ".join(costs)} --costs`; do not edit. {datet
 
 Counted by a plugin of QEMU on the emulated cores, by callgrind on x86-64 (`-O3`): exact, and the same in every run. One call
 of `update`, less an empty one. 5000 steps in closed loop, one sample in 97 lost: "coast pd" of `sim/scenarios/can_axis.toml`,
-"coast brake" of `braked_axis.toml`, "move" of `move_axis.toml`, whose jerk is limited, "coast work" of `belt_axis.toml`, a load on a
-spring with the encoder on the motor (on the load it has no meter, and less work); PID on the samples of the first.
+"coast brake" of `braked_axis.toml`, "move" of `move_axis.toml`, whose jerk is limited, "fine stage" of `fine_axis.toml`, "pre-sliding" of
+`presliding_axis.toml`, "coast work" of `belt_axis.toml`, a load on a spring with the encoder on the motor (on the load it has no
+meter, and less work); PID on the samples of the first.
 "Hostile" are 20000 samples that no axis would give, to look for the worst. Typical is the median. The M4F runs Thumb code, the
 R5F Arm code.
 

@@ -22,7 +22,8 @@ from check_image import examine  # noqa: E402
 
 KINDS = ["approach", "coast", "hold", "kick of one period", "kick of many periods starts", "kick goes on", "lost sample",
          "fault"]
-AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move", "belt_axis": "coast work"}  # by scenario
+AXES = {"can_axis": "coast pd", "braked_axis": "coast brake", "move_axis": "move",
+        "fine_axis": "fine stage", "presliding_axis": "pre-sliding", "belt_axis": "coast work"}  # by scenario
 WORK, MOST_OF_WORK = "belt_axis", 330  # instructions of a step under the coast "work", on either core
 PID = "can_axis/pid"
 RUNS = [f"{axis}/{tape}" for axis in AXES for tape in ("axis", "hostile")] + [PID]  # by axis in the order of its image

@@ -123,7 +123,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    for (const char* name : {"can_axis", "braked_axis", "move_axis", "belt_axis"})
+    for (const char* name : {"can_axis", "braked_axis", "move_axis", "fine_axis", "presliding_axis", "belt_axis"})
       breakaway::emulated::run(argv[1], name);
     breakaway::emulated::replay_coordinated_tapes(std::string{argv[1]} + "/coordinated");
     return 0;
