@@ -48,6 +48,17 @@ class KernelCalls : public testing::Test {
     EXPECT_EQ(socket->read(frame, time), Io::done);
     return time;
   }
+  void find_nothing() {
+    can_frame frame{};
+    Time time{};
+    EXPECT_EQ(socket->read(frame, time), Io::again);
+  }
+  static void pass(std::chrono::nanoseconds time) {
+    for (timespec* const clock : {&kernel().monotonic, &kernel().wall}) {
+      const auto then = std::chrono::seconds{clock->tv_sec} + std::chrono::nanoseconds{clock->tv_nsec} + time;
+      *clock = {.tv_sec = then / 1s, .tv_nsec = (then % 1s).count()};
+    }
+  }
 
   std::unique_ptr<KernelSocket> socket = std::make_unique<KernelSocket>();
 };
@@ -174,7 +185,9 @@ TEST_F(KernelCalls, SendAFrameOrSayWhyNot) {
 }
 
 TEST_F(KernelCalls, StampAFrameByTheBestClockThatTheKernelTells) {
+  kernel().monotonic = {99, 0};
   ASSERT_EQ(open(), OpenResult::done);
+  kernel().monotonic = {100, 0};
   EXPECT_EQ(time_of({}, {}), Time{100s}) << "when it is read";
   EXPECT_EQ(time_of(timespec{4999, 999'000'000}, {}), Time{100s - 1ms}) << "its age on the wall clock";
   EXPECT_EQ(time_of(timespec{4999, 999'000'000}, timespec{17, 0}), Time{100s - 1ms}) << "the counter is not known yet";
@@ -183,6 +196,40 @@ TEST_F(KernelCalls, StampAFrameByTheBestClockThatTheKernelTells) {
   EXPECT_EQ(time_of(timespec{5000, 10'000'000}, timespec{17, 10'000'000}), Time{100s + 9ms + 2us})
       << "1 ms late; the drift of 10 ms allows 2 us";
   EXPECT_EQ(time_of({}, timespec{40, 0}), Time{100s + 10ms}) << "a counter that jumps";
+}
+
+// A frame waits for a fraction of a period, and the wall clock is set while it does.
+TEST_F(KernelCalls, TakeNoFrameForOlderThanTheLastTimeThatNoneWaited) {
+  ASSERT_EQ(open(), OpenResult::done);
+  find_nothing();
+  pass(1ms);
+  const timespec stamp = kernel().wall;
+  kernel().wall.tv_nsec += 50'000'000;
+  EXPECT_EQ(time_of(stamp, {}), Time{100s + 1ms}) << "and not 50 ms before";
+}
+
+// Else the counter's offset would stay wrong by the step for as long as the drift takes to make up for it: 50 ms at 200
+// ppm are four minutes.
+TEST_F(KernelCalls, KeepTheCountersOffsetWhenTheWallClockIsSet) {
+  ASSERT_EQ(open(), OpenResult::done);
+  find_nothing();
+  pass(1ms);
+  EXPECT_EQ(time_of(kernel().wall, timespec{17, 0}), Time{100s + 1ms});
+  find_nothing();
+  pass(1ms);
+  const timespec stamp = kernel().wall;
+  kernel().wall.tv_nsec += 50'000'000;
+  EXPECT_EQ(time_of(stamp, timespec{17, 1'000'000}), Time{100s + 2ms});
+}
+
+// A process that was stopped reads what came before that.
+TEST_F(KernelCalls, KeepTheAgeOfAFrameThatWaitedForLong) {
+  ASSERT_EQ(open(), OpenResult::done);
+  find_nothing();
+  pass(1ms);
+  const timespec stamp = kernel().wall;
+  pass(600s);
+  EXPECT_EQ(time_of(stamp, {}), Time{100s + 1ms});
 }
 
 TEST_F(KernelCalls, PassFramesOnAndCountThoseThatWereLost) {

@@ -41,9 +41,10 @@ ErrorReport error_report(const can_frame& frame) noexcept {
   return report;
 }
 
-hal::Time on_monotonic_clock(hal::Time stamp, hal::Time realtime_now, hal::Time monotonic_now) noexcept {
+hal::Time on_monotonic_clock(hal::Time stamp, hal::Time realtime_now, hal::Time monotonic_now,
+                             hal::Time earliest) noexcept {
   const hal::Duration age = realtime_now - stamp;
-  const bool plausible = age >= hal::Duration::zero() && age <= std::chrono::seconds{1};
+  const bool plausible = age >= hal::Duration::zero() && age <= monotonic_now - earliest;
   return plausible ? monotonic_now - age : monotonic_now;
 }
 

@@ -78,6 +78,7 @@ OpenResult KernelSocket::configure() noexcept {
     const bool permission = errno == EPERM || errno == EACCES;
     return fail(permission ? OpenResult::no_permission : OpenResult::no_can_support);
   }
+  empty_at_ = now_on(CLOCK_MONOTONIC);
   ifreq request{};
   std::copy(name_.begin(), name_.end(), request.ifr_name);
   if (ioctl(socket_, SIOCGIFINDEX, &request) != 0) return fail(OpenResult::no_such_interface);
@@ -137,7 +138,9 @@ Io KernelSocket::read(can_frame& frame, hal::Time& received) noexcept {
   message.msg_iovlen = 1;
   message.msg_control = control.data();
   message.msg_controllen = control.size();
+  const hal::Time asked_at = now_on(CLOCK_MONOTONIC);
   const ssize_t count = recvmsg(socket_, &message, MSG_DONTWAIT);
+  if (count < 0 && errno == EAGAIN) empty_at_ = asked_at;
   if (count < 0) return failure(errno);
   if (count != static_cast<ssize_t>(sizeof frame)) return Io::again;
   const hal::Time now = now_on(CLOCK_MONOTONIC);
@@ -158,7 +161,7 @@ hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
   std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
   const hal::Time software = to_time(stamps.ts[0]), hardware = to_time(stamps.ts[2]);
   hal::Time time = now;
-  if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now);
+  if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now, empty_at_);
   return hardware != hal::Time{} ? hardware_clock_.align(hardware, time) : time;
 }
 

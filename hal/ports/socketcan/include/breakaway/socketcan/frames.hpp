@@ -24,8 +24,9 @@ struct ErrorReport {
 };
 ErrorReport error_report(const can_frame& frame) noexcept;
 
-// Brings a time of CLOCK_REALTIME to CLOCK_MONOTONIC, given what both show now. A stamp that is in the future or older
-// than a second, as after a step of the wall clock, becomes now.
-hal::Time on_monotonic_clock(hal::Time stamp, hal::Time realtime_now, hal::Time monotonic_now) noexcept;
+// Brings a time of CLOCK_REALTIME to CLOCK_MONOTONIC, given what both show now. A stamp that comes to lie in the future
+// or before `earliest`, as after a step of the wall clock, becomes now.
+hal::Time on_monotonic_clock(hal::Time stamp, hal::Time realtime_now, hal::Time monotonic_now,
+                             hal::Time earliest) noexcept;
 
 }  // namespace breakaway::socketcan

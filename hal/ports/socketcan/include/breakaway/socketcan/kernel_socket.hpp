@@ -93,6 +93,7 @@ class KernelSocket {
   int carrier_ = -1;  // /sys/class/net/<name>/carrier
   int error_number_ = 0;
   std::uint32_t lost_frames_ = 0;
+  hal::Time empty_at_{};  // when nothing waited to be read; what is read later came after that
   HardwareClock hardware_clock_;
 };
 
