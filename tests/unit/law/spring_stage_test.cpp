@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "../../bristled_axis.hpp"
@@ -94,6 +95,27 @@ TEST(SpringStage, TakesOverWithinItsReachAnAxisThatRingsForLongerThanItMay) {
     EXPECT_LT(periods, 10'000) << within;
     EXPECT_EQ(controller.fault(), within ? ControlFault::none : ControlFault::drifting);
     EXPECT_EQ(controller.kicks(), 1U);
+  }
+}
+
+// One that was held for longer than the stage may take is still in motion when it leaves its hold.
+TEST(SpringStage, WaitsForAnAxisThatIsPushedToRestHoweverLongItWasHeld) {
+  design::BrakedClass c = axes_of_the_scenes(0);
+  c.presliding_stiffness_N_per_m = 1e5;
+  auto p = testing::sampled_axis<float>();
+  p.coast = Coast::brake;
+  const auto kicks = design::design_braked_kicks<float>(c).kicks;
+  const K3Table<float> unused;
+  for (const int held : {1000, kicks.spring.longest_periods + 1000}) {
+    AxisController<float> controller{p, unused, kicks};
+    for (int i = 0; i < held; ++i) controller.update({0});
+    ASSERT_EQ(controller.mode(), Mode::hold);
+    constexpr int pushed = 8;
+    int periods = 0;
+    const auto reading_m = [&] { return 15e-6F * static_cast<float>(std::min(++periods, pushed)); };
+    while (!controller.update({reading_m()}).kicked && periods < 1000) continue;
+    EXPECT_GT(periods, pushed + kicks.either_way_periods) << "held for " << held;
+    EXPECT_LT(periods, 1000);
   }
 }
 

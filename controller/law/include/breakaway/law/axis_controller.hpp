@@ -222,7 +222,7 @@ class AxisController {
     if (mode_ == Mode::approach) return approach_to_brake(x);
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) return keep_holding(x);
-      if (held_ >= long_braked_hold()) fine_.restart();  // it has been pushed
+      if (held_ >= long_braked_hold()) forget_hold();  // it has been pushed
       if (judge_.left_hold()) return latch(ControlFault::hunting);
       if (std::abs(x) > far_m()) return approach_again(false);
       mode_ = Mode::coast;
@@ -246,6 +246,11 @@ class AxisController {
       return braked_->begin_m();
     else
       return 4 * (braked_->approach.switch_distance_m + braked_->approach.short_of_target_m);
+  }
+
+  void forget_hold() noexcept {
+    fine_.restart();
+    spring_.begin_anew();
   }
 
   Scalar keep_holding(Scalar x) noexcept {

@@ -38,6 +38,8 @@ class SpringStage {
     waits_ = false;
   }
   constexpr void stop() noexcept { active_ = false; }
+  // It has all its time again, to lead an axis back that was pushed.
+  constexpr void begin_anew() noexcept { waited_ = 0; }
 
   // Takes the newest reading, once a period while the stage is active. Returns true in the period from which on the
   // force waits for the axis to rest.
