@@ -262,7 +262,7 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
   Disturber disturber{disturbance, q};
   WatchedMove<Kicks> move{kicks};
   std::deque<std::optional<double>> samples;
-  firmware::MotionWithoutForce<Real> external{controller.held()};
+  firmware::MotionWithoutForce<Real> external{controller.held(), p.encoder_resolution_m};
   firmware::MotionUnderForce<Real> motion{p.mass_kg, controller.breakaway_N(), p.encoder_resolution_m,
                                           controller.lost_motion_m()};
   std::deque<double> given_N;  // with the samples

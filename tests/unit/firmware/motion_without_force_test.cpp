@@ -9,11 +9,11 @@
 namespace breakaway::firmware {
 namespace {
 
-constexpr double held_N = 2, allowed_m = 0.5;
+constexpr double held_N = 2, allowed_m = 0.5, count_m = 0x1p-30;
 
 // An axis that the law has begun to hold.
 MotionWithoutForce<double> held_axis(bool is_rigid = true) {
-  MotionWithoutForce<double> motion{{held_N, allowed_m, is_rigid}};
+  MotionWithoutForce<double> motion{{held_N, allowed_m, is_rigid}, count_m};
   motion.restart();
   motion.sample(0, true);
   return motion;
@@ -25,7 +25,7 @@ TEST(MotionWithoutForce, SeesAHeldAxisThatIsMovedByMoreThanIsAllowed) {
     motion.sample(sign * 0.25, true);
     motion.sample(sign * 0.25, true);
     EXPECT_FALSE(motion.seen()) << "exactly what is allowed";
-    motion.sample(sign * 1e-9, true);
+    motion.sample(sign * count_m, true);
     EXPECT_TRUE(motion.seen());
   }
 }
@@ -43,7 +43,7 @@ TEST(MotionWithoutForce, GoesOnWhenTheLawLeavesItsHold) {
 
 // The law may have begun to hold an axis that was pushed since the sample that proved its rest.
 TEST(MotionWithoutForce, CountsTheTravelOfTheFirstSampleOfAHold) {
-  MotionWithoutForce<double> motion{{held_N, allowed_m}};
+  MotionWithoutForce<double> motion{{held_N, allowed_m}, count_m};
   motion.sample(0.6, true);
   EXPECT_TRUE(motion.seen());
 }
@@ -58,7 +58,7 @@ TEST(MotionWithoutForce, BeginsAnewWithEveryHold) {
 }
 
 TEST(MotionWithoutForce, DoesNotWatchBeforeAHoldOrAfterARestart) {
-  MotionWithoutForce<double> motion{{held_N, allowed_m}};
+  MotionWithoutForce<double> motion{{held_N, allowed_m}, count_m};
   for (int n = 0; n < 10; ++n) motion.sample(1, false);
   EXPECT_FALSE(motion.seen());
   motion = held_axis();
@@ -119,10 +119,26 @@ TEST(MotionWithoutForce, AForceThatIsNoNumberMayBeAny) {
 }
 
 TEST(MotionWithoutForce, WatchesNothingWhereNothingIsTold) {
-  MotionWithoutForce<double> motion{law::HeldAxis<double>{}};
+  MotionWithoutForce<double> motion{law::HeldAxis<double>{}, count_m};
   motion.sample(0, true);
   motion.sample(1e300, true);
   EXPECT_FALSE(motion.seen());
+}
+
+// Readings that come again every three samples. Their travels in metres are rounded so that the sum of the three is not
+// nothing: in eight hours at 1 kHz it would be 72 counts.
+TEST(MotionWithoutForce, StaysWhereItIsWhenAnAxisVibratesForLong) {
+  constexpr float q_m = 1e-6F;
+  constexpr int readings[] = {0, -29, 46};
+  MotionWithoutForce<float> motion{{2, 60 * q_m}, q_m};
+  int before = 0;
+  for (int n = 0; n < 30'000'000; ++n) {
+    const int reading = readings[n % 3];
+    motion.sample(static_cast<float>(reading - std::exchange(before, reading)) * q_m, true);
+  }
+  EXPECT_FALSE(motion.seen());
+  motion.sample(16 * q_m, true);
+  EXPECT_TRUE(motion.seen()) << "62 counts from where it rested";
 }
 
 // A mass under random forces, with friction anywhere above what is told, held whenever it rests: whatever its drive
@@ -131,7 +147,7 @@ TEST(MotionWithoutForce, NeverDoubtsAMassThatOnlyItsDriveMoves) {
   constexpr double mass_kg = 1, lower_N = 2.5, step_s = 1e-3, q_m = 1e-6;
   std::mt19937_64 random{7};
   std::uniform_real_distribution<> unit{0, 1};
-  MotionWithoutForce<double> motion{{lower_N, q_m * 1.001}};
+  MotionWithoutForce<double> motion{{lower_N, q_m * 1.001}, q_m};
   double x_m = 0, v_m_s = 0, force_N = 0, shown = 0;
   int periods_held = 0;
   for (int period = 0; period < 200'000; ++period) {

@@ -373,7 +373,8 @@ TEST(SupervisorEdges, AConstantForceOnTheAxisTakesUpItsShareOfTheDrives) {
 
 TEST(SupervisorEdges, NamesAnAxisThatIsMovedWhileItIsHeld) {
   for (const float sign : {1.0F, -1.0F}) {
-    const AxisModel<float> model{.feedforward_N = 10, .held = {.force_N = 2, .allowed_m = 0.01F}};
+    const AxisModel<float> model{
+        .feedforward_N = 10, .encoder_resolution_m = 0.0025F, .held = {.force_N = 2, .allowed_m = 0.01F}};
     // Moved by half of what is allowed in each sample.
     const auto moved = [sign](Watched& axis, bool holds, float reported_N) {
       Feedback f = axis.sample();
@@ -405,7 +406,7 @@ TEST(SupervisorEdges, NamesAnAxisThatIsMovedWhileItIsHeld) {
 }
 
 TEST(SupervisorEdges, AnAxisOfWhichNobodySaysThatItIsHeldMayMove) {
-  Watched axis{no_limits(), {.held = {.force_N = 2, .allowed_m = 0.01F}}};
+  Watched axis{no_limits(), {.encoder_resolution_m = 0.0025F, .held = {.force_N = 2, .allowed_m = 0.01F}}};
   for (int n = 0; n < 10; ++n) {
     Feedback f = axis.sample();
     f.travel_m = 0.005F;

@@ -9,7 +9,12 @@
 //
 // An axis that is moved by little is the law's, which kicks it back. So `allowed_m` holds besides what the bounds allow
 // how far away kicks still are for.
+//
+// Travels are summed as whole counts, which a float holds exactly: the rounded metres of an axis that vibrates to and
+// fro for months would lead away from where it is.
 #pragma once
+
+#include <limits>
 
 #include "breakaway/law/held_axis.hpp"
 
@@ -18,7 +23,9 @@ namespace breakaway::firmware {
 template <class Scalar>
 class MotionWithoutForce {
  public:
-  constexpr explicit MotionWithoutForce(const law::HeldAxis<Scalar>& axis) noexcept : axis_{axis} {}
+  // resolution_m: a count, above 0.
+  constexpr MotionWithoutForce(const law::HeldAxis<Scalar>& axis, Scalar resolution_m) noexcept
+      : axis_{axis}, counts_per_m_{1 / resolution_m}, allowed_counts_{axis.allowed_m / resolution_m} {}
 
   // Nothing is known of where the axis rests.
   void restart() noexcept { held_ = up_ = down_ = false; }
@@ -35,17 +42,27 @@ class MotionWithoutForce {
   void sample(Scalar travel_m, bool holds) noexcept {
     if (holds && !held_) {
       up_ = down_ = true;
-      moved_m_ = 0;
+      moved_counts_ = 0;
     }
     held_ = holds;
-    moved_m_ += travel_m;
+    moved_counts_ += whole(travel_m * counts_per_m_);
   }
 
-  bool seen() const noexcept { return (up_ && moved_m_ > axis_.allowed_m) || (down_ && moved_m_ < -axis_.allowed_m); }
+  bool seen() const noexcept {
+    return (up_ && moved_counts_ > allowed_counts_) || (down_ && moved_counts_ < -allowed_counts_);
+  }
 
  private:
+  // The nearest whole number, because the digits of one so `large` end there. What is larger stays what it is, or
+  // nearly.
+  static constexpr Scalar whole(Scalar counts) noexcept {
+    constexpr Scalar large = Scalar(1.5) / std::numeric_limits<Scalar>::epsilon();
+    return (counts + large) - large;
+  }
+
   law::HeldAxis<Scalar> axis_;
-  Scalar moved_m_{};  // since the law began to hold
+  Scalar counts_per_m_, allowed_counts_;
+  Scalar moved_counts_{};  // since the law began to hold
   bool held_ = false;
   bool up_ = false, down_ = false;  // no force was there that could take it this way
 };

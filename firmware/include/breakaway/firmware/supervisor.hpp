@@ -186,7 +186,7 @@ class Supervisor {
       : limits_{limits},
         commanded_{model.max_force_N, model.slow_lag},
         motion_{model.mass_kg, model.breakaway_N, model.encoder_resolution_m, model.lost_motion_m},
-        external_{model.held},
+        external_{model.held, model.encoder_resolution_m},
         feedforward_N_{model.feedforward_N},
         unseen_m_{model.unseen_m} {
     // A drive reports whole steps of force, which are the limit but for rounding.
