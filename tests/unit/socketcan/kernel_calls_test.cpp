@@ -251,6 +251,23 @@ TEST_F(KernelCalls, PassFramesOnAndCountThoseThatWereLost) {
   }
 }
 
+TEST_F(KernelCalls, GoOnCountingWhatWasLostInASocketThatIsOpenedAnewAndBeyondWhatTheKernelCounts) {
+  can_frame frame{};
+  Time time{};
+  const auto lost_after = [&](std::uint32_t counted) {
+    kernel().incoming.push_back({.frame = frame_of(1), .software = {}, .hardware = {}, .lost = counted});
+    EXPECT_EQ(socket->read(frame, time), Io::done);
+    return socket->lost_frames();
+  };
+  ASSERT_EQ(open(), OpenResult::done);
+  EXPECT_EQ(lost_after(3), 3U);
+  ASSERT_TRUE(socket->reopen());
+  EXPECT_EQ(socket->lost_frames(), 3U);
+  EXPECT_EQ(lost_after(2), 5U);
+  EXPECT_EQ(lost_after(0xFFFF'FFFFU), 0x1'0000'0002U);
+  EXPECT_EQ(lost_after(4), 0x1'0000'0007U);
+}
+
 TEST_F(KernelCalls, TellWhatTheKernelStillHolds) {
   ASSERT_EQ(open(), OpenResult::done);
   kernel().unsent_bytes = 768;

@@ -48,7 +48,7 @@ struct FakeSocket {
     ++reopenings;
     return reopens;
   }
-  std::uint32_t lost_frames() const noexcept { return lost; }
+  std::uint64_t lost_frames() const noexcept { return lost; }
 };
 
 can_frame bus_off_frame() {

@@ -79,6 +79,7 @@ OpenResult KernelSocket::configure() noexcept {
     return fail(permission ? OpenResult::no_permission : OpenResult::no_can_support);
   }
   empty_at_ = now_on(CLOCK_MONOTONIC);
+  lost_of_socket_ = 0;
   ifreq request{};
   std::copy(name_.begin(), name_.end(), request.ifr_name);
   if (ioctl(socket_, SIOCGIFINDEX, &request) != 0) return fail(OpenResult::no_such_interface);
@@ -150,7 +151,7 @@ Io KernelSocket::read(can_frame& frame, hal::Time& received) noexcept {
     if (part->cmsg_type == SO_TIMESTAMPING) {
       received = when(part, now);
     } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&lost_frames_, CMSG_DATA(part), sizeof lost_frames_);
+      count_lost(part);
     }
   }
   return Io::done;
@@ -163,6 +164,14 @@ hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
   hal::Time time = now;
   if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now, empty_at_);
   return hardware != hal::Time{} ? hardware_clock_.align(hardware, time) : time;
+}
+
+// The kernel counts modulo 2^32, and from 0 in a socket that was opened anew.
+void KernelSocket::count_lost(cmsghdr* part) noexcept {
+  std::uint32_t lost = 0;
+  std::memcpy(&lost, CMSG_DATA(part), sizeof lost);
+  lost_frames_ += lost - lost_of_socket_;
+  lost_of_socket_ = lost;
 }
 
 std::size_t KernelSocket::unsent_bytes() const noexcept {

@@ -78,11 +78,12 @@ class KernelSocket {
   std::size_t unsent_bytes() const noexcept;
   bool on_bus() const noexcept;
   bool reopen() noexcept;
-  std::uint32_t lost_frames() const noexcept { return lost_frames_; }
+  std::uint64_t lost_frames() const noexcept { return lost_frames_; }
 
  private:
   OpenResult configure() noexcept;
   hal::Time when(cmsghdr* part, hal::Time now) noexcept;
+  void count_lost(cmsghdr* part) noexcept;
   OpenResult fail(OpenResult result) noexcept;
   void close() noexcept;
 
@@ -92,8 +93,9 @@ class KernelSocket {
   int socket_ = -1;
   int carrier_ = -1;  // /sys/class/net/<name>/carrier
   int error_number_ = 0;
-  std::uint32_t lost_frames_ = 0;
-  hal::Time empty_at_{};  // when nothing waited to be read; what is read later came after that
+  std::uint64_t lost_frames_ = 0;
+  std::uint32_t lost_of_socket_ = 0;  // as the kernel counted them last, from when this socket was opened
+  hal::Time empty_at_{};              // when nothing waited to be read; what is read later came after that
   HardwareClock hardware_clock_;
 };
 

@@ -42,19 +42,19 @@ concept RawSocket = requires(S& socket, const can_frame& to_send, can_frame& fra
   { socket.on_bus() } noexcept -> std::same_as<bool>;
   // Opens the interface once more, after Io::gone. Returns true when it is open.
   { socket.reopen() } noexcept -> std::same_as<bool>;
-  // Counts the frames, since the socket was opened, that were received when it was full.
-  { socket.lost_frames() } noexcept -> std::same_as<std::uint32_t>;
+  // Counts the frames that were received when it was full, also those before it was opened once more.
+  { socket.lost_frames() } noexcept -> std::same_as<std::uint64_t>;
 };
 
 // clang-format on
 
 struct Counters {
-  std::uint32_t stale = 0;      // frames dropped at their deadline
-  std::uint32_t jams = 0;       // times that the kernel took no more frames (ENOBUFS)
-  std::uint32_t overflows = 0;  // frames lost by the controller, the socket or the queue here
-  std::uint32_t refused = 0;    // frames that the kernel does not take
-  std::uint32_t bus_offs = 0;   // of the controller
-  std::uint32_t link_losses = 0;
+  std::uint64_t stale = 0;      // frames dropped at their deadline
+  std::uint64_t jams = 0;       // times that the kernel took no more frames (ENOBUFS)
+  std::uint64_t overflows = 0;  // frames lost by the controller, the socket or the queue here
+  std::uint64_t refused = 0;    // frames that the kernel does not take
+  std::uint64_t bus_offs = 0;   // of the controller
+  std::uint64_t link_losses = 0;
 };
 
 template <RawSocket Socket>
