@@ -4,7 +4,8 @@
 //
 //   {"timestamp":1763870000.123456,"sample":17,"dropped":0,"latency_us":4.2,"target_m":0.25,"position_m":0.1, ... }
 //
-//   timestamp    s since 1970 (CLOCK_REALTIME), of the period in which the sample was taken
+//   timestamp    s since 1970, of the period in which the sample was taken: by CLOCK_REALTIME as the node started, and
+//                by CLOCK_MONOTONIC from then on, so that a step of the wall clock moves no sample
 //   sample       number of the datagram: one that is left out was lost on its way
 //   dropped      samples that were not sent until now
 //   latency_us   by which the loop's thread woke late in this period

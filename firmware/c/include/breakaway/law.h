@@ -70,7 +70,7 @@ BREAKAWAY_PUBLIC const char* breakaway_fault_name(int fault);
 typedef struct breakaway_law_status {
   int32_t mode;           /* breakaway_mode */
   int32_t fault;          /* 0: none */
-  uint32_t kicks;         /* so far; it rises as one is decided on, with its first force or a period before */
+  uint32_t kicks;         /* modulo 2^32; it rises as one is decided on, with its first force or a period before */
   double target_m;
   double velocity_m_s;    /* as the law estimates it */
   double seen_friction_N; /* which contradicted the bounds, where that is the fault; 0 otherwise */

@@ -148,6 +148,7 @@ class AxisController {
     if (braked_ == nullptr) return pd_.velocity_m_s();
     return mode_ == Mode::approach ? plan_.velocity_m_s() : (newest_m_ - before_m_) / p_.period_s;
   }
+  // So far, modulo 2^32.
   std::uint32_t kicks() const noexcept { return judge_.kicks(); }
   Scalar seen_friction_N() const noexcept { return judge_.seen_friction_N(); }
   const Parameters& parameters() const noexcept { return p_; }
