@@ -180,16 +180,17 @@ template <class Flashed, class Side>
 void DriveRun<Flashed, Side>::set_up() {
   // The mode alone may take ten seconds, and every object takes periods.
   const hal::Duration usual = 20s + 1000 * flashed_.loop.network.period;
-  const hal::Time begin = ticker_.wait();
+  HeardTime heard{flashed_.loop.network.period, ticker_.wait()};
   while (!telemetry_.stop) {
     step();
+    heard.pass_to(now_);
     for (Axis& axis : axes_) axis.heard = axis.heard || Side::was_heard(loop_.drive(axis.id));
     refuse_unusable_drives();
     if (!any_configuring()) break;
-    if (now_ - begin > duration_of(options_.patience_s)) refuse_silent_drives();
+    if (heard.passed() > duration_of(options_.patience_s)) refuse_silent_drives();
     hal::Duration extra{};
     for (const Axis& axis : axes_) extra = std::max(extra, Side::extra_setup_time(loop_.drive(axis.id)));
-    if (now_ - begin > usual + extra) refuse_standing_drives();
+    if (heard.passed() > usual + extra) refuse_standing_drives();
   }
 }
 
@@ -286,7 +287,7 @@ void DriveRun<Flashed, Side>::stop_and_confirm() {
   // A drive may take a second for its quick stop; one that does not obey is forced to it by every means there is.
   constexpr hal::Duration patience = 1500ms + cia402::ForcedStop::round_time;
   for (const Axis& axis : axes_) loop_.request_stop(axis.id);
-  for (const hal::Time begin = now_; now_ - begin < patience;) {
+  for (HeardTime heard{flashed_.loop.network.period, now_}; heard.passed() < patience; heard.pass_to(now_)) {
     step();
     if (stops_are_confirmed()) return;
   }
@@ -324,7 +325,7 @@ void DriveRun<Flashed, Side>::write(canopen::SdoClient& sdo, canopen::ObjectWrit
   canopen::store_little_endian(bytes, object.value);
   bool over =
       sdo.start_write(object.index, object.subindex, std::span{bytes}.first(object.size)) != canopen::SdoStart::started;
-  for (const hal::Time begin = now_; !over && now_ - begin < 200ms;) {
+  for (HeardTime heard{flashed_.loop.network.period, now_}; !over && heard.passed() < 200ms; heard.pass_to(now_)) {
     poll();
     for (hal::ReceivedFrame received; port_.receive(received);) sdo.on_frame(received.frame);
     over = sdo.poll(now_) != canopen::SdoResult::busy;

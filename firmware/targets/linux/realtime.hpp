@@ -41,6 +41,25 @@ struct Latency {
   hal::Duration mean() const noexcept { return wakes == 0 ? sum : sum / static_cast<std::int64_t>(wakes); }
 };
 
+// The time in which others could be heard. A period that came late counts for two at most: what they said in it was not
+// heard, and what they were to be told was not said.
+class HeardTime {
+ public:
+  HeardTime(hal::Duration period, hal::Time begin) noexcept : period_{period}, last_{begin} {}
+
+  // Once a period.
+  void pass_to(hal::Time now) noexcept {
+    passed_ += std::min(now - last_, 2 * period_);
+    last_ = now;
+  }
+  hal::Duration passed() const noexcept { return passed_; }
+
+ private:
+  hal::Duration period_;
+  hal::Time last_;
+  hal::Duration passed_{};
+};
+
 // Wakes at start + n periods. A period that was missed is left out, not made up for.
 class Ticker {
  public:

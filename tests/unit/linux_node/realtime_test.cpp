@@ -30,6 +30,19 @@ TEST(LinuxNodeTicker, CountsTicksThatWereMissedAndLeavesThemOut) {
   EXPECT_GE(ticker.latency().missed - missed_before, 4U);
 }
 
+TEST(LinuxNodeHeardTime, CountsALatePeriodForTwoAtMost) {
+  constexpr breakaway::hal::Time begin{100s};
+  HeardTime heard{2ms, begin};
+  EXPECT_EQ(heard.passed(), 0ns);
+  heard.pass_to(begin + 2ms);
+  heard.pass_to(begin + 5ms);
+  EXPECT_EQ(heard.passed(), 5ms);
+  heard.pass_to(begin + 600s);
+  EXPECT_EQ(heard.passed(), 9ms);
+  heard.pass_to(begin + 600s + 2ms);
+  EXPECT_EQ(heard.passed(), 11ms);
+}
+
 TEST(LinuxNodeLatency, KeepsLeastMeanAndWorst) {
   Latency latency;
   for (const auto value : {30us, 10us, 20us}) latency.add(value);
