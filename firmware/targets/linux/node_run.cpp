@@ -67,8 +67,11 @@ void NodeRun<Flashed, Side>::visit(std::size_t place, std::size_t visit) {
   loop_.set_target_counts(axes_[place].id, plan(place).visits[visit].counts);
 }
 
+// Axes that push each other are certified for targets that are given where all of them rest, and near to that: what is
+// due before waits.
 template <class Flashed, class Side>
 void NodeRun<Flashed, Side>::follow_times() {
+  if (c_.file.coupling && !all_hold()) return;
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     const Trip& trip = trips_[place];
     const auto& visits = plan(place).visits;
@@ -94,10 +97,21 @@ void NodeRun<Flashed, Side>::follow_tour() {
 }
 
 template <class Flashed, class Side>
+bool NodeRun<Flashed, Side>::holds(std::size_t place) const {
+  return status(place).running && status(place).output.mode == law::Mode::hold;
+}
+
+template <class Flashed, class Side>
+bool NodeRun<Flashed, Side>::all_hold() const {
+  for (std::size_t place = 0; place < axes_.size(); ++place)
+    if (!holds(place)) return false;
+  return true;
+}
+
+template <class Flashed, class Side>
 bool NodeRun<Flashed, Side>::rests_on_target(std::size_t place) const {
-  const auto& s = status(place);
-  const double error_m = static_cast<double>(s.feedback.position_offset_m);
-  return s.running && s.output.mode == law::Mode::hold && std::abs(error_m) <= plan(place).reached_m;
+  const double error_m = static_cast<double>(status(place).feedback.position_offset_m);
+  return holds(place) && std::abs(error_m) <= plan(place).reached_m;
 }
 
 template <class Flashed, class Side>

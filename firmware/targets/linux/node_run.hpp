@@ -47,6 +47,8 @@ class NodeRun : private DriveRun<Flashed, Side> {
   void follow_times();
   void follow_tour();
   void visit(std::size_t place, std::size_t visit);
+  bool holds(std::size_t place) const;
+  bool all_hold() const;
   bool rests_on_target(std::size_t place) const;
 
   std::vector<Trip> trips_;                 // of the axes
