@@ -322,6 +322,44 @@ TEST_F(ControlNodeTest, StopsAnAxisWhoseCommanderFallsSilent) {
   EXPECT_NE(drive.state, cia402::State::operation_enabled) << "what comes late is no edge";
 }
 
+// A command that came in the very step before it stood still is as old as that step.
+TEST_F(ControlNodeTest, ObeysNoCommandFromBeforeItsLoopStoodStill) {
+  Node running{port, flashed};
+  test::ScriptedDrive drive{flashed.axes[0].drive.node_id};
+  drive.boot();
+  const auto step = [&](std::optional<bool> enable) {
+    if (enable) port.inbox.push_back({encode_command({.enable = *enable}, node), now});
+    for (const hal::CanFrame& frame : std::exchange(drive.out, {})) port.inbox.push_back({frame, now});
+    port.sent.clear();
+    run(running, 1);
+    drive.advance_to(now);
+    for (const hal::CanFrame& frame : port.sent) drive.on_frame(frame);
+  };
+  const auto repeat = [&](int periods, std::optional<bool> enable) {
+    for (int i = 0; i < periods; ++i) step(i % 100 == 0 ? enable : std::nullopt);
+  };
+  const auto stand_still = [&] {
+    for (const hal::Time end = now + 600ms; now < end; drive.advance_to(now += 1ms))
+      for (const hal::CanFrame& frame : std::exchange(drive.out, {})) port.inbox.push_back({frame, now});
+  };
+  repeat(1000, false);
+  step(true);
+  stand_still();
+  for (int i = 0; i < 1000; ++i) {
+    step({});
+    ASSERT_NE(drive.state, cia402::State::operation_enabled) << i;
+  }
+  repeat(200, false);
+  repeat(1000, true);
+  ASSERT_EQ(drive.state, cia402::State::operation_enabled);
+  step(true);
+  stand_still();
+  repeat(20, {});
+  const auto axis = *running.loop().axis(0);
+  EXPECT_EQ(running.loop().status(axis).fault, AxisFault::commander_lost);
+  EXPECT_NE(drive.state, cia402::State::operation_enabled);
+}
+
 TEST_F(ControlNodeTest, NamesAResetByTheWatchdogAndEnablesNothingBeforeItWasAcknowledged) {
   Node restarted{port, flashed};
   restarted.note_watchdog_reset();

@@ -80,7 +80,10 @@ class ControlNode {
   void obey(std::size_t place, hal::Time now) noexcept {
     const auto axis = loop_.axis(place);
     if (!axis) return;
-    if (const auto command = port_.take_command(place)) remote_[place].apply(loop_, *axis, *command, now);
+    // A command is as old as the step that took it in: nobody may stand behind it any more where the loop stood still
+    // since.
+    const auto command = port_.take_command(place);
+    if (command && now - began_ <= command_timeout_) remote_[place].apply(loop_, *axis, *command, began_);
     remote_[place].watch(loop_, *axis, now, command_timeout_);
   }
 
@@ -105,7 +108,7 @@ class ControlNode {
   std::array<RemoteAxis, Axes> remote_{};
   NodeVerdict verdict_;
   std::uint32_t periods_ = 0;
-  hal::Time began_{};  // the period
+  hal::Time began_{};  // the newest period
 };
 
 }  // namespace breakaway::firmware
