@@ -21,13 +21,14 @@ void touch_stack() noexcept {
   for (std::size_t at = 0; at < room.size(); at += page) first[at] = std::byte{0};
 }
 
-// Returns the time then.
+// Returns the time then. A sleep that ends early, by a signal or because it is refused, begins again: a loop that ran
+// ahead of its periods would have pulses of the wrong length.
 hal::Time sleep_until(hal::Time time) noexcept {
   const hal::Duration due = time.time_since_epoch();
   const timespec until{.tv_sec = due / std::chrono::seconds{1}, .tv_nsec = (due % std::chrono::seconds{1}).count()};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-  return monotonic_now();
+  hal::Time now = monotonic_now();
+  for (; now < time; now = monotonic_now()) clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+  return now;
 }
 
 }  // namespace

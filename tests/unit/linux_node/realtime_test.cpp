@@ -1,8 +1,24 @@
 #include "realtime.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <ctime>
 #include <thread>
+
+namespace {
+
+bool sleeps_are_refused = false;
+
+}  // namespace
+
+// In place of the C library's.
+extern "C" int clock_nanosleep(clockid_t clock, int flags, const timespec* time, timespec* left) {
+  if (sleeps_are_refused) return ENOSYS;
+  return syscall(SYS_clock_nanosleep, clock, flags, time, left) == 0 ? 0 : errno;
+}
 
 namespace {
 
@@ -19,6 +35,20 @@ TEST(LinuxNodeTicker, NeverWakesEarlyAndKeepsItsGrid) {
     EXPECT_EQ((now - ticker.last_latency() - first) % 2ms, 0ns);
   }
   EXPECT_EQ(ticker.latency().wakes, 21U);
+}
+
+// As where a filter of system calls knows no clock_nanosleep.
+TEST(LinuxNodeTicker, KeepsItsPeriodsWhereItIsNotLetSleep) {
+  Ticker ticker{2ms};
+  sleeps_are_refused = true;
+  const auto begin = monotonic_now();
+  for (int n = 0; n < 10; ++n) {
+    const auto now = ticker.wait();
+    EXPECT_GE(ticker.last_latency(), 0ns);
+    EXPECT_GE(ticker.wait_within(500us) - now, 500us - ticker.last_latency());
+  }
+  EXPECT_GE(monotonic_now() - begin, 18ms);
+  sleeps_are_refused = false;
 }
 
 TEST(LinuxNodeTicker, CountsTicksThatWereMissedAndLeavesThemOut) {
