@@ -208,6 +208,19 @@ TEST_F(KernelCalls, TakeNoFrameForOlderThanTheLastTimeThatNoneWaited) {
   EXPECT_EQ(time_of(stamp, {}), Time{100s + 1ms}) << "and not 50 ms before";
 }
 
+// It is stamped as it comes, and was not in the socket yet.
+TEST_F(KernelCalls, BelieveTheStampOfAFrameThatWasOnItsWayToTheSocket) {
+  ASSERT_EQ(open(), OpenResult::done);
+  const timespec stamp = kernel().wall;
+  pass(100us);
+  find_nothing();
+  pass(900us);
+  EXPECT_EQ(time_of(stamp, {}), Time{100s});
+  pass(100us);
+  find_nothing();
+  EXPECT_EQ(time_of(stamp, {}), Time{100s + 1100us}) << "such a one came long ago, and the clock was set";
+}
+
 // Else the counter's offset would stay wrong by the step for as long as the drift takes to make up for it: 50 ms at 200
 // ppm are four minutes.
 TEST_F(KernelCalls, KeepTheCountersOffsetWhenTheWallClockIsSet) {

@@ -20,6 +20,9 @@
 namespace breakaway::socketcan {
 namespace {
 
+// From its stamp, in the interrupt, to the socket.
+constexpr hal::Duration longest_delivery = std::chrono::microseconds{100};
+
 hal::Time to_time(const timespec& t) noexcept {
   return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
 }
@@ -162,7 +165,8 @@ hal::Time KernelSocket::when(cmsghdr* part, hal::Time now) noexcept {
   std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
   const hal::Time software = to_time(stamps.ts[0]), hardware = to_time(stamps.ts[2]);
   hal::Time time = now;
-  if (software != hal::Time{}) time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now, empty_at_);
+  if (software != hal::Time{})
+    time = on_monotonic_clock(software, now_on(CLOCK_REALTIME), now, empty_at_ - longest_delivery);
   return hardware != hal::Time{} ? hardware_clock_.align(hardware, time) : time;
 }
 

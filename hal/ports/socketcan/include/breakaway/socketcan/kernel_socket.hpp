@@ -95,7 +95,7 @@ class KernelSocket {
   int error_number_ = 0;
   std::uint64_t lost_frames_ = 0;
   std::uint32_t lost_of_socket_ = 0;  // as the kernel counted them last, from when this socket was opened
-  hal::Time empty_at_{};              // when nothing waited to be read; what is read later came after that
+  hal::Time empty_at_{};  // when nothing waited to be read; what is read later reached the socket after that
   HardwareClock hardware_clock_;
 };
 
