@@ -200,7 +200,7 @@ constexpr bool has_its_kicks(const FlashedAxis<Scalar, Kicks>& axis) noexcept {
 }
 
 template <class Scalar, class Kicks>
-constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const LoopConfig& loop) noexcept {
+[[gnu::cold]] constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const LoopConfig& loop) noexcept {
   const law::AxisParameters<Scalar>& p = axis.law;
   if (validate(p) != law::ParameterError::none) return NodeError::law_invalid;
   if (!has_its_kicks(axis)) return NodeError::law_invalid;
@@ -216,7 +216,7 @@ constexpr NodeError check_axis(const FlashedAxis<Scalar, Kicks>& axis, const Loo
 
 // An axis that is too like one before it.
 template <class Node>
-constexpr NodeError check_against_others(const Node& node, std::uint8_t i) noexcept {
+[[gnu::cold]] constexpr NodeError check_against_others(const Node& node, std::uint8_t i) noexcept {
   for (std::uint8_t before = 0; before < i; ++before) {
     if (node.axes[before].drive.node_id == node.axes[i].drive.node_id) return NodeError::node_id_taken;
     if (node.axes[before].name.view() == node.axes[i].name.view()) return NodeError::name_taken;
@@ -226,7 +226,7 @@ constexpr NodeError check_against_others(const Node& node, std::uint8_t i) noexc
 
 // Bus and board.
 template <class Node>
-constexpr NodeError check_surroundings(const Node& node) noexcept {
+[[gnu::cold]] constexpr NodeError check_surroundings(const Node& node) noexcept {
   const auto& network = node.loop.network;
   if (canopen::check_bus_budget(node.count, network.period, network.bit_rate) != canopen::BusFit::fits)
     return NodeError::bus_overloaded;

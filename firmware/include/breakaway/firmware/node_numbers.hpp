@@ -11,7 +11,7 @@ namespace breakaway::firmware {
 namespace internal {
 
 template <class Drive, class Visitor>
-constexpr void visit_drive(Drive& drive, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_drive(Drive& drive, Visitor& visit) {
   visit.value("node_id", drive.node_id, "");
   visit.value("force_per_torque_N_per_Nm", drive.force_per_torque_N_per_Nm, "N/(N m)");
   visit.value("rated_torque_mNm", drive.rated_torque_mNm, "mN m");
@@ -38,7 +38,7 @@ constexpr void visit_drive(Drive& drive, Visitor& visit) {
 }
 
 template <class Limits, class Visitor>
-constexpr void visit_limits(Limits& limits, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_limits(Limits& limits, Visitor& visit) {
   visit.value("position_min_m", limits.position_min_m, "m");
   visit.value("position_max_m", limits.position_max_m, "m");
   visit.value("speed_m_s", limits.speed_m_s, "m/s");
@@ -49,7 +49,7 @@ constexpr void visit_limits(Limits& limits, Visitor& visit) {
 }
 
 template <class Parameters, class Visitor>
-constexpr void visit_law(Parameters& p, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_law(Parameters& p, Visitor& visit) {
   visit.value("mass_kg", p.mass_kg, "kg");
   visit.value("stiffness_N_per_m", p.stiffness_N_per_m, "N/m, k1");
   visit.value("approach_damping_Ns_per_m", p.approach_damping_Ns_per_m, "N s/m, k21");
@@ -70,7 +70,7 @@ constexpr void visit_law(Parameters& p, Visitor& visit) {
 }
 
 template <class Table, class Visitor>
-constexpr void visit_table(Table& table, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_table(Table& table, Visitor& visit) {
   visit.value("root_max", table.root_max, "sqrt(m)");
   visit.value("nodes_per_root", table.nodes_per_root, "1/sqrt(m)");
   visit.list("nodes", table.nodes, [&](auto& k3) {
@@ -80,7 +80,7 @@ constexpr void visit_table(Table& table, Visitor& visit) {
 }
 
 template <class Approach, class Visitor>
-constexpr void visit_approach(Approach& approach, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_approach(Approach& approach, Visitor& visit) {
   visit.value("mass_kg", approach.mass_kg, "kg");
   visit.value("friction_N", approach.friction_N, "N");
   visit.value("hard_m_s2", approach.hard_m_s2, "m/s^2");
@@ -102,7 +102,7 @@ constexpr void visit_approach(Approach& approach, Visitor& visit) {
 
 // Of a table only the entries that are there.
 template <class Table, class Visitor>
-constexpr void visit_kick_table(Table& table, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_kick_table(Table& table, Visitor& visit) {
   const auto present = [&](auto& items) {
     return std::span{items}.first(std::min<std::size_t>(table.count, items.size()));
   };
@@ -127,7 +127,7 @@ concept by_work = requires(Kicks& kicks) {
 
 template <class Kicks, class Visitor>
 requires by_work<Kicks>
-constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("force_step_N", kicks.force_step_N, "N");
   visit.value("slow_lag", kicks.slow_lag, "");
   visit.value("breakaway_N", kicks.breakaway_N, "N");
@@ -159,7 +159,7 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
 }
 
 template <class Kicks, class Visitor>
-constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
   visit.value("brake_N", kicks.brake_N, "N");
   visit.value("force_step_N", kicks.force_step_N, "N");
   visit.value("preload_N", kicks.preload_N, "N");
@@ -196,7 +196,7 @@ constexpr void visit_kicks(Kicks& kicks, Visitor& visit) {
 }
 
 template <class Loop, class Visitor>
-constexpr void visit_loop(Loop& loop, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_loop(Loop& loop, Visitor& visit) {
   visit.group("network", [&] {
     visit.value("period", loop.network.period, "ns");
     visit.value("bit_rate", loop.network.bit_rate, "bit/s");
@@ -209,7 +209,7 @@ constexpr void visit_loop(Loop& loop, Visitor& visit) {
 }
 
 template <class Wires, class Visitor>
-constexpr void visit_wiring(Wires& wiring, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_wiring(Wires& wiring, Visitor& visit) {
   visit.value("rpu_can_controller", wiring.rpu_can_controller, "");
   visit.value("can_controller", wiring.can_controller, "");
   visit.value("can_receive", wiring.can_receive, "");
@@ -244,7 +244,7 @@ template <class Node, class Visitor>
 
 // Visits what the law of an axis is made of, as visit_numbers() does: enough for a program that has a drive of its own.
 template <class Axis, class Visitor>
-constexpr void visit_law_numbers(Axis& axis, Visitor& visit) {
+[[gnu::cold]] constexpr void visit_law_numbers(Axis& axis, Visitor& visit) {
   visit.value("name", axis.name, "");
   visit.group("law", [&] { internal::visit_law(axis.law, visit); });
   visit.group("k3_table", [&] { internal::visit_table(axis.k3_table, visit); });
