@@ -31,7 +31,7 @@ void DriveNode::on_heartbeat(const Heartbeat& heartbeat, hal::Time time) noexcep
   const bool initializing = says_so && time - *initializing_since_ <= start_time;
   const bool starts =
       heartbeat.state == AxisState::undefined || heartbeat.state == AxisState::startup_sequence || initializing;
-  if (starts && !starting_ && known_) {
+  if (starts && !starting_ && std::exchange(known_, false)) {
     rebooted_ = true;
     restart();
   }
@@ -89,10 +89,13 @@ void DriveNode::update(hal::Time now) noexcept {
   }
 }
 
-// A drive that fell silent may have rebooted unheard, and then neither its mode nor its position is what it was.
+// A drive that fell silent may have rebooted unheard, and then neither its mode nor its position is what it was. Its
+// position may count while it is still set up, and even before its first heartbeat, where its estimates have to do.
 void DriveNode::watch_silence(hal::Time now) noexcept {
-  if (phase_ == Phase::waiting || phase_ == Phase::refused) return;
   const bool silent = older(heartbeat_time_, settings_.heartbeat_timeout, now);
+  const bool unheard = heartbeat_time_ ? silent : older(estimate_time_, settings_.heartbeat_timeout, now);
+  if (unheard && std::exchange(known_, false)) rebooted_ = true;
+  if (phase_ == Phase::waiting || phase_ == Phase::refused) return;
   const bool blind = phase_ == Phase::ready && older(estimate_time_, settings_.heartbeat_timeout, now);
   if (!silent && !blind) return;
   if (silent) lost_ = true;
@@ -105,7 +108,6 @@ void DriveNode::watch_silence(hal::Time now) noexcept {
 void DriveNode::restart() noexcept {
   request_stop();
   phase_ = Phase::waiting;
-  known_ = false;
   estimate_time_.reset();
   version_asked_at_.reset();
 }

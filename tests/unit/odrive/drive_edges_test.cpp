@@ -352,6 +352,22 @@ TEST_F(OdriveEdges, ThatLostItsReferenceAndHasNoHomeDoesNotGetItByAReset) {
   EXPECT_TRUE(drive.reference_lost());
 }
 
+TEST_F(OdriveEdges, LosesTheReferenceThatItWasToldWhileItIsSetUpByAnotherReboot) {
+  set_up();
+  node.answers_version = false;
+  for (int reboot = 0; reboot < 2; ++reboot) {
+    node.silent = node.blind = true;
+    run(300ms);
+    node.silent = node.blind = false;
+    run(200ms);
+    EXPECT_TRUE(drive.reference_lost()) << reboot;
+    drive.set_reference_counts(1000);
+    run(200ms);
+    EXPECT_FALSE(drive.reference_lost()) << reboot;
+    EXPECT_EQ(drive.setup_status(), SetupStatus::no_version);
+  }
+}
+
 // What it has shown before a reboot says nothing of where it stands since.
 TEST_F(OdriveEdges, ForgetsItsSampleWhenItReboots) {
   enable();

@@ -71,6 +71,20 @@ TEST_F(OdriveNodeStop, IsSetUpAnewAfterAStopThatWasForced) {
   EXPECT_EQ(next(), request_frame(asked_node, Command::get_version)) << "at once";
 }
 
+// It was told to switch its power off, after all, and that is the reboot.
+TEST_F(OdriveNodeStop, ThatIsSetUpAnewAfterAStopThatWasForcedMayRebootBeforeItIsReady) {
+  make_follow();
+  node.request_stop();
+  update_after(1ms);
+  update_after(121ms);
+  ASSERT_TRUE(node.stop_not_obeyed());
+  heartbeat(AxisState::idle);
+  update_after(1ms);
+  ASSERT_FALSE(node.heard());
+  update_after(250ms);
+  EXPECT_TRUE(node.take_reboot());
+}
+
 // Each stop has its whole time.
 TEST_F(OdriveNodeStop, CountsTheTimeOfEachStopAnew) {
   make_ready();

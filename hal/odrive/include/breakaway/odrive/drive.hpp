@@ -132,6 +132,7 @@ class Drive {
     origin_counts_ += static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(counts_);
     counts_ = counts;
     reference_lost_ = home_wanted_ = false;
+    node_.note_reference();
   }
   void request_enable() noexcept {
     if (!node_.ready() || node_.has_force() || !ever_valid_) return;

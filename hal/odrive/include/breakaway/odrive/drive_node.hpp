@@ -73,6 +73,8 @@ class DriveNode {
     wished_ = running_ = false;
   }
   void reset_fault() noexcept { reset_asked_ = true; }
+  // Somebody said where the axis stands: from now on a reboot is one that loses it, be the drive set up or not.
+  void note_reference() noexcept { known_ = true; }
   // Something is wrong that the drive does not know of.
   void fail(OwnFault fault) noexcept;
 
@@ -141,7 +143,7 @@ class DriveNode {
   bool estop_next_ = false;
   bool lost_ = false;
   bool rebooted_ = false;
-  bool known_ = false;  // it was ready once
+  bool known_ = false;  // since its last boot-up it was ready, or was told where it stands
   bool starting_ = false;
   bool reset_asked_ = false, clear_wanted_ = false;
 };
