@@ -194,6 +194,25 @@ TEST_F(OdriveNodeStop, HasForceWhileItReportsTorqueForTwentyMilliseconds) {
   EXPECT_FALSE(node.has_force());
 }
 
+// As one does that a controller left behind, and whose heartbeats somebody switched off.
+TEST_F(OdriveNodeStop, ThatGivesTorqueIsToldToStopThoughNoHeartbeatOfItCame) {
+  node.on_torque(false, now);
+  update_after(1ms);
+  EXPECT_FALSE(node.heard() || next());
+  node.on_torque(true, now);
+  update_after(1ms);
+  EXPECT_TRUE(node.heard()) << "it takes the torque of 0, too";
+  EXPECT_EQ(next(), idle);
+  for (int report = 0; report < 121; ++report) {
+    node.on_torque(true, now);
+    update_after(1ms);
+  }
+  ASSERT_TRUE(node.stop_not_obeyed());
+  EXPECT_EQ(next(), idle);
+  now += 20ms;
+  EXPECT_EQ(next(), estop);
+}
+
 TEST_F(OdriveNodeStop, IsLostWhenItsHeartbeatIsOlderThanItsTimeout) {
   make_follow();
   now += 1ms;

@@ -78,7 +78,8 @@ class DriveNode {
   // Something is wrong that the drive does not know of.
   void fail(OwnFault fault) noexcept;
 
-  bool heard() const noexcept { return phase_ != Phase::waiting; }
+  // It is there: its set-up goes on, or it gives torque.
+  bool heard() const noexcept { return phase_ != Phase::waiting || has_force(); }
   bool ready() const noexcept { return phase_ == Phase::ready; }
   bool refused() const noexcept { return phase_ == Phase::refused; }
   bool wished() const noexcept { return wished_; }
