@@ -187,7 +187,7 @@ bool DriveNode::next_frame(hal::CanFrame& frame, hal::Time now) noexcept {
   // Reports of torque come sooner than heartbeats, and where those are switched off they are all that tells of it.
   if (has_force() && !wished_) return next_stop_frame(frame, now) || next_question(frame, now);
   if (!heartbeat_time_) return false;
-  if (std::exchange(clear_wanted_, false)) {
+  if (phase_ != Phase::waiting && std::exchange(clear_wanted_, false)) {
     frame = clear_errors_frame(settings_.node_id);
     return true;
   }

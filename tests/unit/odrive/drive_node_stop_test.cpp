@@ -374,6 +374,21 @@ TEST_F(OdriveNodeStop, ThatIsLostIsNotAnyMoreWhenItIsReset) {
   EXPECT_FALSE(node.heartbeat_lost());
 }
 
+// What is told to a drive without power, or behind a cable that is out, nobody hears.
+TEST_F(OdriveNodeStop, ThatIsNotHeardWhenItIsResetIsToldToClearAsSoonAsItIs) {
+  make_ready();
+  update_after(251ms);
+  ASSERT_FALSE(node.heard());
+  node.reset_fault();
+  update_after(1ms);
+  EXPECT_FALSE(next());
+  heartbeat(AxisState::undefined, error::missing_input);
+  EXPECT_FALSE(next()) << "it still starts";
+  heartbeat(AxisState::idle, error::missing_input);
+  EXPECT_EQ(next(), clear_errors_frame(asked_node));
+  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version));
+}
+
 TEST_F(OdriveNodeStop, OfOldFirmwareIsAskedAgainWhenItIsReset) {
   heartbeat(AxisState::idle);
   update_after(1ms);
