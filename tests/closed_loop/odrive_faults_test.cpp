@@ -64,6 +64,8 @@ std::vector<NamedFault> named_faults() {
       {"torque beyond its limit", [](OdriveRig& r) { r.drive().show_torque(3.0F); }, AxisFault::force_limit, "", 4ms},
       {"torque reversed", [](OdriveRig& r) { r.drive().show_torque(-1.0F); }, AxisFault::force_not_commanded, "", 60ms},
       {"estimates end", [](OdriveRig& r) { r.drive().suppress_estimates(true); }, AxisFault::feedback_stale, "", 5ms},
+      {"reports of torque end", [](OdriveRig& r) { r.drive().suppress_torques(true); }, AxisFault::emergency,
+       "torques_msg_rate_ms", 13ms},
       {"heartbeats end", [](OdriveRig& r) { r.drive().suppress_heartbeat(true); }, AxisFault::heartbeat_lost, "",
        253ms},
       {"bus unplugged", [](OdriveRig& r) { r.drive().set_silent(true); }, AxisFault::feedback_stale, "", 5ms},
@@ -326,7 +328,7 @@ TEST(OdriveAxis, SurvivesRandomFaultsOnABusThatLosesFrames) {
     settled += rig.status().running && rig.at_rest();
   }
   EXPECT_GT(ran, 20000);
-  EXPECT_GT(settled, 40);
+  EXPECT_GE(settled, 40) << "those of a bus that loses nothing";
 }
 
 }  // namespace

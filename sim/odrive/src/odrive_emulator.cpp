@@ -101,7 +101,7 @@ void OdriveEmulator::on_time(std::size_t timer) {
       if (!estimates_suppressed_) post(estimates());
       return again(estimate_due, config_.estimate_period);
     case torque_due:
-      if (!estimates_suppressed_) post(torques());
+      if (!estimates_suppressed_ && !torques_suppressed_) post(torques());
       return again(torque_due, config_.torque_period);
     case watchdog:
       return disarm(odrive::error::watchdog_timer_expired);
@@ -163,7 +163,7 @@ void OdriveEmulator::answer(Command command) {
       if (!estimates_suppressed_) post(estimates(), config_.response_delay);
       return;
     case Command::get_torques:
-      if (!estimates_suppressed_) post(torques(), config_.response_delay);
+      if (!estimates_suppressed_ && !torques_suppressed_) post(torques(), config_.response_delay);
       return;
     default:
       return;

@@ -219,6 +219,7 @@ TEST_F(OdriveEdges, GivesNothingWhereNobodySaidAForce) {
   deliver(node.version());
   ASSERT_TRUE(drive.next_acyclic_frame(frame, now));
   deliver(node.estimates());
+  deliver(node.torques());
   drive.update(now);
   drive.request_enable();
   ASSERT_TRUE(drive.next_acyclic_frame(frame, now) && drive.next_acyclic_frame(frame, now));

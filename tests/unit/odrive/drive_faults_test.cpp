@@ -245,6 +245,42 @@ TEST_F(OdriveFaults, ATorqueWhoseForceIsNoNumberIsNamed) {
   EXPECT_TRUE(std::isfinite(feedback.force_N));
 }
 
+// Without its reports nothing shows that the axis does not move under its force, or gets another than it was told.
+TEST_F(OdriveFaults, ADriveThatTellsItsPositionAndNoTorqueIsStoppedAndNamed) {
+  enable();
+  node.mute = true;
+  run(10ms, 10);
+  EXPECT_EQ(feedback.state, DriveState::enabled) << "reports may be lost now and then";
+  EXPECT_EQ(next_emergency(1ms), static_cast<std::uint16_t>(OwnFault::torque_not_reported));
+  EXPECT_EQ(torque_Nm, 0.0F);
+  run(200ms);
+  EXPECT_EQ(feedback.state, DriveState::fault);
+  node.mute = false;
+  drive.reset_fault();
+  run(200ms);
+  EXPECT_EQ(feedback.state, DriveState::disabled);
+}
+
+TEST_F(OdriveFaults, ADriveThatNeverTellsItsTorqueGivesNone) {
+  node.mute = true;
+  set_up();
+  drive.request_enable();
+  for (int period = 0; period < 300; ++period) {
+    step(10);
+    EXPECT_NE(feedback.state, DriveState::enabled);
+    EXPECT_EQ(node.last_torque_Nm, 0);
+  }
+  EXPECT_EQ(feedback.state, DriveState::fault);
+  EXPECT_EQ(feedback.fault_code, static_cast<std::uint16_t>(OwnFault::torque_not_reported));
+}
+
+// Its position is named first, which is what the axis lacks most.
+TEST_F(OdriveFaults, ADriveThatTellsNeitherPositionNorTorqueHasNoFaultOfItsOwn) {
+  enable();
+  node.blind = true;
+  EXPECT_EQ(next_emergency(200ms), 0);
+}
+
 TEST_F(OdriveFaults, TwoNodesOfOneIdAreNoticed) {
   enable();
   run(50ms);

@@ -56,7 +56,8 @@ TEST(FaultCode, TellsTheDrivesErrorsResultsAndOwnFaultsApart) {
   EXPECT_TRUE(has(static_cast<unsigned>(OwnFault::position_not_a_number), "position that is not a number"));
   EXPECT_TRUE(has(static_cast<unsigned>(OwnFault::position_too_coarse), "coarser than encoder_resolution_m"));
   EXPECT_TRUE(has(static_cast<unsigned>(OwnFault::torque_not_a_number), "torque that is not a number"));
-  EXPECT_EQ(fault_text(0x204), "unknown error");
+  EXPECT_TRUE(has(static_cast<unsigned>(OwnFault::torque_not_reported), "torques_msg_rate_ms"));
+  EXPECT_EQ(fault_text(0x205), "unknown error");
 }
 
 TEST(SetupStatus, SaysWhatToDo) {

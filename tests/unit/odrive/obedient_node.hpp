@@ -28,6 +28,7 @@ struct ObedientNode {
   bool answers_version = true;
   bool silent = false;  // no heartbeats
   bool blind = false;   // no estimates
+  bool mute = false;    // no torques
   hal::Duration heartbeat_period = 100ms;
   std::vector<hal::CanFrame> told;  // data frames
   float last_torque_Nm = 0;
@@ -113,7 +114,8 @@ class DriveTest : public testing::Test {
       last_heartbeat = now;
       deliver(node.heartbeat());
     }
-    if (!polled && !node.blind) deliver(node.estimates()), deliver(node.torques());
+    if (!polled && !node.blind) deliver(node.estimates());
+    if (!polled && !node.blind && !node.mute) deliver(node.torques());
     drive.update(now);
     feedback = drive.feedback();
     if (feedback.state == hal::DriveState::enabled) drive.command(force_N);

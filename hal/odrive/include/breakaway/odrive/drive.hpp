@@ -21,7 +21,9 @@
 // that goes with it is reported as 0 when its report is older than three periods.
 //
 // A position or torque that is no number, and a position that is coarser than a count, is a fault: the sample is not
-// used, and the drive is stopped. A drive that leaves closed loop control by itself stays off until request_enable().
+// used, and the drive is stopped. So is a drive that follows and tells its position and for ten periods no torque:
+// nothing would show an axis that does not move under its force, or a force that nobody commanded. A drive that leaves
+// closed loop control by itself stays off until request_enable().
 //
 // It owns no port, holds no pointers and may be copied. It never blocks or allocates, and is for one thread.
 #pragma once
@@ -85,6 +87,8 @@ class Drive {
     node_.update(now);
     if (node_.take_reboot()) on_reboot();
     if (torque_ && now - torque_time_ > 3 * period_) torque_.reset();
+    if (node_.follows() && fresh_ && now - torque_time_ > mute_periods * period_)
+      node_.fail(OwnFault::torque_not_reported);
     polls_ = config_.estimates == Estimates::polled && node_.heard() ? 0 : polls;
   }
 
@@ -167,6 +171,8 @@ class Drive {
  private:
   static constexpr unsigned conflict_periods = 5;  // in a row
   static constexpr unsigned polls = 2;             // a period
+  // So many reports of torque in a row do not get lost.
+  static constexpr int mute_periods = 10;
 
   static NodeSettings settings(const Config& c, const hal::NetworkConfig& network) noexcept {
     return {.node_id = c.node_id,

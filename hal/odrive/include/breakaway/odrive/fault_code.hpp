@@ -35,6 +35,7 @@ enum class OwnFault : std::uint16_t {
   position_not_a_number = 0x201,
   position_too_coarse = 0x202,
   torque_not_a_number = 0x203,
+  torque_not_reported = 0x204,
 };
 
 // Results of a procedure that are no failure.
@@ -120,6 +121,9 @@ constexpr std::string_view fault_text(std::uint16_t code) noexcept {
              "its zero nearer";
     case OwnFault::torque_not_a_number:
       return "the drive reports a torque that is not a number, or beyond any";
+    case OwnFault::torque_not_reported:
+      return "the drive reports its position and not its torque, so that nothing shows what force it gives: set its "
+             "torques_msg_rate_ms as encoder_msg_rate_ms";
   }
   return "unknown error";
 }

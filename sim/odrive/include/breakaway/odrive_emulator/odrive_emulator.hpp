@@ -48,6 +48,7 @@ class OdriveEmulator final : public drive_emulator::EmulatedDrive {
   void set_silent(bool silent) { silent_ = silent; }
   void suppress_heartbeat(bool suppressed) { heartbeat_suppressed_ = suppressed; }
   void suppress_estimates(bool suppressed) { estimates_suppressed_ = suppressed; }
+  void suppress_torques(bool suppressed) { torques_suppressed_ = suppressed; }
   void ignore_idle(bool ignored) { config_.ignores_idle = ignored; }
   void ignore_estop(bool ignored) { config_.ignores_estop = ignored; }
   // These bits take the place of what it would show; nothing: no longer.
@@ -95,7 +96,7 @@ class OdriveEmulator final : public drive_emulator::EmulatedDrive {
   double sampled_m_ = 0;
   hal::Time sampled_at_{};
   bool running_ = false;  // has booted
-  bool silent_ = false, heartbeat_suppressed_ = false, estimates_suppressed_ = false;
+  bool silent_ = false, heartbeat_suppressed_ = false, estimates_suppressed_ = false, torques_suppressed_ = false;
   std::optional<float> shown_turns_, shown_torque_Nm_;
 };
 
