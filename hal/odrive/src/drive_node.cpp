@@ -90,16 +90,14 @@ void DriveNode::update(hal::Time now) noexcept {
 }
 
 // A drive that fell silent may have rebooted unheard, and then neither its mode nor its position is what it was. Its
-// position may count while it is still set up, and even before its first heartbeat, where its estimates have to do.
+// position may count while it is still set up, and even before its first heartbeat.
 void DriveNode::watch_silence(hal::Time now) noexcept {
   const bool silent = older(heartbeat_time_, settings_.heartbeat_timeout, now);
-  const bool unheard = heartbeat_time_ ? silent : older(estimate_time_, settings_.heartbeat_timeout, now);
-  if (unheard && std::exchange(known_, false)) rebooted_ = true;
+  const bool blind = older(position_time_, boots_within(), now);
+  if (((silent && heartbeat_time_) || blind) && std::exchange(known_, false)) rebooted_ = true;
   if (phase_ == Phase::waiting || phase_ == Phase::refused) return;
-  const bool blind = phase_ == Phase::ready && older(estimate_time_, settings_.heartbeat_timeout, now);
-  if (!silent && !blind) return;
+  if (!silent && !(blind && phase_ == Phase::ready)) return;
   if (silent) lost_ = true;
-  if (std::exchange(known_, false)) rebooted_ = true;
   request_stop();
   if (!has_force()) restart();
 }
@@ -143,6 +141,10 @@ void DriveNode::watch_wish() noexcept {
   } else if (--explaining_ == 0) {
     request_stop();
   }
+}
+
+hal::Duration DriveNode::boots_within() const noexcept {
+  return std::min(settings_.heartbeat_timeout, std::max<hal::Duration>(boot_time, 10 * settings_.period));
 }
 
 hal::Duration DriveNode::obeys_within() const noexcept {

@@ -259,6 +259,42 @@ TEST_F(OdriveNodeStop, IsStoppedWhenItsEstimatesAreOlderThanTheTimeout) {
   EXPECT_EQ(next(), idle);
 }
 
+// A reboot takes no longer because somebody is patient with its heartbeats.
+TEST_F(OdriveNodeStop, MayHaveRebootedWhenItsEstimatesWereAwayForAsLongAsABootTakes) {
+  auto patient = usual;
+  patient.heartbeat_timeout = 2s;
+  make_follow(patient);
+  node.on_estimate(now);
+  update_after(250ms);
+  EXPECT_TRUE(node.follows());
+  update_after(1ns);
+  EXPECT_FALSE(node.heartbeat_lost() || node.wished());
+  EXPECT_TRUE(node.take_reboot());
+  patient.period = 50ms;
+  make_ready(patient);
+  node.on_estimate(now);
+  update_after(500ms);
+  EXPECT_FALSE(node.take_reboot()) << "ten periods";
+  update_after(1ns);
+  EXPECT_TRUE(node.take_reboot());
+  EXPECT_FALSE(node.heard()) << "it is set up anew";
+}
+
+TEST_F(OdriveNodeStop, ThatIsSetUpAnewMayRebootAlthoughItsHeartbeatsMayBeAwayForLonger) {
+  auto patient = usual;
+  patient.heartbeat_timeout = 2s;
+  make_ready(patient);
+  heartbeat(AxisState::undefined);
+  ASSERT_TRUE(node.take_reboot());
+  heartbeat(AxisState::idle);
+  node.on_estimate(now);
+  node.note_reference();
+  update_after(250ms);
+  EXPECT_FALSE(node.take_reboot());
+  update_after(1ns);
+  EXPECT_TRUE(node.take_reboot());
+}
+
 TEST_F(OdriveNodeStop, ThatIsSetUpIsNotBlindBeforeItIsReady) {
   heartbeat(AxisState::idle);
   update_after(1ms);

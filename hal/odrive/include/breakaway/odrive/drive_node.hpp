@@ -41,6 +41,8 @@ class DriveNode {
   static constexpr hal::Duration version_time = std::chrono::milliseconds{100};
   // A drive that says for longer that it starts has an error that a reset must clear.
   static constexpr hal::Duration start_time = std::chrono::seconds{3};
+  // A drive that shows no position for longer may have booted anew meanwhile, however rare its heartbeats are.
+  static constexpr hal::Duration boot_time = std::chrono::milliseconds{250};
   // A drive that was told so often to enable, and says why it does not, is not told again.
   static constexpr unsigned enable_attempts = 3;
   // How long the reason of a disarming that the heartbeat does not tell is asked for.
@@ -51,7 +53,7 @@ class DriveNode {
   // Takes a frame of this node.
   void on_frame(const hal::ReceivedFrame& received) noexcept;
   // An estimate came.
-  void on_estimate(hal::Time time) noexcept { estimate_time_ = time; }
+  void on_estimate(hal::Time time) noexcept { estimate_time_ = position_time_ = time; }
   // The drive reports a torque, or the lack of it.
   void on_torque(bool gives, hal::Time time) noexcept {
     gives_torque_ = gives;
@@ -114,6 +116,7 @@ class DriveNode {
   void watch_wish() noexcept;
   void begin_reset() noexcept;
   void restart() noexcept;
+  hal::Duration boots_within() const noexcept;
   hal::Duration obeys_within() const noexcept;
   hal::Duration enable_interval() const noexcept;
   bool next_stop_frame(hal::CanFrame& frame, hal::Time now) noexcept;
@@ -129,7 +132,8 @@ class DriveNode {
   OwnFault own_fault_ = OwnFault::none;
   std::uint16_t kept_ = 0;  // why it was not enabled, or left that state; until a reset
   std::uint16_t new_code_ = 0;
-  std::optional<hal::Time> heartbeat_time_, estimate_time_, torque_time_;
+  std::optional<hal::Time> heartbeat_time_, torque_time_;
+  std::optional<hal::Time> estimate_time_, position_time_;  // of this set-up, and of any
   std::optional<hal::Time> told_at_, idle_told_at_, asked_at_, version_asked_at_;
   std::optional<hal::Time> unwished_since_, initializing_since_;
   unsigned attempts_ = 0;
