@@ -38,6 +38,17 @@ void check_estimates(const Section& section, const Odrive& o, const Node& node) 
                              hal::seconds(o.estimate_period), node.period_s()));
 }
 
+// The newest sample may be a period old, and two more where two in a row were lost. A drive that is silent for longer
+// than heartbeat_timeout_s is set up anew, so that one with a shorter one would never be ready.
+void check_timeout(const Section& section, const Drive& d, const Node& node) {
+  if (!node.loop || d.heartbeat_timeout > 3 * node.loop->period) return;
+  section.fail(
+      "heartbeat_timeout_s",
+      fmt::format("is {:g}, not above three periods of the loop, {:g}, after which a drive that lost two samples "
+                  "shows the next; raise it, or take a shorter [loop] period_s",
+                  hal::seconds(d.heartbeat_timeout), 3 * node.period_s()));
+}
+
 void check_drive_limits(const Section& section, const Odrive& o) {
   if (o.torque_constant_Nm_per_A.has_value() != o.velocity_limit_turns_s.has_value())
     section.fail(o.velocity_limit_turns_s ? "torque_constant_Nm_per_A" : "velocity_limit_turns_s",
@@ -75,6 +86,7 @@ Drive read_odrive(const Section& section, std::size_t place, const Node& node) {
                rows_of_any_drive(d) + of_canopen_alone());
   check_estimates(section, o, node);
   check_drive_limits(section, o);
+  check_timeout(section, d, node);
   d.odrive = o;
   return d;
 }
