@@ -248,12 +248,12 @@ class WorldReader {
 
   static void emulate_drive(const Node& node, const Axis& described, ReadAxis& axis) {
     if (described.drive->odrive)
-      axis.world.odrive = odrive_emulator(described);
+      axis.world.odrive = odrive_emulator(node, described);
     else
       axis.world.drive = emulator(node, described, axis);
   }
 
-  static odrive_emulator::EmulatorConfig odrive_emulator(const Axis& described) {
+  static odrive_emulator::EmulatorConfig odrive_emulator(const Node& node, const Axis& described) {
     const Drive& drive = *described.drive;
     const Odrive& o = *drive.odrive;
     const bool polled = o.estimates == odrive::Estimates::polled;
@@ -267,6 +267,8 @@ class WorldReader {
     c.encoder_resolution_m = drive.encoder_resolution_m;
     c.heartbeat_period = drive.heartbeat_period;
     c.estimate_period = c.torque_period = polled ? hal::Duration{} : o.estimate_period;
+    // Its owner gives it time for two commands that are lost, however slow the loop is.
+    if (node.loop) c.watchdog_timeout = std::max(c.watchdog_timeout, 3 * node.loop->period);
     return c;
   }
 

@@ -81,6 +81,15 @@ TEST(OdriveInAFile, IsReadWithWhatItIsToldAndWhatEmulatesIt) {
   EXPECT_DOUBLE_EQ(axis.drive->force_quantum_N(), 50.0 / 16384);
 }
 
+TEST(OdriveInAFile, IsEmulatedWithAWatchdogThatASlowLoopFeedsInTime) {
+  const auto watchdog_of = [](const std::string& text) {
+    return parse_scenario(text, "axis.toml").worlds.front().odrive->watchdog_timeout;
+  };
+  using std::chrono_literals::operator""ms;
+  EXPECT_EQ(watchdog_of(sound), 50ms);
+  EXPECT_EQ(watchdog_of(with(sound, "period_s = 0.001", "period_s = 0.04")), 120ms);
+}
+
 TEST(OdriveInAFile, IsCanopenUnlessItSaysOtherwise) {
   const std::string canopen =
       with(with(with(sound, "protocol = \"odrive\"\n", ""), "travel_per_turn_m = 0.125\n", "rated_torque_Nm = 1\n"),
