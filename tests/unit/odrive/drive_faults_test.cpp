@@ -186,6 +186,20 @@ TEST_F(OdriveFaults, ARebootThatIsHeardLosesTheReference) {
   EXPECT_EQ(told(Command::set_controller_mode), 1) << "its mode was lost";
 }
 
+// A heartbeat may lie, and a drive without a watchdog goes on with the torque that it was told last.
+TEST_F(OdriveFaults, ADriveThatShowsAStartWhileItRunsIsToldATorqueOfZero) {
+  enable();
+  run(5ms, 2);
+  ASSERT_GT(node.last_torque_Nm, 0);
+  node.deaf_to_idle = true;
+  auto lie = node.heartbeat();
+  lie.data[4] = static_cast<std::uint8_t>(AxisState::undefined);
+  deliver(lie);
+  step(2);
+  EXPECT_EQ(node.last_torque_Nm, 0);
+  EXPECT_EQ(torque_Nm, 0.0F) << "and its watchdog is fed, because it may be set up next";
+}
+
 TEST_F(OdriveFaults, AnAbsoluteEncoderKeepsItsReference) {
   auto c = config;
   c.absolute_encoder = true;

@@ -100,7 +100,7 @@ class Drive {
   // Returns true and fills `frame` with the torque of this period; false until the drive was heard. Uses the force up.
   bool next_command_frame(hal::CanFrame& frame) noexcept {
     const Scalar force_N = std::exchange(force_N_, Scalar{0});
-    if (own_status_ != SetupStatus::ready || !node_.heard() || node_.refused()) return false;
+    if (own_status_ != SetupStatus::ready || !node_.hears() || node_.refused()) return false;
     frame = torque_frame(config_.node_id, node_.follows() ? torque_grid_.torque_Nm(in_direction(force_N)) : 0.0F);
     return true;
   }

@@ -82,6 +82,8 @@ class DriveNode {
 
   // It is there: its set-up goes on, or it gives torque.
   bool heard() const noexcept { return phase_ != Phase::waiting || has_force(); }
+  // It obeys commands, for all that is known: one that shows a start may be in the middle of a run.
+  bool hears() const noexcept { return heard() || starting_; }
   bool ready() const noexcept { return phase_ == Phase::ready; }
   bool refused() const noexcept { return phase_ == Phase::refused; }
   bool wished() const noexcept { return wished_; }
