@@ -13,9 +13,9 @@ guest; with clang under the address and undefined-behaviour sanitizers the tests
 outside, and the fuzzers for a fixed number of inputs; clang-tidy on the same.
 
   --quick   the release build and its tests only
-  --long    also what takes too long for every change: the tests labelled long; in the guest the longest cases; all other
-            tests under the sanitizers (but those that compute for long or are labelled slow or package); clang-tidy on all
-            of the library and the commands
+  --long    also what takes too long for every change: the tests labelled long; a debug build, which joins no sources, so that
+            each has what it needs; in the guest the longest cases; all other tests under the sanitizers (but those that
+            compute for long or are labelled slow or package); clang-tidy on all of the library and the commands
 
 Example: toolchain/test.sh --quick
 HELP
@@ -133,6 +133,7 @@ if ! $quick; then
   renice -n 10 $$ >/dev/null
 fi
 step 'release tests' run_tests release -LE "$not_run"
+$long && step 'debug build' build debug -DBREAKAWAY_BUILD_TESTS=ON
 if ! $quick; then
   meanwhile boards toolchain/emulate.sh stm32f405 zynqmp_r5
   step 'sanitizer build' build asan-ubsan -DBREAKAWAY_TESTS_OF_INPUT_ONLY="$input_only"

@@ -9,6 +9,7 @@ using breakaway::canopen::AcyclicTraffic;
 using breakaway::canopen::bus_budget;
 using breakaway::canopen::BusFit;
 using breakaway::canopen::check_bus_budget;
+using breakaway::canopen::sync_offset;
 
 struct Row {
   unsigned axes, cycle_us, max_rate_Hz, max_rate_with_acyclic_Hz;

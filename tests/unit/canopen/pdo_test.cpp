@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "breakaway/canopen/object_address.hpp"
+
 namespace {
 
 using namespace breakaway::canopen;

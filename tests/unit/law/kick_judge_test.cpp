@@ -10,6 +10,7 @@
 namespace breakaway::law {
 namespace {
 
+using testing::braked_axis;
 using testing::Scripted;
 
 TEST(KickJudge, NamesAnAxisThatHunts) {

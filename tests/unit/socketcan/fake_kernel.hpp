@@ -2,6 +2,7 @@
 #pragma once
 
 #include <linux/can.h>
+#include <net/if.h>
 #include <net/if_arp.h>
 #include <sys/socket.h>
 #include <sys/types.h>
