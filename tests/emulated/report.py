@@ -53,7 +53,7 @@ class Target:
         return instructions * self.cycles_per_instruction / (self.core_Hz * self.period_s)
 
 
-TARGETS = {"stm32f405": Target("M4F", 168e6, 520, 1, 1), "zynqmp_r5": Target("R5F", 500e6, 520, 2, 2)}
+TARGETS = {"stm32f405": Target("M4F", 168e6, 540, 1, 1), "zynqmp_r5": Target("R5F", 500e6, 540, 2, 2)}
 
 
 def read_results(path):
