@@ -1,7 +1,7 @@
 """Fails when a step of the law takes more instructions through its C interface than by the class, by more than it may.
 
 Usage: check_c.py STEP_COUNT MOST_MORE
-Example: check_c.py build/release/tests/bench/step_count 8
+Example: check_c.py build/release/tests/bench/step_count 5
 """
 import sys
 

@@ -108,7 +108,7 @@ class ApproachPlan {
   // this period begins; command_N: what was commanded in the last one. Where the reading is lost x is not looked at:
   // the axis is reckoned on under its least friction, and reckons() says whether force_N() is to be asked. Otherwise
   // it is reckoned to have arrived or passed its target, which only a reading shows, and no force is to be given.
-  // It and force_N() have one caller, which a compiler cannot know: calls would cost a period some 30 instructions.
+  // It and force_N() have one caller, which a compiler cannot know, and a period is spared their calls.
   [[gnu::always_inline]] bool see(Scalar x, Scalar force_N, Scalar command_N,
                                   Reading reading = Reading::there) noexcept {
     const bool is_read = reading == Reading::there;
@@ -248,6 +248,7 @@ class ApproachPlan {
     if (v < -a_->standing_m_s) return -a_->friction_N;
     return limited(force_N, a_->friction_N);
   }
+
   void estimate(Scalar x) noexcept {
     const Scalar gain_m_s = gains_m_s_[latency_];
     if (missed_ < 0) {
@@ -332,8 +333,8 @@ class ApproachPlan {
   // An axis that is seen with more speed, either way, is sure to go that way: the speed at which the brake takes over
   // is five times what is not seen of it, or more.
   Scalar turning_m_s_{};
-  Scalar passed_m_{};  // and one that is nearer to its target has passed it, where moves have limits
-  Scalar least_braked_m_{};
+  Scalar passed_m_{};        // and one that is nearer to its target has passed it, where moves have limits
+  Scalar least_braked_m_{};  // from where the brake takes over that moves fast enough
   MovePlan<Scalar> move_{};
   Scalar previous_m_{};
   Scalar skipped_m_{};  // the way since then, in periods without a reading

@@ -194,8 +194,8 @@ class AxisController {
     return mode_ == Mode::kick ? pulse(last_force_N_ - pd_.pulse_N()) : output(last_force_N_);
   }
 
-  // One period of the coast "pd" outside of a pulse.
-  ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
+  // One period of the coast "pd" outside of a pulse. Within update() it would cost each step under the brake, too.
+  [[gnu::noinline]] ControlOutput<Scalar> flow(Scalar x, Scalar v) noexcept {
     if (mode_ == Mode::hold) {
       if (!beyond_tolerance(x)) {
         note_holding(long_hold_periods);
@@ -357,7 +357,7 @@ class AxisController {
       return give(0);
     }
     // A fine stage chooses its next kick a period later: this one has work enough with what the last has shown.
-    if (was_kicked && fine_.is_there()) return give(0);
+    if (was_kicked && fine_.chooses_a_period_later()) return give(0);
     if (!(std::abs(x) > kicks_begin_m_) || !judge_.approach_may_help()) return start_braked_kick(x);
     // A slow approach leads nearer on an axis that a fast one drives to and fro; one that was in motion as its target
     // moved may have passed it only.

@@ -59,7 +59,8 @@ class FineStage {
   constexpr bool kicked() const noexcept { return kicked_; }
   constexpr Scalar beyond_m() const noexcept { return Scalar(fine_floors_beyond) * kicks_->fine_floor_m; }
 
-  constexpr bool is_there() const noexcept { return is_there_; }
+  // To choose a kick by what the last has shown takes more work than a period has that proves rest.
+  constexpr bool chooses_a_period_later() const noexcept { return is_there_; }
   // Of the reading that the axis is left alone with.
   constexpr Scalar tolerance_m() const noexcept { return tolerance_m_; }
 

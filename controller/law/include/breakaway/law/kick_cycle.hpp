@@ -195,7 +195,7 @@ class KickCycle {
     phase_ = Phase::free;
     pulsed_ = pulse_starts_ = false;
   }
-  // The axis slows down or rests.
+  // The axis slows down or rests: the last two phases.
   bool brakes() const noexcept { return phase_ >= Phase::brake; }
 
   void enter(Phase phase, std::int32_t periods) noexcept {

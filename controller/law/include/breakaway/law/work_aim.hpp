@@ -23,7 +23,7 @@ class WorkAim {
   constexpr void restart() noexcept { count_ = 0; }
   constexpr Scalar tolerance_m() const noexcept { return tolerance_m_; }
   constexpr void learn(Scalar /*x*/, Scalar /*force_N*/) noexcept {}
-  constexpr bool is_there() const noexcept { return false; }
+  constexpr bool chooses_a_period_later() const noexcept { return false; }
 
   // Why an axis that rests at x, outside its tolerance, is not kicked.
   ControlFault refusal(Scalar x) const noexcept {
