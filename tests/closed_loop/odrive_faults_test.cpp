@@ -290,9 +290,11 @@ class Misfortune {
 
 TEST(OdriveAxis, SurvivesRandomFaultsOnABusThatLosesFrames) {
   int ran = 0, settled = 0;
-  for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 70; ++seed) {
     OdriveRigConfig config = with(seed % 2 == 0 ? Estimates::polled : Estimates::cyclic);
-    config.bus.loss_probability = seed % 3 == 0 ? 0.02 : 0;
+    // Where one in fifty is lost, so are three samples in a row before an axis rests, and it is stopped; where one in
+    // 500 is, hardly ever.
+    config.bus.loss_probability = seed > 60 ? 0.002 : seed % 3 == 0 ? 0.02 : 0;
     config.bus.seed = seed;
     OdriveRig rig{config};
     rig.loop().request_enable(rig.id());
@@ -328,7 +330,7 @@ TEST(OdriveAxis, SurvivesRandomFaultsOnABusThatLosesFrames) {
     settled += rig.status().running && rig.at_rest();
   }
   EXPECT_GT(ran, 20000);
-  EXPECT_GE(settled, 40) << "those of a bus that loses nothing";
+  EXPECT_GT(settled, 40) << "more than all on buses that lose nothing";
 }
 
 }  // namespace

@@ -171,6 +171,54 @@ void expect_lowest(const Kicks& sound, Number& number_of, bool zero_will_do) {
 }
 constexpr bool may_be_zero = true, must_be_above_zero = false;
 
+TEST(BrakedKicks, AreNotUsableWithANumberThatIsNone) {
+  using Kicks = BrakedKicks<float>;
+  using Approach = BrakedApproach<float>;
+  const Kicks sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  EXPECT_TRUE(are_usable(sound));
+  for (float Kicks::*const number :
+       {&Kicks::brake_N, &Kicks::force_step_N, &Kicks::preload_N, &Kicks::resting_force_N, &Kicks::holding_force_N,
+        &Kicks::fast_lag, &Kicks::slow_lag, &Kicks::short_lag, &Kicks::coast_per_N, &Kicks::breakaway_N,
+        &Kicks::lost_motion_m, &Kicks::least_seen_N, &Kicks::most_seen_N}) {
+    Kicks spoiled = sound;
+    spoiled.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+  for (float Approach::*const number :
+       {&Approach::mass_kg, &Approach::friction_N, &Approach::hard_m_s2, &Approach::gentle_m_s2,
+        &Approach::switch_speed_m_s, &Approach::switch_distance_m, &Approach::short_of_target_m, &Approach::response_s,
+        &Approach::lag_s, &Approach::correction, &Approach::standing_m_s}) {
+    Kicks spoiled = sound;
+    spoiled.approach.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+}
+
+TEST(BrakedKicks, AreNotUsableWithATravelThatIsNotSure) {
+  using Sure = SureTravel<float>;
+  const BrakedKicks<float> sound = design::design_braked_kicks<float>(axes_of_the_scenes(1e-3)).kicks;
+  for (float Sure::*const number : {&Sure::share, &Sure::from_m, &Sure::most_m}) {
+    BrakedKicks<float> spoiled = sound;
+    spoiled.sure.*number = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(are_usable(spoiled));
+  }
+  BrakedKicks<float> spoiled = sound;
+  spoiled.sure.share = 1.01F;
+  EXPECT_FALSE(are_usable(spoiled)) << "no kick is sure to go further than it aims";
+}
+
+TEST(KickTable, WithoutACurveHasNoLeastDistance) {
+  KickTable<float> table;
+  EXPECT_EQ(table.least_m(), 0);
+  EXPECT_EQ(table.reach_m(), 0);
+  table = design::design_braked_kicks<float>(axes_of_the_scenes(0)).kicks.table;
+  EXPECT_GT(table.least_m(), 0);
+  table.count = 1;
+  EXPECT_GT(table.least_m(), 0);
+  table.list = true;
+  EXPECT_EQ(table.least_m(), 0);
+}
+
 TEST(UsableKicks, HaveNoNumberAtOrBelowZeroThatMustBeAboveIt) {
   using K = BrakedKicks<double>;
   auto c = axes_of_the_scenes(1e-3);

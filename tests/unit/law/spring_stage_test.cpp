@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "../../bristled_axis.hpp"
-#include "law_fixture.hpp"
+#include "scripted_axis.hpp"
 
 namespace breakaway::law {
 namespace {
@@ -18,6 +18,8 @@ using breakaway::testing::Bristles;
 using breakaway::testing::Moment;
 using breakaway::testing::RunEnd;
 using breakaway::testing::TrueAxis;
+using testing::braked_axis;
+using testing::no_k3;
 
 constexpr FrictionSpring<float> spring{
     .reach_m = 50e-6F, .most_N = 2, .gain_N_per_m = 2000, .share = 0.2F, .longest_periods = 400, .ringing_periods = 0};
@@ -75,16 +77,18 @@ TEST(SpringStage, ReachesNowhereWithoutASpring) {
   EXPECT_FALSE((SpringStage<float>{none, 1e-6F}.reaches(1e-9F)));
 }
 
-// A ringing that never shows rest ends in a fault only where no spring would mend what is left.
-TEST(SpringStage, TakesOverWithinItsReachAnAxisThatRingsForLongerThanItMay) {
+// Of an axis whose friction is a soft spring before it slides.
+BrakedKicks<float> soft_kicks() {
   design::BrakedClass c = axes_of_the_scenes(0);
   c.presliding_stiffness_N_per_m = 1e5;
-  auto p = testing::sampled_axis<float>();
-  p.coast = Coast::brake;
-  const auto kicks = design::design_braked_kicks<float>(c).kicks;
-  const K3Table<float> unused;
+  return design::design_braked_kicks<float>(c).kicks;
+}
+
+// A ringing that never shows rest ends in a fault only where no spring would mend what is left.
+TEST(SpringStage, TakesOverWithinItsReachAnAxisThatRingsForLongerThanItMay) {
+  const auto kicks = soft_kicks();
   for (const bool within : {true, false}) {
-    AxisController<float> controller{p, unused, kicks};
+    AxisController<float> controller{braked_axis(1.8e-6F), no_k3, kicks};
     const float from_m = -4 * kicks.spring.reach_m, at_m = within ? 0 : from_m / 2;
     int periods = 0;
     while (!controller.update({from_m}).kicked && ++periods < 10'000) continue;
@@ -100,14 +104,9 @@ TEST(SpringStage, TakesOverWithinItsReachAnAxisThatRingsForLongerThanItMay) {
 
 // One that was held for longer than the stage may take is still in motion when it leaves its hold.
 TEST(SpringStage, WaitsForAnAxisThatIsPushedToRestHoweverLongItWasHeld) {
-  design::BrakedClass c = axes_of_the_scenes(0);
-  c.presliding_stiffness_N_per_m = 1e5;
-  auto p = testing::sampled_axis<float>();
-  p.coast = Coast::brake;
-  const auto kicks = design::design_braked_kicks<float>(c).kicks;
-  const K3Table<float> unused;
+  const auto kicks = soft_kicks();
   for (const int held : {1000, kicks.spring.longest_periods + 1000}) {
-    AxisController<float> controller{p, unused, kicks};
+    AxisController<float> controller{braked_axis(1.8e-6F), no_k3, kicks};
     for (int i = 0; i < held; ++i) controller.update({0});
     ASSERT_EQ(controller.mode(), Mode::hold);
     constexpr int pushed = 8;

@@ -1,10 +1,21 @@
-// When a node is stopped, lost, in fault and reset: ties, and what is told once.
+// How a node is stopped, and when its stop is seen.
 #include "drive_node_fixture.hpp"
 
 namespace breakaway::odrive::test {
 namespace {
 
-class OdriveNodeStop : public NodeTest {};
+class OdriveNodeStop : public NodeTest {
+ protected:
+  void be_forced_to_stop() {
+    make_follow();
+    node.request_stop();
+    update_after(1ms);
+    update_after(121ms);
+    ASSERT_TRUE(node.stop_not_obeyed());
+    heartbeat(AxisState::idle);
+    update_after(1ms);
+  }
+};
 
 TEST_F(OdriveNodeStop, IsToldToStopAtOnceAndEveryTwentyMilliseconds) {
   make_follow();
@@ -56,13 +67,7 @@ TEST_F(OdriveNodeStop, ThatStillHasForceWhenAStopMustBeSeenIsForcedByEstop) {
 }
 
 TEST_F(OdriveNodeStop, IsSetUpAnewAfterAStopThatWasForced) {
-  make_follow();
-  node.request_stop();
-  update_after(1ms);
-  update_after(121ms);
-  ASSERT_TRUE(node.stop_not_obeyed());
-  heartbeat(AxisState::idle);
-  update_after(1ms);
+  be_forced_to_stop();
   EXPECT_FALSE(node.stop_not_obeyed());
   EXPECT_FALSE(node.heard());
   EXPECT_FALSE(node.take_reboot()) << "it is the same power-up";
@@ -73,13 +78,7 @@ TEST_F(OdriveNodeStop, IsSetUpAnewAfterAStopThatWasForced) {
 
 // It was told to switch its power off, after all, and that is the reboot.
 TEST_F(OdriveNodeStop, ThatIsSetUpAnewAfterAStopThatWasForcedMayRebootBeforeItIsReady) {
-  make_follow();
-  node.request_stop();
-  update_after(1ms);
-  update_after(121ms);
-  ASSERT_TRUE(node.stop_not_obeyed());
-  heartbeat(AxisState::idle);
-  update_after(1ms);
+  be_forced_to_stop();
   ASSERT_FALSE(node.heard());
   update_after(250ms);
   EXPECT_TRUE(node.take_reboot());
@@ -211,275 +210,6 @@ TEST_F(OdriveNodeStop, ThatGivesTorqueIsToldToStopThoughNoHeartbeatOfItCame) {
   EXPECT_EQ(next(), idle);
   now += 20ms;
   EXPECT_EQ(next(), estop);
-}
-
-TEST_F(OdriveNodeStop, IsLostWhenItsHeartbeatIsOlderThanItsTimeout) {
-  make_follow();
-  now += 1ms;
-  heartbeat(AxisState::closed_loop_control);
-  node.on_estimate(now + 250ms);
-  update_after(250ms);
-  EXPECT_FALSE(node.heartbeat_lost());
-  EXPECT_TRUE(node.follows());
-  update_after(1ns);
-  EXPECT_TRUE(node.heartbeat_lost());
-  EXPECT_FALSE(node.wished());
-  EXPECT_TRUE(node.take_reboot());
-  EXPECT_FALSE(node.take_reboot()) << "told once";
-  EXPECT_TRUE(node.has_force()) << "as it was seen last";
-  EXPECT_EQ(next(), idle);
-  update_after(1ms);
-  EXPECT_FALSE(node.take_reboot()) << "of one silence, one";
-  heartbeat(AxisState::idle);
-  EXPECT_FALSE(node.heartbeat_lost());
-}
-
-TEST_F(OdriveNodeStop, WithoutForceThatFallsSilentIsSetUpAnew) {
-  make_ready();
-  heartbeat(AxisState::idle);
-  node.on_estimate(now + 250ms);
-  update_after(250ms + 1ns);
-  EXPECT_TRUE(node.heartbeat_lost());
-  EXPECT_TRUE(node.take_reboot());
-  EXPECT_FALSE(node.heard());
-  EXPECT_EQ(node.status(), SetupStatus::no_heartbeat);
-}
-
-TEST_F(OdriveNodeStop, IsStoppedWhenItsEstimatesAreOlderThanTheTimeout) {
-  make_follow();
-  node.on_estimate(now);
-  now += 250ms;
-  heartbeat(AxisState::closed_loop_control);
-  node.update(now);
-  EXPECT_TRUE(node.follows());
-  update_after(1ns);
-  EXPECT_FALSE(node.wished());
-  EXPECT_FALSE(node.heartbeat_lost()) << "its heartbeats come";
-  EXPECT_TRUE(node.take_reboot());
-  EXPECT_EQ(next(), idle);
-}
-
-// A reboot takes no longer because somebody is patient with its heartbeats.
-TEST_F(OdriveNodeStop, MayHaveRebootedWhenItsEstimatesWereAwayForAsLongAsABootTakes) {
-  auto patient = usual;
-  patient.heartbeat_timeout = 2s;
-  make_follow(patient);
-  node.on_estimate(now);
-  update_after(250ms);
-  EXPECT_TRUE(node.follows());
-  update_after(1ns);
-  EXPECT_FALSE(node.heartbeat_lost() || node.wished());
-  EXPECT_TRUE(node.take_reboot());
-  patient.period = 50ms;
-  make_ready(patient);
-  node.on_estimate(now);
-  update_after(500ms);
-  EXPECT_FALSE(node.take_reboot()) << "ten periods";
-  update_after(1ns);
-  EXPECT_TRUE(node.take_reboot());
-  EXPECT_FALSE(node.heard()) << "it is set up anew";
-}
-
-TEST_F(OdriveNodeStop, ThatIsSetUpAnewMayRebootAlthoughItsHeartbeatsMayBeAwayForLonger) {
-  auto patient = usual;
-  patient.heartbeat_timeout = 2s;
-  make_ready(patient);
-  heartbeat(AxisState::undefined);
-  ASSERT_TRUE(node.take_reboot());
-  heartbeat(AxisState::idle);
-  node.on_estimate(now);
-  node.note_reference();
-  update_after(250ms);
-  EXPECT_FALSE(node.take_reboot());
-  update_after(1ns);
-  EXPECT_TRUE(node.take_reboot());
-}
-
-TEST_F(OdriveNodeStop, ThatIsSetUpIsNotBlindBeforeItIsReady) {
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version));
-  for (int i = 0; i < 5; ++i) {
-    now += 100ms;
-    heartbeat(AxisState::idle);
-    node.update(now);
-    EXPECT_EQ(node.status(), SetupStatus::no_version);
-  }
-  EXPECT_FALSE(node.take_reboot()) << "it was never known";
-}
-
-TEST_F(OdriveNodeStop, ThatIsRefusedStaysSoInSilence) {
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  version(0, 5);
-  update_after(1s);
-  EXPECT_TRUE(node.refused());
-  EXPECT_FALSE(node.heartbeat_lost() || node.take_reboot());
-}
-
-TEST_F(OdriveNodeStop, ThatLeftByItselfIsAskedWhyForFivePeriodsAndThenStopped) {
-  make_follow();
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  for (int period = 0; period < 5; ++period) {
-    EXPECT_TRUE(node.wished()) << period;
-    EXPECT_EQ(next(), ask_errors) << period;
-    EXPECT_EQ(next(), ask_errors) << "as often as there is room";
-    update_after(1ms);
-  }
-  EXPECT_FALSE(node.wished());
-  EXPECT_FALSE(next());
-  EXPECT_EQ(node.code(), 0);
-}
-
-TEST_F(OdriveNodeStop, TakesTheReasonOfADisarmingWhileItAsksOnly) {
-  make_follow();
-  errors(0, error::estop_requested);
-  EXPECT_EQ(node.code(), 0) << "it may be from before";
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  errors(error::initializing, error::initializing);
-  EXPECT_EQ(node.code(), 0) << "no reason";
-  EXPECT_TRUE(node.wished());
-  errors(0, error::estop_requested);
-  EXPECT_EQ(node.code(), error_code(error::estop_requested));
-  EXPECT_FALSE(node.wished());
-  EXPECT_FALSE(next()) << "it is asked no more";
-  errors(0, error::missing_input);
-  EXPECT_EQ(node.code(), error_code(error::estop_requested)) << "the first is kept";
-}
-
-TEST_F(OdriveNodeStop, TakesAnActiveErrorForAReasonToo) {
-  make_follow();
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  errors(error::missing_input, 0);
-  EXPECT_EQ(node.code(), error_code(error::missing_input));
-}
-
-TEST_F(OdriveNodeStop, ThatIsBackInClosedLoopControlIsAskedNoMore) {
-  make_follow();
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  EXPECT_EQ(next(), ask_errors);
-  heartbeat(AxisState::closed_loop_control);
-  update_after(1ms);
-  EXPECT_FALSE(next());
-  EXPECT_TRUE(node.follows());
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  for (int period = 0; period < 5; ++period, update_after(1ms)) EXPECT_TRUE(node.wished()) << period;
-  EXPECT_FALSE(node.wished());
-}
-
-TEST_F(OdriveNodeStop, NamesTheFirstFaultOfItsOwnAndTellsItOnce) {
-  make_follow();
-  node.fail(OwnFault::position_too_coarse);
-  node.fail(OwnFault::torque_not_a_number);
-  EXPECT_FALSE(node.wished());
-  EXPECT_EQ(node.code(), static_cast<std::uint16_t>(OwnFault::position_too_coarse));
-  EXPECT_EQ(node.take_new_code(), static_cast<std::uint16_t>(OwnFault::position_too_coarse));
-  node.fail(OwnFault::position_too_coarse);
-  EXPECT_EQ(node.take_new_code(), 0) << "it is still the same";
-  EXPECT_EQ(next(), idle) << "at once";
-}
-
-TEST_F(OdriveNodeStop, IsToldToClearOnceAndItsModeAnewWhenItIsReset) {
-  make_ready();
-  node.fail(OwnFault::position_too_coarse);
-  node.reset_fault();
-  EXPECT_NE(node.code(), 0) << "a period takes it up";
-  update_after(1ms);
-  EXPECT_EQ(node.code(), 0);
-  EXPECT_EQ(node.take_new_code(), 0) << "it was reset before it was told";
-  EXPECT_EQ(next(), clear_errors_frame(asked_node));
-  EXPECT_EQ(next(), mode);
-  EXPECT_FALSE(next());
-  node.on_estimate(now);
-  update_after(1ms);
-  EXPECT_TRUE(node.ready());
-  EXPECT_FALSE(next());
-}
-
-TEST_F(OdriveNodeStop, ThatIsLostIsNotAnyMoreWhenItIsReset) {
-  make_ready();
-  update_after(251ms);
-  ASSERT_TRUE(node.heartbeat_lost());
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_FALSE(node.heartbeat_lost());
-}
-
-// What is told to a drive without power, or behind a cable that is out, nobody hears.
-TEST_F(OdriveNodeStop, ThatIsNotHeardWhenItIsResetIsToldToClearAsSoonAsItIs) {
-  make_ready();
-  update_after(251ms);
-  ASSERT_FALSE(node.heard());
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_FALSE(next());
-  heartbeat(AxisState::undefined, error::missing_input);
-  EXPECT_FALSE(next()) << "it still starts";
-  heartbeat(AxisState::idle, error::missing_input);
-  EXPECT_EQ(next(), clear_errors_frame(asked_node));
-  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version));
-}
-
-TEST_F(OdriveNodeStop, OfOldFirmwareIsAskedAgainWhenItIsReset) {
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version));
-  version(0, 5);
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_FALSE(node.refused());
-  heartbeat(AxisState::idle);
-  EXPECT_EQ(next(), clear_errors_frame(asked_node));
-  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version)) << "its update may have come";
-}
-
-TEST_F(OdriveNodeStop, ThatIsEnabledHasNothingToReset) {
-  make_follow();
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_TRUE(node.follows());
-  EXPECT_FALSE(next());
-  make_ready();
-  node.request_enable();
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_TRUE(node.wished());
-  EXPECT_EQ(next(), mode);
-}
-
-TEST_F(OdriveNodeStop, TakesTheReasonOfADisarmingToTheLastPeriod) {
-  make_follow();
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  for (int period = 1; period < 5; ++period) update_after(1ms);
-  ASSERT_TRUE(node.wished());
-  errors(0, error::estop_requested);
-  EXPECT_EQ(node.code(), error_code(error::estop_requested));
-}
-
-TEST_F(OdriveNodeStop, ThatStartsAgainIsNotWishedEnabledAnyMore) {
-  make_follow();
-  heartbeat(AxisState::undefined);
-  EXPECT_FALSE(node.wished());
-  EXPECT_TRUE(node.take_reboot());
-}
-
-// What the drive says next counts again.
-TEST_F(OdriveNodeStop, ThatIsResetHasNoErrorUntilItsNextHeartbeat) {
-  make_ready();
-  heartbeat(AxisState::idle, error::missing_input);
-  update_after(1ms);
-  ASSERT_EQ(node.code(), error_code(error::missing_input));
-  node.reset_fault();
-  update_after(1ms);
-  EXPECT_EQ(node.code(), 0);
-  heartbeat(AxisState::idle, error::missing_input);
-  EXPECT_EQ(node.code(), error_code(error::missing_input));
 }
 
 }  // namespace

@@ -247,67 +247,6 @@ TEST_F(OdriveNode, IsWaitedForWhileItsStateIsOneOfAStart) {
   }
 }
 
-TEST_F(OdriveNode, ThatStartsAgainHasRebootedOnce) {
-  for (const AxisState state : {AxisState::undefined, AxisState::startup_sequence}) {
-    make_ready();
-    EXPECT_FALSE(node.take_reboot());
-    heartbeat(state);
-    EXPECT_TRUE(node.take_reboot());
-    EXPECT_FALSE(node.heard());
-    heartbeat(state);
-    EXPECT_FALSE(node.take_reboot());
-    heartbeat(AxisState::idle);
-    heartbeat(state);
-    EXPECT_FALSE(node.take_reboot()) << "it was not set up in between";
-  }
-}
-
-TEST_F(OdriveNode, ThatRebootsInSilenceOnTheWayIsToldAllAgain) {
-  make_ready();
-  heartbeat(AxisState::undefined);
-  update_after(1ms);
-  heartbeat(AxisState::idle);
-  update_after(1ms);
-  EXPECT_EQ(next(), request_frame(asked_node, Command::get_version)) << "at once";
-  version(0, 6);
-  EXPECT_EQ(next(), mode);
-  update_after(1ms);
-  EXPECT_FALSE(node.ready()) << "no estimate of this power-up";
-  node.on_estimate(now);
-  update_after(1ms);
-  EXPECT_TRUE(node.ready());
-}
-
-// Where the axis stands may be said as soon as a sample came, long before the set-up is over.
-TEST_F(OdriveNode, ThatWasToldWhereItStandsRebootsThoughItIsStillSetUp) {
-  const auto is_told_on_the_way = [&] {
-    make_ready();
-    heartbeat(AxisState::undefined);
-    ASSERT_TRUE(node.take_reboot());
-    heartbeat(AxisState::idle);
-    update_after(1ms);
-    node.note_reference();
-    EXPECT_FALSE(node.ready() || node.take_reboot());
-  };
-  is_told_on_the_way();
-  heartbeat(AxisState::startup_sequence);
-  EXPECT_TRUE(node.take_reboot()) << "it says so";
-  is_told_on_the_way();
-  update_after(251ms);
-  EXPECT_TRUE(node.take_reboot()) << "unheard";
-  update_after(1ms);
-  EXPECT_FALSE(node.take_reboot()) << "of one silence, one";
-}
-
-TEST_F(OdriveNode, ThatWasToldWhereItStandsBeforeItsFirstHeartbeatRebootsWhenItsEstimatesEnd) {
-  node.on_estimate(now);
-  node.note_reference();
-  update_after(250ms);
-  EXPECT_FALSE(node.take_reboot()) << "it sends no heartbeat yet";
-  update_after(1ns);
-  EXPECT_TRUE(node.take_reboot());
-}
-
 // A version that nobody waits for, as of an answer that came twice, changes nothing.
 TEST_F(OdriveNode, TakesAVersionOnlyWhereItAskedForIt) {
   make_ready();
