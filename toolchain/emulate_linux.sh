@@ -11,7 +11,8 @@ Installs what is needed and missing (Debian packages, as root or by sudo), build
 guest with a PREEMPT_RT kernel (toolchain/guest.sh), in virtual time: 60 s of three axes at 1 kHz on vcan without a missed tick,
 interface down and up, bus-off, a killed drive, SIGTERM, bad input, two nodes on one bus, two emulated Kvaser cards,
 slcan with real error states, and other people's CANopen software. With CASE..., named as in tests/guest, these only; with
---quick all but the longest: 10 s of the three axes, and no experiment that finds mass and friction.
+--quick all but the longest: 10 s of the three axes, no experiment that finds mass and friction, and none of what the tests of
+the host run on a simulated bus and that asks for nothing of a kernel.
 
 Exit codes: 0 passed, 1 failed, 2 the machine or the command line is at fault.
 HELP

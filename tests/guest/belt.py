@@ -2,13 +2,13 @@
 import re
 
 import bench
-from bench import Bench, case, latencies, require
+from bench import Bench, latencies, long_case, require
 
 BELT = "sim/scenarios/belt_axis.toml"
 PROMISED_M = 3.205e-4  # the tolerance of the file, and half a count
 
 
-@case
+@long_case
 def a_load_on_a_belt_settles(build):
     """The drive plays motor and load of the file, and shows where the motor is."""
     with Bench(build) as b:

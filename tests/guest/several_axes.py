@@ -68,7 +68,7 @@ def tour_of_three_axes(build, duration_s):
             f"drives busy for at most {busy_ms:.2f} ms, all at their targets")
 
 
-@case
+@long_case
 def a_machine_is_sent_no_further_than_its_certificate_goes(build):
     with Bench(build) as b:
         b.drive("vcan0", scenario=MACHINE)
@@ -86,7 +86,7 @@ def a_machine_is_sent_no_further_than_its_certificate_goes(build):
     return "0.93 m are refused with no drive enabled, 0.02 m are not"
 
 
-@case
+@long_case
 def a_killed_drive_of_three_is_named_and_stops_all(build):
     absolute = bench.scenario_with_absolute_encoders(THREE_AXES, "/dev/shm/absolute.toml")
     with Bench(build) as b:

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <chrono>
 #include <cmath>
 #include <span>
@@ -25,6 +24,13 @@ namespace {
 
 using namespace std::chrono_literals;
 using firmware::AxisFault;
+
+std::string listed(const Nodes& nodes) {
+  std::string text;
+  for (std::size_t node = 0; node < nodes.size(); ++node)
+    if (nodes.test(node)) text += fmt::format("{}{}", text.empty() ? "" : ", ", node);
+  return text;
+}
 
 double microseconds(hal::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
@@ -212,16 +218,19 @@ void DriveRun<Flashed, Side>::refuse_unusable_drives() const {
   }
 }
 
+// One that answers only now, when everybody is asked, has come in time.
 template <class Flashed, class Side>
 void DriveRun<Flashed, Side>::refuse_silent_drives() {
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     if (axes_[place].heard) continue;
+    const Nodes alive = nodes_on_bus();
+    axes_[place].heard = alive.test(c_.node_id(place));
+    if (axes_[place].heard) continue;
     const std::string axis = axes_.size() == 1 ? "" : fmt::format(" (axis {})", plan(place).name);
-    const std::string alive = nodes_on_bus();
     throw InputError{fmt::format(
         "{}: no drive answers as node {}{}; {}", options_.interface, c_.node_id(place), axis,
-        alive.empty() ? "nor does any other node: check power, wiring, termination and bit rate"
-                      : fmt::format("these nodes do: {}; choose one by --node-id or [drive] node_id", alive))};
+        alive.none() ? "nor does any other node: check power, wiring, termination and bit rate"
+                     : fmt::format("these nodes do: {}; choose one by --node-id or [drive] node_id", listed(alive)))};
   }
 }
 
@@ -248,21 +257,18 @@ void DriveRun<Flashed, Side>::ask_node(std::uint8_t node) {
 }
 
 template <class Flashed, class Side>
-std::string DriveRun<Flashed, Side>::nodes_on_bus() {
-  std::bitset<128> alive;
+Nodes DriveRun<Flashed, Side>::nodes_on_bus() {
+  Nodes alive;
   hal::ReceivedFrame received;
   const hal::NetworkConfig& network = flashed_.loop.network;
   const hal::Time begin = now_;
   for (unsigned tick = 1; tick < 250 || now_ - begin < 500ms; ++tick) {
     poll();
     while (port_.receive(received))
-      if (const auto node = Side::heard_node(received.frame)) alive.set(*node);
+      if (const auto node = Side::heard_node(received.frame); node && *node != network.node_id) alive.set(*node);
     if (tick <= canopen::max_node_id) ask_node(static_cast<std::uint8_t>(tick));
   }
-  std::string text;
-  for (std::size_t node = 0; node < alive.size(); ++node)
-    if (alive.test(node) && node != network.node_id) text += fmt::format("{}{}", text.empty() ? "" : ", ", node);
-  return text;
+  return alive;
 }
 
 // Disabled, as every drive says itself.

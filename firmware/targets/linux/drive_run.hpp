@@ -1,6 +1,7 @@
 // Drives from set-up to stop, whatever moves them: what NodeRun and IdentifyRun have in common.
 #pragma once
 
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -20,6 +21,8 @@
 #include "telemetry.hpp"
 
 namespace breakaway::linux_node {
+
+using Nodes = std::bitset<128>;  // by their numbers on the bus
 
 inline hal::Duration duration_of(double seconds) { return hal::Duration{std::llround(seconds * 1e9)}; }
 
@@ -92,7 +95,7 @@ class DriveRun {
   void refuse_unusable_drives() const;
   void refuse_silent_drives();
   void refuse_standing_drives() const;
-  std::string nodes_on_bus();
+  Nodes nodes_on_bus();
   void ask_node(std::uint8_t node);
   std::string fault_text(std::size_t place) const;
   StepRecord record(std::size_t place) const;

@@ -13,6 +13,7 @@
 #include "breakaway/cia402/overheard.hpp"
 #include "breakaway/odrive/messages.hpp"
 #include "breakaway/odrive/turns_scale.hpp"
+#include "clock.hpp"
 #include "odrive_side.hpp"
 #include "outlet.hpp"
 #include "realtime.hpp"

@@ -9,20 +9,16 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <type_traits>
-#include <variant>
 #include <vector>
 
+#include "any_run.hpp"
 #include "breakaway/canopen/cob_id.hpp"
 #include "breakaway/input/file_roles.hpp"
 #include "breakaway/input/input_error.hpp"
 #include "breakaway/odrive/messages.hpp"
 #include "breakaway/socketcan/kernel_socket.hpp"
 #include "configuration.hpp"
-#include "experiment_node.hpp"
-#include "identify_run.hpp"
 #include "listen.hpp"
-#include "node_run.hpp"
 #include "options.hpp"
 #include "outlet.hpp"
 #include "realtime.hpp"
@@ -117,20 +113,6 @@ void open_socket(socketcan::KernelSocket& socket, const Options& o, const Config
   if (result != socketcan::OpenResult::done) throw InputError{fmt::format("{}: {}", o.interface, to_string(result))};
 }
 
-template <class Flashed, class Side>
-struct RunOf {
-  using Type = NodeRun<Flashed, Side>;
-};
-template <class Side>
-struct RunOf<ExperimentNode, Side> {
-  using Type = IdentifyRun<Side>;
-};
-
-// Of those there are on a bus of ODrives.
-template <class Flashed>
-constexpr bool may_have_odrives =
-    std::is_same_v<Flashed, config::AnyNode<float>> || std::is_same_v<Flashed, ExperimentNode>;
-
 int run(const Options& o) {
   if (!o.identify && !o.axis.empty()) throw InputError{"--axis is for --identify: add that, or leave it out"};
   require_apart({{"configuration", o.configuration}}, {{"--csv", o.csv}, {"--candump", o.candump}});
@@ -146,8 +128,7 @@ int run(const Options& o) {
     reporter.print(reporter.stream_report());
     return reporter.wrote_everything() ? heard : failed;
   }
-  const auto control_by = [&]<class Side, class Flashed>(const Flashed& flashed, Side) {
-    typename RunOf<Flashed, Side>::Type node{flashed, configuration, o, socket, *telemetry};
+  const auto control = [&](auto& node) {
     const auto run_in_time = [&] {
       const RealtimeScope scope;
       if (o.realtime)
@@ -159,12 +140,7 @@ int run(const Options& o) {
     reporter.print(node.report() + reporter.stream_report());
     return reporter.wrote_everything() ? code : failed;
   };
-  const auto control = [&]<class Flashed>(const Flashed& flashed) {
-    if constexpr (may_have_odrives<Flashed>)
-      if (configuration.speaks_odrive()) return control_by(flashed, OdriveSide{});
-    return control_by(flashed, CanopenSide{});
-  };
-  return std::visit(control, configuration.node);
+  return with_run(configuration, o, socket, *telemetry, control);
 }
 
 int refuse(const std::string& what) {

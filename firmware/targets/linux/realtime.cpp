@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <ctime>
 
 namespace breakaway::linux_node {
 namespace {
@@ -21,23 +20,7 @@ void touch_stack() noexcept {
   for (std::size_t at = 0; at < room.size(); at += page) first[at] = std::byte{0};
 }
 
-// Returns the time then. A sleep that ends early, by a signal or because it is refused, begins again: a loop that ran
-// ahead of its periods would have pulses of the wrong length.
-hal::Time sleep_until(hal::Time time) noexcept {
-  const hal::Duration due = time.time_since_epoch();
-  const timespec until{.tv_sec = due / std::chrono::seconds{1}, .tv_nsec = (due % std::chrono::seconds{1}).count()};
-  hal::Time now = monotonic_now();
-  for (; now < time; now = monotonic_now()) clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
-  return now;
-}
-
 }  // namespace
-
-hal::Time monotonic_now() noexcept {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return hal::Time{std::chrono::seconds{t.tv_sec} + hal::Duration{t.tv_nsec}};
-}
 
 std::string become_realtime(int priority) {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {

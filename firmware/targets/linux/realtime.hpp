@@ -6,10 +6,9 @@
 #include <string>
 
 #include "breakaway/hal/time.hpp"
+#include "clock.hpp"
 
 namespace breakaway::linux_node {
-
-hal::Time monotonic_now() noexcept;
 
 // Locks all memory, present and future, touches the stack, and gives the calling thread the priority (SCHED_FIFO, 1 to
 // 99). Empty, or what is not permitted with the remedy.

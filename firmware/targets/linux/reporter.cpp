@@ -9,8 +9,8 @@
 #include <iterator>
 #include <string_view>
 
+#include "clock.hpp"
 #include "error_text.hpp"
-#include "realtime.hpp"
 
 namespace breakaway::linux_node {
 namespace {

@@ -16,7 +16,6 @@
 #include <thread>
 
 #include "../scratch_folder.hpp"
-#include "realtime.hpp"
 
 namespace {
 
