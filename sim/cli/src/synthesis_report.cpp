@@ -36,7 +36,7 @@ void write_sweep(format::JsonWriter& json, const std::vector<stability::GainSwee
     for (const auto& row : rows) {
       json.object([&] {
         json.member("d1", row.velocity_gain_Ns_per_m);
-        json.member("rho_star", row.rho_star_J);
+        json.member("rho_star_J", row.rho_star_J);
         json.member("global", std::isinf(row.rho_star_J));
         json.member("E_certified", row.E_certified);
       });
@@ -55,7 +55,7 @@ std::string to_json(const Synthesis& s) {
     write_matrix(json, "position_gain", s.design.gains.position_N_per_m);
     write_matrix(json, "velocity_gain", s.design.gains.velocity_Ns_per_m);
     json.member("resting_error_m", s.design.extent_m.maxCoeff());
-    json.member("rho_star", s.design.attractivity.rho_star_J);
+    json.member("rho_star_J", s.design.attractivity.rho_star_J);
     json.member("global", std::isinf(s.design.attractivity.rho_star_J));
     json.member("reach_m", s.design.reach_m);
     json.member("E_certified", s.design.attractivity.all_of_E);

@@ -122,7 +122,7 @@ def study(file, *, starts=(), laws=100, seed=1, threads=0, axis=""):
     m and a velocity in m/s; without any, far, near and very near. laws: up to a million. threads: 1 to 1024, or 0 for
     all processors.
 
-    >>> breakaway.study("sim/scenarios/can_axis.toml", starts=[(-0.1, 0)])["rows"][0]["worst_settling_time_s"]
+    >>> breakaway.study("sim/scenarios/can_axis.toml", starts=[(-0.1, 0)])["rows"][0]["worst_settling_s"]
     """
     pairs = [(float(position), float(velocity)) for position, velocity in starts]
     return _json.loads(_core.study(*_text_and_name(file), pairs, laws, seed, threads, axis))
@@ -156,7 +156,7 @@ def attract(file, *, plane=(0, 1), window=0, depth=10, threads=0):
     threads as for study. Van de Wouw & Leine, "Stability Properties of
     Equilibrium Sets of Controlled Linear Mechanical Systems with Dry Friction", Theorem 1 and beyond.
 
-    >>> breakaway.attract("sim/scenarios/two_mass_example.toml", depth=6).figures["rho_star"]
+    >>> breakaway.attract("sim/scenarios/two_mass_example.toml", depth=6).figures["rho_star_J"]
     """
     figures, cells = _core.attract(*_text_and_name(file), plane, window, depth, threads)
     return Attraction(figures=_json.loads(figures), **cells)

@@ -109,8 +109,8 @@ def gains(papers, axes):
     machine = papers.machine["machine"]
     found = breakaway.attract(papers.two_masses, depth=2)
     for row in found.figures["sweep"]:
-        if row["rho_star"] is not None and np.isfinite(row["rho_star"]):
-            outline(axes, np.array(machine["stiffness"]), row["rho_star"], label=f"$d_1$ = {row['d1']:g}")
+        if row["rho_star_J"] is not None and np.isfinite(row["rho_star_J"]):
+            outline(axes, np.array(machine["stiffness"]), row["rho_star_J"], label=f"$d_1$ = {row['d1']:g}")
     equilibria(axes, np.array(machine["stiffness"]), np.array(machine["friction_N"]))
     axes.legend()
     axes.set(xlabel="$x_1$ [m]", ylabel="$x_2$ [m]", xlim=(-25, 25), ylim=(-25, 25),

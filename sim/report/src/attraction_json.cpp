@@ -47,17 +47,17 @@ void write_theorem(format::JsonWriter& json, const Attraction& found) {
   });
   json.member("alpha", a.alpha);
   json.member("beta", a.beta);
-  json.array("rho", [&] {
+  json.array("rho_J", [&] {
     for (const double rho : a.rho_J) json.value(rho);
   });
-  json.member("rho_star", a.rho_star_J);
-  json.member("rho_star_closed_form", found.closed_form_J.value_or(std::nan("")));
-  json.member("level", a.level_J);
+  json.member("rho_star_J", a.rho_star_J);
+  json.member("rho_star_closed_form_J", found.closed_form_J.value_or(std::nan("")));
+  json.member("level_J", a.level_J);
   json.member("global", a.global());
   json.member("E_certified", a.all_of_E);
   json.member("E_share_certified", a.certified_share_of_E());
-  json.member("E_greatest_energy", a.greatest_rest_J);
-  json.member("remark_3_energy", a.remark_3_J);
+  json.member("E_greatest_energy_J", a.greatest_rest_J);
+  json.member("remark_3_energy_J", a.remark_3_J);
   json.member("remark_3_holds", a.remark_3_J < a.rho_star_J);
 }
 
@@ -100,7 +100,7 @@ std::string to_json(const scenario::MachineScenario& s, const Attraction& found)
       for (const study::SweepRow& row : found.sweep) {
         json.object([&] {
           json.member("d1", row.d1);
-          json.member("rho_star", row.attractivity.rho_star_J);
+          json.member("rho_star_J", row.attractivity.rho_star_J);
           json.member("E_certified", row.attractivity.all_of_E);
           json.member("global", row.attractivity.global());
           json.member("reason", row.attractivity.reason);

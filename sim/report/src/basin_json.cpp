@@ -27,8 +27,8 @@ std::string to_json(const scenario::MachineScenario& s, const Basin& basin, cons
     json.member("lost", basin.count(Fate::lost));
     json.member("undecided", basin.count(Fate::undecided));
     json.member("given_up", basin.given_up());
-    json.member("area_true", basin.area(Fate::attracted));
-    json.member("area_certified", stability::area(sections.certified));
+    json.member("true_area", basin.area(Fate::attracted));
+    json.member("certified_area_theorem_1", stability::area(sections.certified));
     json.member("area_equilibria", stability::area(sections.equilibria));
     json.member("rho_star_J", certificates.attractivity.rho_star_J);
     json.member("certified", certificates.attractivity.certified);

@@ -61,7 +61,7 @@ void write_axis(format::JsonWriter& json, const config::Axis& described, const s
   json.member("settling_time_s", axis.settling_time_s);
   json.member("final_error_m", axis.final_error_m);
   if (axis.excursions) write_excursions(json, *axis.excursions);
-  json.member("max_force_N", axis.max_force_N);
+  json.member("peak_force_N", axis.max_force_N);
   if (axis.excursions) write_margins(json, sil::margins(described, *axis.excursions, axis.max_force_N));
   if (axis.load_position_m) json.member("load_position_m", *axis.load_position_m);
   if (!axis.told.empty()) json.member("told", axis.told);

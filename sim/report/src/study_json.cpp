@@ -16,7 +16,7 @@ void write_run(format::JsonWriter& json, const StudyRun& run) {
   json.member("settling_time_s", run.settling_time_s);
   json.member("final_error_m", run.final_error_m);
   write_excursions(json, run.excursions);
-  json.member("max_force_N", run.max_force_N);
+  json.member("peak_force_N", run.max_force_N);
   json.member("kicks", run.kicks);
   json.member("limit_cycle", run.limit_cycle);
   json.array("faults", [&] {
@@ -38,13 +38,13 @@ void write_row(format::JsonWriter& json, const StudiedAxis& axis, const StudyRow
   json.member("settled", settled_runs(row));
   json.member("limit_cycles", limit_cycles(row));
   json.member("faulted", faulted_runs(row));
-  json.member("median_settling_time_s", median_settling_time_s(row));
-  json.member("worst_settling_time_s", worst_settling_time_s(row));
+  json.member("median_settling_s", median_settling_time_s(row));
+  json.member("worst_settling_s", worst_settling_time_s(row));
   json.member("worst_time_inside_s", worst_time_inside_s(row));
   json.member("worst_law", slowest_run(row).law);
   json.member("worst_error_m", worst_error_m(row));
   write_excursions(json, worst_excursions(row));
-  json.member("max_force_N", largest_force_N(row));
+  json.member("peak_force_N", largest_force_N(row));
   json.member("sync_off_s", sync_off_s(row));
   write_margins(json, margins(axis.node, row));
   json.array("runs", [&] {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::string_view columns =
     "position_m,velocity_m_s,law,settled,limit_cycle,settling_time_s,final_error_m,overshoot_m,beyond_m,peak_speed_m_s,"
-    "lowest_m,highest_m,max_force_N,kicks,reached,faults";
+    "lowest_m,highest_m,peak_force_N,kicks,reached,faults";
 constexpr std::size_t runs_of_a_part = 4096;
 
 // Levels and the times at which they were reached, and times and names of faults: "a:b;c:d".

@@ -164,10 +164,10 @@ TEST_F(Command, TakesNegativeNumbers) {
 TEST_F(Command, KeepsTheContractOfTheAxisOnCan) {
   const Ended ended = run("simulate " + scenarios + "can_axis.toml --json - --candump " + path("can.log"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
-  expect_keys(ended.out, {"settled", "settling_time_s", "final_error_m", "max_force_N", "kicks", "ticks",
+  expect_keys(ended.out, {"settled", "settling_time_s", "final_error_m", "peak_force_N", "kicks", "ticks",
                           "missed_ticks", "bus_load", "sync_off_s", "faults"});
   EXPECT_LE(std::fabs(figure(ended.out, "final_error_m")), 3e-6);
-  EXPECT_LE(figure(ended.out, "max_force_N"), 50);
+  EXPECT_LE(figure(ended.out, "peak_force_N"), 50);
   EXPECT_TRUE(content(path("can.log")).starts_with("(0000000000."));
 }
 
@@ -183,7 +183,7 @@ TEST_F(Command, KeepsTheContractOfSeveralAxes) {
     const auto at = ended.out.find("{\"name\": \"" + name + "\", \"settled\": true");
     ASSERT_NE(at, std::string::npos) << name;
     const std::string axis = ended.out.substr(at);
-    expect_keys(axis, {"settling_time_s", "final_error_m", "max_force_N", "kicks", "faults"});
+    expect_keys(axis, {"settling_time_s", "final_error_m", "peak_force_N", "kicks", "faults"});
     EXPECT_LE(std::fabs(figure(axis, "final_error_m")), tolerance_m) << name;
   }
 }
@@ -244,7 +244,7 @@ TEST_F(Command, LetsTheForceReachItsLimit) {
   text.replace(text.find("speed_m_s = 20"), 14, "speed_m_s = 20\nforce_N = 19.1340602");
   const Ended ended = run("simulate " + scenario(text) + " --json -");
   EXPECT_EQ(ended.exit_code, 0) << ended.out;
-  EXPECT_LE(figure(ended.out, "max_force_N"), 19.1340602);
+  EXPECT_LE(figure(ended.out, "peak_force_N"), 19.1340602);
 }
 
 TEST_F(Command, StudiesOneAxisOfSeveral) {

@@ -59,7 +59,7 @@ TEST_F(Command, TunesAnAxisIntoAFileThatEveryOtherCommandTakes) {
   expect_keys(json, {"objective", "distance_m", "least_tolerance_m", "chosen", "numbers", "limits", "tried", "why"});
   const Ended study = run("study --laws 2 --start -0.4 0 --json - " + tuned);
   ASSERT_EQ(study.exit_code, 0) << study.err;
-  EXPECT_EQ(figure(study.out, "worst_settling_time_s"), figure(json, "worst_settling_s"));
+  EXPECT_EQ(figure(study.out, "worst_settling_s"), figure(json, "worst_settling_s"));
   EXPECT_EQ(run("design " + tuned).exit_code, 0);
   const std::string kept = content(tuned);
   expect_refused("tune --laws 0 " + file + " -o " + tuned, {"tuned.toml", "is there already", "--overwrite"});
@@ -154,6 +154,22 @@ TEST_F(Command, CallsStandardInputByItsName) {
   expect_refused("identify - --log - < /dev/null", {"-: two inputs would come from there", "--log"});
 }
 
+// What --require takes stands in --json under the same name, so that a bound is the figure that was read there.
+TEST_F(Command, RequiresQuantitiesByTheirNamesInTheJsonOfAStudy) {
+  const std::string study = "study " + scenarios + "braked_axis.toml --laws 0 --start -0.1 0";
+  const std::string refusal = run(study + " --require 'no<=1'").err, json = run(study + " --json -").out;
+  const std::string_view introduction = "there are ";
+  const std::size_t names = refusal.find(introduction);
+  ASSERT_NE(names, std::string::npos) << refusal;
+  std::istringstream listed{refusal.substr(names + introduction.size())};
+  int found = 0;
+  for (std::string name; listed >> name; ++found) {
+    if (name.ends_with(',')) name.pop_back();
+    EXPECT_NE(json.find("\"" + name + "\": "), std::string::npos) << name;
+  }
+  EXPECT_GE(found, 11);
+}
+
 TEST_F(Command, ReportsAStudyWithTheWorstLawAndTheCommandThatRunsItAgain) {
   const Ended ended =
       run("study " + scenarios + "braked_axis.toml --laws 6 --start -0.01 0 --report " + path("study.html"));
@@ -165,7 +181,7 @@ TEST_F(Command, ReportsAStudyWithTheWorstLawAndTheCommandThatRunsItAgain) {
   ASSERT_NE(at, std::string::npos);
   const std::string again = page.substr(at, page.find('<', at) - at);
   EXPECT_NE(ended.out.find(again), std::string::npos) << again;
-  const auto worst = [](const Ended& e) { return figure(e.out, "worst_settling_time_s"); };
+  const auto worst = [](const Ended& e) { return figure(e.out, "worst_settling_s"); };
   const Ended all = run("study " + scenarios + "braked_axis.toml --laws 6 --start -0.01 0 --json -");
   EXPECT_EQ(worst(run(again.substr(std::string{"breakaway "}.size()) + " --json -")), worst(all)) << again;
 }

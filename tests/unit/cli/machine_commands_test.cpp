@@ -82,9 +82,10 @@ TEST_F(Command, KeepsTheContractOfBasin) {
   const Ended ended = run("basin " + two_masses + " --grid 41 --window 6 --json - --csv " + path("a.csv"));
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_TRUE(ended.err.empty()) << "progress is for terminals";
-  expect_keys(ended.out, {"attracted", "lost", "undecided", "area_true", "area_certified", "trajectories_per_s"});
-  EXPECT_NEAR(figure(ended.out, "area_true"), 106.372, 0.5);  // 41 points an axis tell it to a few tenths
-  EXPECT_NEAR(figure(ended.out, "area_certified"), 58.0416, 1e-4);
+  expect_keys(ended.out,
+              {"attracted", "lost", "undecided", "true_area", "certified_area_theorem_1", "trajectories_per_s"});
+  EXPECT_NEAR(figure(ended.out, "true_area"), 106.372, 0.5);  // 41 points an axis tell it to a few tenths
+  EXPECT_NEAR(figure(ended.out, "certified_area_theorem_1"), 58.0416, 1e-4);
   const std::string csv = content(path("a.csv"));
   EXPECT_TRUE(csv.starts_with("# breakaway basin, 41 points, window 6, plane 1,2, system "));
   EXPECT_NE(csv.find("\nx1,x2,attracted,time_s\n-6,-6,1,"), std::string::npos);
@@ -94,16 +95,16 @@ TEST_F(Command, KeepsTheContractOfBasin) {
 TEST_F(Command, KeepsTheContractOfAttract) {
   const Ended ended = run("attract " + two_masses + " --depth 7 --json -");
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
-  expect_keys(ended.out,
-              {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star", "rho_star_closed_form",
-               "equilibrium_set", "vertices", "extent", "E_certified", "global", "certified_area", "sweep", "d1"});
+  expect_keys(ended.out, {"conditions", "name", "holds", "margin", "reason", "alpha", "beta", "rho_star_J",
+                          "rho_star_closed_form_J", "equilibrium_set", "vertices", "extent", "E_certified", "global",
+                          "certified_area", "sweep", "d1"});
   EXPECT_NEAR(figure(ended.out, "alpha"), std::sqrt(0.5), 1e-12);
-  EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-10);
-  EXPECT_NEAR(figure(ended.out, "rho_star_closed_form"), 4, 1e-12);
+  EXPECT_NEAR(figure(ended.out, "rho_star_J"), 16, 1e-10);
+  EXPECT_NEAR(figure(ended.out, "rho_star_closed_form_J"), 4, 1e-12);
   EXPECT_NEAR(figure(ended.out, "window"), 6, 1e-12);
   EXPECT_GT(figure(ended.out, "certified_area"), 0.9 * 106.372);
   EXPECT_LT(figure(ended.out, "certified_area"), 106.372);
-  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"E_certified\": true, \"global\": true"),
+  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star_J\": null, \"E_certified\": true, \"global\": true"),
             std::string::npos);
 }
 
@@ -151,7 +152,7 @@ TEST_F(Command, NeverCertifiesAMachineThatFliesApart) {
       "[start]\nq = [0, 1e-3]\n[run]\nduration_s = 20\n");
   const Ended attract = run("attract " + machine + " --depth 3 --json -");
   EXPECT_NE(attract.out.find("\"global\": false"), std::string::npos) << attract.out;
-  EXPECT_NEAR(figure(attract.out, "level") / 5e-19, 1, 1e-9);
+  EXPECT_NEAR(figure(attract.out, "level_J") / 5e-19, 1, 1e-9);
   const Ended simulated = run("simulate " + machine);
   EXPECT_EQ(simulated.exit_code, 1);
   EXPECT_NE(simulated.out.find("certified      never to come to rest"), std::string::npos) << simulated.out;

@@ -70,10 +70,10 @@ TEST_F(Synthesize, MeetsItsWantsAndSweepsTheGain) {
           "PATH=");
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_NEAR(figure(ended.out, "resting_error_m"), 1, 1e-6);
-  EXPECT_NEAR(figure(ended.out, "rho_star"), 16, 1e-6);
+  EXPECT_NEAR(figure(ended.out, "rho_star_J"), 16, 1e-6);
   EXPECT_EQ(figure(ended.out, "at_rest"), 20);
-  EXPECT_NE(ended.out.find("{\"d1\": 0.3, \"rho_star\": 4.938"), std::string::npos) << ended.out;
-  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star\": null, \"global\": true"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("{\"d1\": 0.3, \"rho_star_J\": 4.938"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("{\"d1\": 0.75, \"rho_star_J\": null, \"global\": true"), std::string::npos) << ended.out;
 }
 
 // The last one counted, and the others were forgotten.
