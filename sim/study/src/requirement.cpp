@@ -37,6 +37,12 @@ std::string known_names() {
   return names;
 }
 
+// Who quotes a requirement for the shell may set spaces about its sign, as well as leave them out.
+std::string_view without_spaces_around(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(' '), text.size());
+  return text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
 }  // namespace
 
 bool Requirement::holds(const StudyRow& row) const {
@@ -49,7 +55,8 @@ Requirement read_requirement(std::string_view text) {
   Requirement requirement{.text = std::string{text}};
   if (sign == text.npos)
     throw InputError{fmt::format("\"{}\" is no requirement: give one as worst_settling_s<=0.5", text)};
-  const std::string_view name = text.substr(0, sign), number = text.substr(sign + 2);
+  const std::string_view name = without_spaces_around(text.substr(0, sign));
+  const std::string_view number = without_spaces_around(text.substr(sign + 2));
   const auto known = std::ranges::find(quantities, name, &Quantity::name);
   if (known == quantities.end())
     throw InputError{fmt::format("\"{}\" is no quantity of a study; there are {}", name, known_names())};

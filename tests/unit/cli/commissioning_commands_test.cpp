@@ -84,6 +84,8 @@ TEST_F(Command, RequiresWhatAScriptAsksOfAStudy) {
   EXPECT_NE(junit.find("tests=\"6\" failures=\"1\""), std::string::npos) << junit;
   EXPECT_NE(junit.find("worst_settling_s&lt;=0.01"), std::string::npos) << junit;
   expect_refused(study + " --require 'speed<=1'", {"speed", "worst_settling_s", "overshoot_m"});
+  EXPECT_EQ(run(study + " --require ' worst_settling_s <= 0.5 '").exit_code, 0)
+      << "spaces are those of the shell's word";
   expect_refused(study + " --require 'worst_settling_s<=fast'", {"fast", "not a finite number"});
   expect_refused(study + " --require worst_settling_s", {"worst_settling_s<=0.5"});
   expect_refused(study + " --json - --junit -", {"two outputs"});
