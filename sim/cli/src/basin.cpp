@@ -122,7 +122,9 @@ void add_basin(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("basin", "Region of attraction of a machine with friction, on a grid");
   CallFiles files{*command};
   files.reads("system", options->system, "The machine, a TOML file with [machine]")->required();
-  command->add_option("--grid", options->points, "Points along each axis")->required()->check(CLI::Range(2, 1'000'000));
+  command->add_option("--grid", options->points, "Points along each axis")
+      ->required()
+      ->check(CLI::Range(2, 1'000'000));
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
       ->required()
       ->check(window_half_width);
@@ -137,8 +139,7 @@ void add_basin(CLI::App& app, int& exit_code) {
   files.writes("--json", options->json, "Write the figures as JSON to this file; - is standard output");
   files.writes("--picture", options->picture, "Draw it to this .svg or .png (needs gnuplot)");
   command->add_option("--shard", options->shard, "Only part i of n, as i/n, for --merge");
-  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards")
-      ->check(file_name);
+  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards");
   files.writes("--resume", options->resume, "Keep finished rows in this file, and go on from it if it exists");
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
       ->check(CLI::Range(1, 1024));

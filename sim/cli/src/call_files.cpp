@@ -40,25 +40,25 @@ CLI::Option* CallFiles::add(Role role, const char* name, std::string& path, cons
 }
 
 CLI::Option* CallFiles::reads(const char* name, std::string& path, const char* what) {
-  return add(Role::read, name, path, what);
+  return add(Role::read, name, path, what)->check(name_to_read);
 }
 
 CLI::Option* CallFiles::reads(const char* name, std::vector<std::string>& paths, const char* what) {
-  CLI::Option* option = command_.add_option(name, paths, what)->type_name("FILE");
+  CLI::Option* option = command_.add_option(name, paths, what)->type_name("FILE")->check(name_to_read);
   files_.push_back({Role::read, name_of(*option), [&paths] { return paths; }});
   return option;
 }
 
 CLI::Option* CallFiles::writes(const char* name, std::string& path, const char* what) {
-  return add(Role::written, name, path, what)->check(file_name);
+  return add(Role::written, name, path, what)->check(name_to_write);
 }
 
 CLI::Option* CallFiles::writes_page(const char* name, std::string& path, const char* what) {
-  return add(Role::page, name, path, what)->check(file_name);
+  return add(Role::page, name, path, what)->check(name_to_write);
 }
 
 CLI::Option* CallFiles::makes(const char* name, std::string& path, const char* what) {
-  CLI::Option* option = add(Role::made, name, path, what)->check(file_name);
+  CLI::Option* option = add(Role::made, name, path, what)->check(name_to_write);
   overwrite_ = command_.add_flag("--overwrite")->description("Replace the file if it is there");
   return option;
 }

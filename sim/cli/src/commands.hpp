@@ -47,12 +47,15 @@ inline CLI::Validator number_validator(bool positive, const char* expects) {
           },
           ""};
 }
-// For files to write: an empty name is most often a script's unset variable.
-inline const CLI::Validator file_name{[](std::string& text) -> std::string {
-                                        return text.empty() ? "the name is empty; give a file, or - for standard output"
-                                                            : "";
-                                      },
-                                      ""};
+// For files: an empty name is most often a script's unset variable, and not the wish to go without the file.
+inline CLI::Validator file_name_validator(const char* stream) {
+  return {[=](std::string& text) -> std::string {
+            return text.empty() ? std::string{"the name is empty; give a file, or - for standard "} + stream : "";
+          },
+          ""};
+}
+inline const CLI::Validator name_to_read = file_name_validator("input");
+inline const CLI::Validator name_to_write = file_name_validator("output");
 // For seeds: what fits a number of 64 bits.
 inline const CLI::Validator whole_number{
     [](std::string& text) -> std::string {

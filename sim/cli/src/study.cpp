@@ -274,7 +274,7 @@ void add_study(CLI::App& app, int& exit_code) {
                "Write runs and requirements as JUnit's XML to this file; - is standard output");
   files.writes("--csv", options->csv, "Write a line a run to this file, for --merge; - is standard output");
   command->add_option("--shard", options->shard, "Only part i of n of the runs, as i/n, for --merge");
-  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv, of shards")->check(file_name);
+  files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv, of shards");
   files.writes_page("--report", options->report,
                     "Write a page with histograms and the worst law of each start to this HTML file (needs gnuplot)");
   add_progress(*command, options->progress);

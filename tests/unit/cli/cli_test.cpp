@@ -97,6 +97,11 @@ TEST_F(Command, CompletesSubcommandsAndTheirOptions) {
 TEST_F(Command, RefusesOutputsThatCannotAllBeWritten) {
   const std::string example = "simulate " + scenarios + "impulsive_example.toml ";
   expect_refused(example + "--json ''", {"--json", "empty"});
+  // Without its name the experiment would be run again, the comparison be left out, or all be measured for minutes.
+  for (const std::string& call :
+       {"identify " + scenarios + "braked_axis.toml --from -4.5 --to -3.5 --log",
+        "study " + scenarios + "braked_axis.toml --laws 0 --against", std::string{"tradeoff --quick"}})
+    expect_refused(call + " ''", {"the name is empty", "standard input"});
   expect_refused(example + "--json - --csv -", {"two outputs"});
   expect_refused(example + "--json " + path("a") + " --csv " + path("a"), {path("a"), "two outputs"});
   expect_refused("design " + scenarios + "braked_axis.toml --header " + path("a") + " --law-image " + path("./a"),
