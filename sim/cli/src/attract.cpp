@@ -110,10 +110,10 @@ void add_attract(CLI::App& app, int& exit_code) {
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s] (what fits B)")
       ->check(window_half_width);
   command->add_option("--depth", options->depth, "Cells are halved at most so often: 2^depth along each axis")
-      ->check(CLI::Range(0, 14))
+      ->check(whole_number_between(0, 14))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_between(1, 1024));
   add_progress(*command, options->progress);
   command->footer(
       std::string{"Example: breakaway attract sim/scenarios/two_mass_example.toml --json - --picture region.svg\n"} +

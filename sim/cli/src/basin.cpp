@@ -124,7 +124,7 @@ void add_basin(CLI::App& app, int& exit_code) {
   files.reads("system", options->system, "The machine, a TOML file with [machine]")->required();
   command->add_option("--grid", options->points, "Points along each axis")
       ->required()
-      ->check(CLI::Range(2, 1'000'000));
+      ->check(whole_number_between(2, 1'000'000));
   command->add_option("--window", options->window, "The axes reach from minus to plus this [m, or m/s]")
       ->required()
       ->check(window_half_width);
@@ -142,7 +142,7 @@ void add_basin(CLI::App& app, int& exit_code) {
   files.reads("--merge", options->merge, "Simulate nothing: join these tables, by --csv or --resume, of shards");
   files.writes("--resume", options->resume, "Keep finished rows in this file, and go on from it if it exists");
   command->add_option("--threads", options->threads, "Threads to use; the result does not depend on it")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_between(1, 1024));
   add_progress(*command, options->progress);
   command->footer(
       std::string{

@@ -65,6 +65,16 @@ inline const CLI::Validator whole_number{
       return read.ec == std::errc{} && read.ptr == end ? "" : text + " is not a whole number, 0 or above";
     },
     ""};
+// For counts: CLI::Range says of "1e3" that it is not in the range.
+inline CLI::Validator whole_number_between(std::int64_t least, std::int64_t most) {
+  const std::string range = std::to_string(least) + " to " + std::to_string(most);
+  return {[=](std::string& text) -> std::string {
+            std::int64_t value = 0;
+            const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return good ? "" : (text.empty() ? "nothing" : text) + " is not a whole number from " + range;
+          },
+          "from " + range};
+}
 inline const CLI::Validator positive_number = number_validator(true, "a finite number above 0");
 // For times: less is no time of the clock, and more overflows its count.
 inline const CLI::Validator number_of_seconds{

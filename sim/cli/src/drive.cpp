@@ -250,7 +250,7 @@ void add_drive(CLI::App& app, int& exit_code) {
   command->add_option("--axis", options->axis, "The name of the one axis whose drive to emulate; without, all of them");
   command->add_option("--can", options->interface, "The CAN interface, can0 or vcan0, say")->required();
   command->add_option("--node-id", options->changes.node_id, "Node id instead of the scenario's")
-      ->check(CLI::Range(0, 127));
+      ->check(whole_number_between(0, 127));
   command->add_option("--duration", options->duration_s, "Seconds until it ends; without, SIGINT or SIGTERM ends it")
       ->check(number_of_seconds);
   command->add_flag("--realtime", options->realtime, "Lock the memory and run at real-time priority 70");

@@ -255,7 +255,7 @@ void add_study(CLI::App& app, int& exit_code) {
   files.reads("--against", options->against, "Another scenario to run under the same laws, to compare with");
   command->add_option("--axis", options->axis, "The name of the axis to study, where the scenario has several");
   command->add_option("--laws", options->study.random_laws, "Random laws beside the four fixed ones, default 100")
-      ->check(CLI::Range(0, 1'000'000));
+      ->check(whole_number_between(0, 1'000'000));
   command->add_option("--seed", options->study.seed, "Seed of the first random law, default 1")->check(whole_number);
   command
       ->add_option(

@@ -177,7 +177,7 @@ void add_synthesize(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->check(positive_number);
   command->add_option("--trajectories", options->trajectories, "Random starts inside the region to simulate")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(whole_number_between(0, 1'000'000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Of the random starts")->check(whole_number)->capture_default_str();
   files.makes("--scenario", options->scenario, "Write the machine with its gains to this file; - is standard output");

@@ -123,7 +123,7 @@ void add_tune(CLI::App& app, int& exit_code) {
                "Draw the settling times that were tried, and what limits them, to this .svg or .png (needs gnuplot)");
   command
       ->add_option("--laws", options->tune.random_laws, "Random friction laws beside the four fixed ones, default 100")
-      ->check(CLI::Range(0, 100000));
+      ->check(whole_number_between(0, 100000));
   command->add_option("--seed", options->tune.seed, "Seed of the first random law, default 1")->check(whole_number);
   add_progress(*command, options->progress);
   command->footer(std::string{"Example: breakaway tune axis.toml --for time -o tuned.toml --picture tuned.svg\n"} +

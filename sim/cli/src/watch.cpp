@@ -110,7 +110,7 @@ void add_watch(CLI::App& app, int& exit_code) {
                     "With --can: have the page enable, move, stop and reset the axes of a node that others command. A "
                     "page that is closed stops them");
   command->add_option("--http", options->server.port, "The port of the page (8080); 0 is any free one")
-      ->check(CLI::Range(0, 65535));
+      ->check(whole_number_between(0, 65535));
   command
       ->add_option("--bind", options->server.bind,
                    "The address of this machine at which the page is served (127.0.0.1: for this machine only)")

@@ -33,6 +33,9 @@ TEST_F(Command, RefusesBadInputInOneLineThatNamesIt) {
                      {option, time_s, "from 1e-9 to 1e9"});
   }
 #endif
+  for (const char* laws : {"1e3", "-1", "1000001", "many"})
+    expect_refused("study " + scenarios + "braked_axis.toml --laws " + laws,
+                   {"--laws", laws + std::string{" is not a whole number from 0 to 1000000"}});
   expect_refused("simulate /nowhere.toml", {"/nowhere.toml", "No such file"});
   expect_refused("simulate ''", {"empty", "standard input"});
   expect_refused("simulate " + folder_.string(), {folder_.string(), "folder"});
