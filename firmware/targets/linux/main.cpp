@@ -50,11 +50,16 @@ void add_options(CLI::App& app, Options& o) {
   // Less is no time of the clock, and a duration of none would be that of a run without end.
   const CLI::Validator seconds = within(1e-9, "a number of seconds from 1e-9 to 1e9");
   const CLI::Validator force = within(std::numeric_limits<double>::min(), "a number above 0 and up to 1e9");
+  // An empty name is most often a script's unset variable, and not the wish to go without a record of the run.
+  const CLI::Validator named{[](std::string& text) -> std::string {
+                               return text.empty() ? "the name is empty; give one, or leave the option out" : "";
+                             },
+                             ""};
   app.add_option(
          "configuration", o.configuration,
          "The node: a file with [plant], [friction], [controller], [drive] of its axes, and [loop]; must be certified")
       ->required();
-  app.add_option("--can", o.interface, "The CAN interface, can0 say")->required();
+  app.add_option("--can", o.interface, "The CAN interface, can0 say")->required()->check(named);
   app.add_option(
       "--target", o.targets,
       "Positions [m] to visit in this order, of several axes as 0.1,0.2,-0.1; without, those of [controller] "
@@ -75,13 +80,15 @@ void add_options(CLI::App& app, Options& o) {
                "Find mass, friction and latency of an axis by an experiment; the file need not be certified");
   app.add_option("--axis", o.axis, "The name of the axis to identify, where the file has several");
   app.add_flag("--reset", o.reset, "Acknowledge faults that drives have at the start");
-  app.add_option("--csv", o.csv,
-                 "Write one line a period to this file; an older one stays until the drives are set up");
+  app.add_option("--csv", o.csv, "Write one line a period to this file; an older one stays until the drives are set up")
+      ->check(named);
   app.add_option("--candump", o.candump,
                  "Write all frames of the drives to this file, as candump -L does; an older one stays until the drives "
-                 "are set up");
+                 "are set up")
+      ->check(named);
   app.add_option("--stream", o.stream,
-                 "Send every sample as a JSON object to udp:HOST:PORT, for `breakaway watch --stream` or PlotJuggler");
+                 "Send every sample as a JSON object to udp:HOST:PORT, for `breakaway watch --stream` or PlotJuggler")
+      ->check(named);
 }
 
 // What tells which other nodes are there, SYNC, SDO answers and heartbeats, the SDO requests to us, and the frames of

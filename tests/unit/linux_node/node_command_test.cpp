@@ -42,6 +42,15 @@ TEST(NodeCommand, SaysThatStandardOutputTookNoHelp) {
   }
 }
 
+TEST(NodeCommand, TakesNoEmptyNameForAnOptionThatWasLeftOut) {
+  for (const char* option : {"--can", "--csv", "--candump", "--stream"}) {
+    const std::string can = option == std::string{"--can"} ? "" : " --can can0";
+    const Ended ended = run("axis.toml" + can + " " + option + " '' 2>&1");
+    EXPECT_EQ(ended.exit_code, 2) << option;
+    EXPECT_NE(ended.said.find(std::string{option} + ": the name is empty"), std::string::npos) << ended.said;
+  }
+}
+
 // The pipe opens once the node has begun to read its file.
 TEST(NodeCommand, GoesOnAtAnAcknowledgementBeforeItHasReadItsFile) {
   const std::string folder = ::testing::TempDir() + "acknowledged_early", file = folder + "/axis.toml";
