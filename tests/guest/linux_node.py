@@ -254,7 +254,7 @@ def bad_input_is_refused_by_name(build):
         refuses(b, [node, "--can", "vcan0", axis, "--wait", "1"], "no drive answers as node 1", "these nodes do: 7")
         drive.terminate()
         drive = b.drive("vcan0", "--supported-modes", "1FF")
-        refuses(b, [node, "--can", "vcan0", axis], "no cyclic synchronous torque mode", "6502h")
+        refuses(b, [node, "--can", "vcan0", axis], "drive 1 on vcan0: ", "no cyclic synchronous torque mode", "6502h")
         drive.terminate()
         drive = b.drive("vcan0", "--mode-delay", "100")
         refuses(b, [node, "--can", "vcan0", axis], "refuses the cyclic synchronous torque mode", "6061h")

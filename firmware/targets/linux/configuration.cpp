@@ -155,7 +155,8 @@ Configuration read_configuration(const Options& options) {
 
 Configuration read_experiment(const Options& options) {
   if (!options.targets.empty())
-    throw InputError{"--target is for axes that are identified: leave it out with --identify"};
+    throw InputError{
+        "--target: an experiment goes where it has to, and visits no targets; leave it out, or --identify"};
   const Node node = config::read_node(options.configuration);
   Axis axis = axis_to_identify(node, options.axis);
   if (options.node_id && axis.drive) set_node_id(*axis.drive, *options.node_id);

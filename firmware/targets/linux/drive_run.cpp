@@ -214,7 +214,7 @@ template <class Flashed, class Side>
 void DriveRun<Flashed, Side>::refuse_unusable_drives() const {
   for (std::size_t place = 0; place < axes_.size(); ++place) {
     if (status(place).feedback.state != hal::DriveState::unusable) continue;
-    throw InputError{fmt::format("{} on {} {}", named(place), options_.interface, Side::why_unusable(drive(place)))};
+    throw InputError{fmt::format("{} on {}: {}", named(place), options_.interface, Side::why_unusable(drive(place)))};
   }
 }
 

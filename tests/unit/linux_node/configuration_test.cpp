@@ -264,7 +264,7 @@ TEST_F(LinuxNodeConfiguration, AnExperimentIsOfOneAxisThatIsNamed) {
   EXPECT_NE(refused().find("two_axes.toml: has no axis \"nobody\""), std::string::npos) << refused();
   options.axis = "y";
   options.targets = {"0.1"};
-  EXPECT_NE(refused().find("--target is for axes that are identified"), std::string::npos) << refused();
+  EXPECT_NE(refused().find("--target: an experiment goes where it has to"), std::string::npos) << refused();
   options = of(folder + "coupled_gantry.toml");
   options.axis = "left";
   EXPECT_NE(refused().find("push each other: see [coupling]"), std::string::npos) << refused();
