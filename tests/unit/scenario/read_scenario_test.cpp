@@ -80,6 +80,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"KeyBeyondAscii", with(sound, "mass_kg", "\u00b5_kg"), {":3:", "not valid TOML"}},
         BadInput{"ThreeBrackets", "[[[plant]]]\n" + sound, {":1:", "not valid TOML"}},
         BadInput{"HeaderBeyondAscii", with(sound, "[plant]", "[\u00b5plant]"), {":2:", "not valid TOML"}},
+        BadInput{"Latin1",
+                 "# Gr\xF6\xDF"
+                 "e\n" +
+                     sound,
+                 {":1:", "not valid TOML", "save the file as UTF-8"}},
+        BadInput{"Utf16", std::string{"\xFF\xFE#\0", 4} + sound, {"UTF-16", "save it as UTF-8"}},
         BadInput{"KeyWithLineBreak", "\"a\\nb\" = 1\n" + sound, {":1:", "a b"}},
         BadInput{"BeyondAsciiInLongString", "title = \"\"\"\\\n\u00a7\"\"\"\n" + sound, {":2:", "ASCII"}},
         BadInput{"KeyWithoutItsUnit", with(sound, "k1_N_per_m", "k1"), {"[controller]", "k1 is", "key is k1_N_per_m"}},

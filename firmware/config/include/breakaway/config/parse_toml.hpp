@@ -31,6 +31,12 @@ inline void refuse_backslash_before_beyond_ascii(std::string_view text, std::str
 inline constexpr std::size_t most_key_parts = 32;
 void refuse_deep_keys(std::string_view text, std::string_view name);
 
+// A text in UTF-16, as PowerShell's > writes it, would be refused at a character that nobody sees.
+inline void refuse_utf_16(std::string_view text, std::string_view name) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw InputError{fmt::format("{}:1: is in UTF-16, and TOML is in UTF-8; save it as UTF-8", name)};
+}
+
 // Does what toml::parse does, after a byte order mark if there is one. Throws toml::parse_error and InputError.
 //
 // toml++ makes a table of every part of a key, one in the other, and calls itself for each of them when it looks at
@@ -41,6 +47,7 @@ void refuse_deep_keys(std::string_view text, std::string_view name);
 // numbers nor spaces are made of those, so in what passes they stand in strings and comments only. In a string of
 // several lines white space may stand behind a backslash, too, which the first parse cannot tell.
 inline toml::table parse_toml(std::string_view text, std::string_view name) {
+  refuse_utf_16(text, name);
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   refuse_deep_keys(text, name);
@@ -59,7 +66,9 @@ auto with_document(std::string_view text, const std::string& name, Use use) {
   try {
     return use(parse_toml(text, name));
   } catch (const toml::parse_error& error) {
-    throw InputError{fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line, error.description())};
+    const bool encoding = error.description().find("utf-8") != std::string_view::npos;
+    throw InputError{fmt::format("{}:{}: not valid TOML: {}{}", name, error.source().begin.line, error.description(),
+                                 encoding ? "; save the file as UTF-8" : "")};
   }
 }
 
