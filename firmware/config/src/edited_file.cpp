@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <sstream>
 
@@ -126,6 +127,18 @@ std::string without_byte_order_mark(std::string_view text) {
   return std::string{text};
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return std::filesystem::weakly_canonical(file.has_parent_path() ? file.parent_path() : ".");
+}
+
+// Links on the way to the sheet's folder are followed, because ".." leads out of where they end; the sheet may be one.
+std::string sheet_from(const std::filesystem::path& folder, const std::filesystem::path& sheet) {
+  const std::filesystem::path path = (folder_of(sheet) / sheet.filename()).lexically_relative(folder);
+  std::ostringstream quoted;
+  quoted << toml::value<std::string>{path.string()};
+  return quoted.str();
+}
+
 }  // namespace
 
 std::string with_settings(std::string_view text, const std::string& file, const std::string& axis,
@@ -144,6 +157,23 @@ std::string with_settings(std::string_view text, const std::string& file, const 
   return now;
 } catch (const InputError& error) {
   throw error.file().empty() ? error.in_file(file) : error;
+}
+
+std::string moved_text(std::string_view text, const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::string moved{text};
+  if (to == "-" || folder_of(from) == folder_of(to)) return moved;
+  toml::table document = parse_toml(text, from.string());
+  const auto move = [&](const toml::table& axis, const std::string& name) {
+    const auto sheet = axis["drive"]["eds"].value<std::string>();
+    if (!sheet || std::filesystem::path{*sheet}.is_absolute()) return;
+    const std::string there = sheet_from(folder_of(to), from.parent_path() / *sheet);
+    moved = with_settings(moved, from.string(), name, {{"drive", "eds", there}});
+  };
+  const toml::array* const entries = document["axis"].as_array();
+  if (entries == nullptr) move(document, "");
+  for (std::size_t i = 0; entries != nullptr && i < entries->size(); ++i)
+    if (const toml::table* const axis = entries->get_as<toml::table>(i)) move(*axis, (*axis)["name"].value_or(""));
+  return moved;
 }
 
 }  // namespace breakaway::config

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "breakaway/config/axis_design.hpp"
+#include "breakaway/config/edited_file.hpp"
 #include "breakaway/config/file_contents.hpp"
 #include "breakaway/config/read_node.hpp"
 #include "breakaway/evaluation/record_csv.hpp"
@@ -118,7 +119,10 @@ int identify_axis(const IdentifyCommand& options) {
   if (!options.csv.empty()) format::write_output(options.csv, evaluation::to_csv(run.record));
   study::evaluate(run);
   const std::string file =
-      options.output.empty() ? "" : study::with_found(config::file_contents(options.scenario), s, run.found);
+      options.output.empty()
+          ? ""
+          : config::moved_text(study::with_found(config::file_contents(options.scenario), s, run.found),
+                               options.scenario, options.output);
   if (!options.report.empty()) format::write_output(options.report, report::identification_html(run));
   if (!options.json.empty()) format::write_output(options.json, report::identification_json(run));
   if (!file.empty()) format::write_output(options.output, file);

@@ -1,4 +1,5 @@
 #include "breakaway/study/tune.hpp"
+#include "breakaway/config/edited_file.hpp"
 
 #include <fmt/format.h>
 
@@ -94,7 +95,8 @@ int tune(const TuneCommand& options) {
   const Tuning tuning = study::tune(config::file_contents(options.file), config::shown_name(options.file), how);
   // Everything is ready before the first file is written: an error here leaves no file behind.
   const std::string picture = options.picture.empty() ? "" : report::draw_tuning(options.picture, tuning);
-  if (!options.output.empty()) format::write_output(options.output, tuning.text);
+  if (!options.output.empty())
+    format::write_output(options.output, config::moved_text(tuning.text, options.file, options.output));
   if (!options.json.empty()) format::write_output(options.json, report::to_json(tuning));
   if (!picture.empty()) format::write_output(options.picture, picture);
   if (!options.quiet()) print_summary(options, tuning);

@@ -156,6 +156,22 @@ TEST_F(Command, CallsStandardInputByItsName) {
   expect_refused("identify - --log - < /dev/null", {"-: two inputs would come from there", "--log"});
 }
 
+// A path of [drive] eds leads from the folder of its file, and tune and identify may be told to write into another one.
+TEST_F(Command, WritesAFileIntoAnotherFolderThatStillFindsItsDataSheet) {
+  const std::string own = path("own/axis.toml"), tuned = path("other/tuned.toml"), found = path("other/found.toml");
+  for (const char* folder : {"own", "other"}) std::filesystem::create_directory(path(folder));
+  ASSERT_EQ(run("new" + std::string{seven_numbers} + " -o " + own).exit_code, 0);
+  ASSERT_EQ(run("eds --drive " + own + " -o " + path("own/drive.eds")).exit_code, 0);
+  std::string text = content(own);
+  text.insert(text.find("rated_torque_Nm"), "eds = \"drive.eds\"\n");
+  std::ofstream{own} << text;
+  ASSERT_EQ(run("tune --laws 0 " + own + " -o " + tuned).exit_code, 0);
+  const Ended design = run("design " + tuned), identified = run("identify " + own + " -o " + found);
+  EXPECT_EQ(design.exit_code, 0) << design.err;
+  EXPECT_EQ(identified.exit_code, 0) << identified.err;
+  EXPECT_NE(content(found).find("../own/drive.eds"), std::string::npos);
+}
+
 // What --require takes stands in --json under the same name, so that a bound is the figure that was read there.
 TEST_F(Command, RequiresQuantitiesByTheirNamesInTheJsonOfAStudy) {
   const std::string study = "study " + scenarios + "braked_axis.toml --laws 0 --start -0.1 0";

@@ -47,6 +47,20 @@ TEST(EditedFile, SetsKeysOfOneAxisAndOfTheNode) {
   EXPECT_NE(why.find("no axis \"c\""), std::string::npos) << why;
 }
 
+TEST(EditedFile, LeadsToTheSameDataSheetsFromAnotherFolder) {
+  const std::string one = "[drive]\neds = 'a \"b\".eds' # its own\n[run]\n";
+  EXPECT_EQ(moved_text(one, "/p/x/axis.toml", "/p/y/z/axis.toml"),
+            "[drive]\neds = '../../x/a \"b\".eds' # its own\n[run]\n");
+  EXPECT_EQ(moved_text(one, "/p/x/axis.toml", "/p/axis.toml"), "[drive]\neds = 'x/a \"b\".eds' # its own\n[run]\n");
+  EXPECT_EQ(moved_text(one, "/p/x/axis.toml", "/p/./x/tuned.toml"), one);
+  EXPECT_EQ(moved_text(one, "/p/x/axis.toml", "-"), one);
+  EXPECT_EQ(moved_text("[drive]\neds = \"/s/a.eds\"\n", "/p/x/axis.toml", "/q/axis.toml"),
+            "[drive]\neds = \"/s/a.eds\"\n");
+  const std::string two = "[[axis]]\nname = \"a\"\ndrive = { eds = \"../s.eds\" }\n[[axis]]\nname = \"b\"\n";
+  EXPECT_EQ(moved_text(two, "/p/x/axis.toml", "/p/axis.toml"),
+            "[[axis]]\nname = \"a\"\ndrive = { eds = 's.eds' }\n[[axis]]\nname = \"b\"\n");
+}
+
 TEST(EditedFile, IsWrittenAnewWhereAKeyHasNoPlace) {
   const std::string anew = set("a.x = 1 # dotted\nb = 2\n", {"a", "z", "3"});
   EXPECT_EQ(anew.find("dotted"), std::string::npos);

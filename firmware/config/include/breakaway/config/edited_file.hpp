@@ -1,6 +1,7 @@
 // A file of a node in which some keys are set anew.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,5 +20,10 @@ struct Setting {
 // that parse_node() takes; throws InputError where no axis has the name.
 std::string with_settings(std::string_view text, const std::string& file, const std::string& axis,
                           const std::vector<Setting>& settings);
+
+// Returns the text of the file `from` as it is to stand in the file `to`: what a path of [drive] eds names from the one
+// folder, it names from the other. Standard output, "-", has no folder, and leaves the text as it is. Requires a text
+// that parse_node() takes.
+std::string moved_text(std::string_view text, const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace breakaway::config
