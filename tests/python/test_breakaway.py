@@ -1,5 +1,6 @@
 """`import breakaway` says what the command says, gives arrays that are no copies, and refuses as the command does."""
 
+import doctest
 import gc
 import json
 import pathlib
@@ -161,7 +162,8 @@ def test_what_cannot_be_used_is_refused_with_key_and_remedy():
     assert "points" in str(refused(breakaway.basin, two_masses, points=1, window=6))
     assert "depth" in str(refused(breakaway.attract, two_masses, depth=15))
     assert "accuracy_m" in str(refused(breakaway.simulate, two_masses, accuracy_m=-1.0))
-    assert "axis=" in str(refused(breakaway.study, SCENARIOS / "three_axes.toml"))
+    for call in (breakaway.study, breakaway.tune, breakaway.identify):
+        assert "axis=" in str(refused(call, SCENARIOS / "three_axes.toml"))
     assert "describes an axis" in str(refused(breakaway.attract, SCENARIOS / "can_axis.toml"))
     assert "time, accuracy or gentle" in str(refused(breakaway.tune, SCENARIOS / "can_axis.toml", objective="speed"))
     assert "coast" in str(refused(breakaway.kick_table, SCENARIOS / "can_axis.toml", [1e-3]))
@@ -199,6 +201,15 @@ def test_every_function_is_explained_with_an_example():
         assert thing.__doc__, name
         if callable(thing) and not isinstance(thing, type):
             assert ">>> " in thing.__doc__ and f"breakaway.{name}" in thing.__doc__, name
+
+
+def test_every_example_runs(monkeypatch):
+    monkeypatch.chdir(SOURCE)
+    known = {"breakaway": breakaway}
+    for name in ("", *breakaway.__all__):
+        thing = getattr(breakaway, name) if name else breakaway
+        for example in doctest.DocTestParser().get_examples(thing.__doc__):
+            exec(example.source, known)  # noqa: S102: the source is our own
 
 
 class Stopped(Exception):

@@ -6,7 +6,7 @@ arrays, which are read-only where they look into the library's own memory instea
 
     >>> import breakaway
     >>> run = breakaway.simulate("sim/scenarios/can_axis.toml")
-    >>> run.figures["settled"], run.axes["x"].position_m[-1]
+    >>> run.figures["settled"], run.axes["axis"].position_m[-1]
 
 What cannot be used is refused by InputError, whose text names the place and the remedy, and what is of a wrong type by
 TypeError. Ctrl-C ends what takes long on its way.
@@ -90,7 +90,7 @@ def kick_table(file, distance_m, *, axis=""):
     distance_m. least_distance_m and reach_m are the ends of the table, and nearer and further away the pulse is that of
     the end. Of several axes one is named; those of a [coupling] have no table.
 
-    >>> table = breakaway.kick_table("sim/scenarios/braked_axis.toml", numpy.geomspace(2e-6, 1e-2, 100))
+    >>> table = breakaway.kick_table("sim/scenarios/braked_axis.toml", [2e-6, 1e-4, 1e-2])
     """
     return _types.SimpleNamespace(**_core.kick_table(*_text_and_name(file), _np.asarray(distance_m, dtype=float), axis))
 

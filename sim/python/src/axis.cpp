@@ -238,6 +238,8 @@ std::pair<std::string, std::string> tune_of(const std::string& text, const std::
                                             const std::string& objective, int laws, std::uint64_t seed, int threads,
                                             const std::string& axis) {
   const py::gil_scoped_release unlocked;
+  const Scenario all = scenario::parse_scenario(text, name);
+  if (axis.empty() && all.axes() > 1 && !all.machine && !all.node.coupling) throw several_axes(name);
   const study::Tuning tuning = study::tune(text, name,
                                            {.objective = study::objective_of(objective),
                                             .axis = axis,
