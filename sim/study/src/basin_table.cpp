@@ -136,6 +136,18 @@ std::string not_this_label(const std::string& line, const std::string& label) {
   return "does not say which system it is of, as \"" + label + "\" does; run that shard again";
 }
 
+// Before anything of the file is dropped: one that is not this table may be anything, and its torn line the last of it.
+void require_own(const std::string& path, const std::string& label) {
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError{fmt::format("{}: is no file that rows can be kept in; choose another place", path)};
+  std::ifstream in{path, std::ios::binary};
+  std::string line;
+  std::getline(in, line);
+  const bool torn = in.eof();
+  if (torn ? !label.starts_with(line) : line != label)
+    throw InputError{fmt::format("{}:1: {}", path, not_this_label(line, label))};
+}
+
 // What was being written when the run was stopped.
 void drop_torn_line(const std::string& path) {
   std::ifstream in{path, std::ios::binary};
@@ -184,7 +196,10 @@ void read_table(const std::string& path, const scenario::MachineScenario& s, Bas
 
 Journal::Journal(const std::string& path, const scenario::MachineScenario& s, Basin& basin)
     : path_{path}, file_{nullptr, &std::fclose} {
-  if (std::filesystem::exists(path)) drop_torn_line(path);
+  if (std::filesystem::exists(path)) {
+    require_own(path, table_label(basin.grid(), s));
+    drop_torn_line(path);
+  }
   const bool continues = std::filesystem::exists(path) && std::filesystem::file_size(path) > 0;
   if (continues) read_table(path, s, basin);
   file_.reset(std::fopen(path.c_str(), "ab"));

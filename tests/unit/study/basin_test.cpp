@@ -221,6 +221,25 @@ TEST_F(BasinFiles, GoOnWhereAnInterruptedRunStopped) {
   EXPECT_EQ(table(again), table(basin));
 }
 
+TEST_F(BasinFiles, AreNotBegunInAFileOfSomebodyElse) {
+  const auto s = two_masses();
+  for (const char* const text : {"mass = 1\nspring = 2", "notes without a line break", "\n# of Monday"}) {
+    const std::string file = written("notes", text);
+    Basin basin{small, {}};
+    const std::string why = breakaway::testing::refusal([&] { study::Journal{file, s, basin}; });
+    EXPECT_NE(why.find(file + ":1: does not say which system it is of"), std::string::npos) << why;
+    std::ostringstream left;
+    left << std::ifstream{file, std::ios::binary}.rdbuf();
+    EXPECT_EQ(left.str(), text);
+  }
+  Basin basin{small, {}};
+  study::Journal{written("torn", study::table_label(small, s).substr(0, 20)), s, basin};
+  EXPECT_NE(breakaway::testing::refusal([&] {
+              study::Journal{"/dev/zero", s, basin};
+            }).find("choose another"),
+            std::string::npos);
+}
+
 // What is wrong with a table of the system that is `known`; empty if nothing is.
 class BasinTables : public BasinFiles {
  protected:
