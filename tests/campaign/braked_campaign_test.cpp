@@ -244,6 +244,34 @@ TEST(BrakedCampaign, EveryCertifiedAxisKeepsItsPromiseUnderNoiseOfAnySize) {
   run_all(Start::noisy, asked_for("BREAKAWAY_FIRST_AXIS", 0), asked_for("BREAKAWAY_NOISY_AXES", 60));
 }
 
+// A slow axis on a long way, of which every other sample comes late and seems to have gone half as far again: whenever
+// it does, the plan holds it back for what it does not do. 38 s where 31 s were said.
+TEST(BrakedCampaign, SlowApproachTakesNoLongerThanSaidWhereEveryOtherPeriodIsLate) {
+  BrakedClass c;
+  c.mass_kg = {100, 100};
+  c.force_gain = {0.85, 1.15};
+  c.friction = {383, 388};
+  c.load_N = 123;
+  c.max_force_N = 5900;
+  c.force_step_N = 2.95;
+  c.period_s = 2.5e-4;
+  c.jitter_s = 1.25e-4;
+  c.encoder_resolution_m = 1e-9;
+  constexpr double speed_m_s = 0.075, way_m = 2;
+  const auto design = design::design_braked_kicks<float>(c);
+  const double said_s = design::approach_s(c, design, speed_m_s, way_m);
+  auto p = parameters(c, design.least_tolerance_m);
+  p.max_approach_speed_m_s = static_cast<float>(speed_m_s);
+  const testing::TrueAxis truth{.mass_kg = 100, .force_gain = 0.85, .load_N = 123};
+  const Friction friction = friction_of_kind(1, c, 1, c.encoder_resolution_m, design.least_tolerance_m);
+  const auto end =
+      testing::run_kicked_axis<float>(p, {}, design.kicks, truth, friction, way_m, 0, 2 * said_s, 4, 50, 0, {},
+                                      {.jitter_s = c.jitter_s, .jitter = testing::Jitter::every_other_period});
+  EXPECT_TRUE(end.held);
+  EXPECT_LE(end.first_kick_s, said_s);
+  EXPECT_GT(end.first_kick_s, 1.2 * way_m / speed_m_s) << "it is not held back";
+}
+
 // The target moves once: in the approach or between kicks, by what kicks are for or by as much as the axis is away.
 testing::Retarget random_retarget(const CertifiedAxis& axis, double distance_m, double approach_s, Random& r) {
   const double soon_s = axis.axes.period_s * r.decades(1, 300), late_s = approach_s * r.decades(0.1, 10);
