@@ -63,6 +63,58 @@ TEST(BrakedAxis, ReachesTheTargetAndIsNeverKickedBeyondItByMoreThanHalfACount) {
   }
 }
 
+// Two thousand million counts from zero, where a float holds every 128th: a millimetre before the end of its range.
+TEST(BrakedAxis, ReachesATargetBesideALimitFarFromTheEncodersZero) {
+  const auto axis = scenario::parse_scenario(R"(
+[plant]
+mass_kg = 12
+position_m = 18539.508
+[friction]
+lower_N = 15
+upper_N = 16
+[controller]
+target_m = 18539.706879
+k1_N_per_m = 4800
+k21_Ns_per_m = 384
+k22_Ns_per_m = 720
+max_force_N = 100
+max_approach_speed_m_s = 1.9
+position_tolerance_m = 4.6e-6
+[uncertainty]
+mass = 0.02
+force_gain = 0.02
+current_loop_time_constant = 0.2
+[loop]
+period_s = 0.001
+[drive]
+rated_torque_Nm = 100
+rated_current_A = 1
+max_torque_per_mille = 1000
+force_per_torque_N_per_Nm = 1
+encoder_resolution_m = 9e-6
+current_loop_time_constant_s = 0.0002
+[limits]
+position_min_m = 18538.708
+position_max_m = 18539.708
+speed_m_s = 3.8
+[run]
+duration_s = 2
+settle_tolerance_m = 9.1e-6
+settle_time_s = 0.2
+)",
+                                             "far.toml");
+  ASSERT_TRUE(config::examine(axis.node).front().certified);
+  study::StudyOptions options;
+  options.starts = {{18539.508, 0}, {18538.72, 0}};
+  options.random_laws = 10;
+  for (const auto& row : study::run_study(axis, options)) {
+    for (const auto& run : row.runs) {
+      EXPECT_TRUE(run.settled) << run.law << " from " << row.start.position_m;
+      EXPECT_TRUE(run.faults.empty()) << run.law << ": " << run.faults.front().name;
+    }
+  }
+}
+
 // With a tolerance at the floor, between one count and two, the last kicks show by no count.
 TEST(BrakedAxis, NeedsAsFewKicksToItsFloor) {
   auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");

@@ -118,12 +118,25 @@ odrive::DriveConfig<Real> odrive_config(const Axis& axis) {
           .home_counts = homing_config(d).position_counts};
 }
 
+namespace {
+
+// The position of the count nearest to this one, as a drive makes it of its counts. Far from zero Real holds no count
+// exactly, and what it makes of the last one that is allowed may be beyond what it makes of the limit.
+template <class Real>
+Real shown_m(double position_m, const Axis& axis) {
+  if (!axis.drive || !is_counted(position_m, axis)) return static_cast<Real>(position_m);
+  const double count_m = axis.drive->encoder_resolution_m;
+  return static_cast<Real>(std::llround(position_m / count_m)) * static_cast<Real>(count_m);
+}
+
+}  // namespace
+
 template <class Real>
 firmware::AxisLimits<Real> axis_limits(const Axis& axis) {
   const Limits& l = axis.limits;
   firmware::AxisLimits<Real> limits;
-  limits.position_min_m = static_cast<Real>(l.position_min_m);
-  limits.position_max_m = static_cast<Real>(l.position_max_m);
+  limits.position_min_m = std::min(static_cast<Real>(l.position_min_m), shown_m<Real>(l.position_min_m, axis));
+  limits.position_max_m = std::max(static_cast<Real>(l.position_max_m), shown_m<Real>(l.position_max_m, axis));
   limits.speed_m_s = static_cast<Real>(l.speed_m_s);
   limits.force_N = static_cast<Real>(l.force_N);
   limits.following_error_m = static_cast<Real>(l.following_error_m);

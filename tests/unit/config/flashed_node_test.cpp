@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -221,6 +222,25 @@ TEST(FlashedNode, AHandEditedNumberIsRefusedAtTheStart) {
   Pair node = flashed_pair();
   node.axes[1].law.max_force_N = 49;
   EXPECT_EQ(verify(node).error, NodeError::checksum_differs);
+}
+
+// As a drive makes a position of its counts, far from zero and rounded twice.
+TEST(AxisLimits, HoldEveryCountWithinThem) {
+  std::uint32_t random = 1;
+  for (int i = 0; i < 20000; ++i) {
+    config::Axis axis;
+    axis.drive.emplace();
+    axis.drive->encoder_resolution_m = 1e-6 * (1 + 1e-3 * (i % 997));
+    random = 1664525 * random + 1013904223;
+    const auto last = static_cast<std::int32_t>(random >> 1);
+    axis.limits.position_max_m = last * axis.drive->encoder_resolution_m;
+    axis.limits.position_min_m = -axis.limits.position_max_m;
+    const AxisLimits<float> limits = config::axis_limits<float>(axis);
+    const float shown_m = static_cast<float>(last) * static_cast<float>(axis.drive->encoder_resolution_m);
+    ASSERT_LE(shown_m, limits.position_max_m) << last;
+    ASSERT_GE(-shown_m, limits.position_min_m) << last;
+    ASSERT_NEAR(limits.position_max_m, axis.limits.position_max_m, 2e-7 * axis.limits.position_max_m);
+  }
 }
 
 TEST(NodeError, SaysWhatIsWrongAndWhatToDo) {
