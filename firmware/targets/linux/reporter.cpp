@@ -132,7 +132,7 @@ void Reporter::write(const StepRecord& step) {
   if (csv_) {
     const hal::Duration time = on_realtime_clock(step.time);
     line_.clear();
-    fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.9g},{:.9g},{:.6g},{:.6g},{},{},{},{:04X}{}\n",
+    fmt::format_to(std::back_inserter(line_), "{}.{:06},{:.3f},{:.12g},{:.12g},{:.6g},{:.6g},{},{},{},{:04X}{}\n",
                    time / std::chrono::seconds{1}, time % std::chrono::seconds{1} / std::chrono::microseconds{1},
                    std::chrono::duration<double, std::micro>(step.latency).count(), metres(step, step.target_counts),
                    metres(step, step.position_counts), step.command_N, step.reported_N, mode_of(step),

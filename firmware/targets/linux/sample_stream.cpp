@@ -33,6 +33,8 @@ class JsonLine {
   void real(std::string_view name, double number) {
     if (std::isfinite(number)) axis(name, fmt::format("{:.9g}", number));
   }
+  // 32 bits of counts have ten digits, and a count that is no power of ten has more.
+  void place(std::string_view name, double position_m) { axis(name, fmt::format("{:.12g}", position_m)); }
   std::string text() && { return std::move(text_) + "}"; }
 
  private:
@@ -106,12 +108,12 @@ std::string encode_sample(const StepRecord& step, double resolution_m, std::stri
   line.node("bus_load", fmt::format("{:.4g}", context.bus_load));
   if (step.controlled) {
     line.node("latency_us", fmt::format("{:.3f}", std::chrono::duration<double, std::micro>(step.latency).count()));
-    line.real("target_m", step.target_counts * resolution_m);
-    line.real("error_m", (static_cast<double>(step.position_counts) - step.target_counts) * resolution_m);
+    line.place("target_m", step.target_counts * resolution_m);
+    line.place("error_m", (static_cast<double>(step.position_counts) - step.target_counts) * resolution_m);
     line.real("command_N", static_cast<double>(step.command_N));
     line.axis("mode", static_cast<int>(step.mode));
   }
-  line.real("position_m", step.position_counts * resolution_m);
+  line.place("position_m", step.position_counts * resolution_m);
   line.real("reported_N", static_cast<double>(step.reported_N));
   line.axis("drive", static_cast<int>(step.drive));
   line.axis("fault", static_cast<int>(step.fault));

@@ -35,6 +35,17 @@ TEST(RecordCsv, GivesBackWhatItWrote) {
   }
 }
 
+// At the end of what 32 bits count, in counts that are no power of ten.
+TEST(RecordCsv, IsExactToTheCountFarFromZero) {
+  constexpr double count_m = 7e-7;
+  Record record{1e-3, count_m, 0.025, {}};
+  for (int i = 0; i < 50; ++i) record.readings.push_back({count_m * (2147483647 - i), 0, true});
+  const Record again = record_of_csv(to_csv(record), {1e-3, count_m, 0.025, 50, "x"});
+  ASSERT_EQ(again.readings.size(), record.readings.size());
+  for (std::size_t i = 0; i < record.readings.size(); ++i)
+    EXPECT_NEAR(again.readings[i].position_m, record.readings[i].position_m, 0.01 * count_m) << i;
+}
+
 TEST(RecordCsv, TakesItsColumnsWhereverTheyStandAndOneAxisOfSeveral) {
   const Record record = record_of_csv(
       "mode,command_N,time_s,axis,position_m\r\nhold,1.5,7.000,x,0.25\r\nhold,9,7.000,y,1\r\nhold,2,7.001,x,0.5\r\n",

@@ -138,4 +138,18 @@ TEST_F(ReporterTest, ReplacesAnOlderRecordOnceTheDrivesAreSetUp) {
   EXPECT_EQ(std::ranges::count(record, '\n'), 3) << record;
 }
 
+// 32 bits of counts have ten digits, and whoever evaluates the record has nothing else.
+TEST_F(ReporterTest, WritesPlacesFarFromZeroToTheCount) {
+  options_.csv = path("record");
+  start();
+  telemetry_.ready = true;
+  EXPECT_TRUE(comes_true([this] { return content(options_.csv).starts_with("time_s,"); }));
+  telemetry_.add(StepRecord{.time = monotonic_now(),
+                            .target_counts = 2147483647,
+                            .position_counts = 2147483646,
+                            .drive = DriveState::enabled});
+  reporter_->finish();
+  EXPECT_NE(content(options_.csv).find(",2147.483647,2147.483646,"), std::string::npos) << content(options_.csv);
+}
+
 }  // namespace

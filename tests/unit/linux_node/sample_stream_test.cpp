@@ -135,6 +135,16 @@ TEST(SampleStream, ErrorsNearTheEndsOfTheCounterAreExact) {
   EXPECT_NEAR(json::parse(encode_sample(step, 1e-6, "", {})).at("error_m").get<double>(), 4294.967295, 1e-5);
 }
 
+// A page subtracts the one from the other.
+TEST(SampleStream, PlacesFarFromZeroAreExactToTheCount) {
+  constexpr double count_m = 7e-7;
+  StepRecord step = moving();
+  step.target_counts = std::numeric_limits<std::int32_t>::max();
+  step.position_counts = step.target_counts - 1;
+  const json sample = json::parse(encode_sample(step, count_m, "", {}));
+  EXPECT_NEAR(sample.at("target_m").get<double>() - sample.at("position_m").get<double>(), count_m, 0.01 * count_m);
+}
+
 TEST(SampleStream, ReachesAReceiverByNameAndByAddressOfEitherFamily) {
   const auto axes = plans({"axis"});
   for (const auto& [family, host] : {std::pair{AF_INET, "127.0.0.1"}, {AF_INET6, "[::1]"}, {AF_INET, "localhost"}}) {

@@ -212,7 +212,7 @@ std::string to_csv(const Record& record) {
   for (std::size_t i = 0; i < record.readings.size(); ++i) {
     const Reading& reading = record.readings[i];
     if (!reading.fresh) continue;
-    fmt::format_to(std::back_inserter(text), "{:.6f},{:.10g},{:.8g}\n", static_cast<double>(i) * record.period_s,
+    fmt::format_to(std::back_inserter(text), "{:.6f},{:.12g},{:.8g}\n", static_cast<double>(i) * record.period_s,
                    reading.position_m, reading.command_N);
   }
   return text;
