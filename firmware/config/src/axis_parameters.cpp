@@ -182,7 +182,7 @@ bool is_counted(double distance_m, const Axis& axis) {
 std::string target_problem(double position_m, const Axis& axis) {
   const Limits& l = axis.limits;
   if (position_m < l.position_min_m || position_m > l.position_max_m)
-    return fmt::format("is beyond its [limits], position_m = {:g} to {:g}; choose one inside", l.position_min_m,
+    return fmt::format("is beyond its [limits], position_m = {:.10g} to {:.10g}; choose one inside", l.position_min_m,
                        l.position_max_m);
   if (!is_counted(position_m, axis)) return "is beyond the encoder's range; choose one inside";
   return {};

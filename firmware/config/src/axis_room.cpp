@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include "breakaway/config/axis_parameters.hpp"
@@ -14,12 +15,35 @@
 namespace breakaway::config {
 namespace {
 
-// To so many digits that people write, towards 0 on the side of `sign`, away from it on the other one.
-double rounded_inwards(double value, double sign) {
-  constexpr int digits = 6;
-  if (value == 0) return 0;
-  const double size = std::abs(value);
-  return std::copysign(value * sign > 0 ? rounded_down(size, digits) : rounded_up(size, digits), value);
+// The nearest place of so many digits that is not below this one, or not above it where `side` is -1.
+std::string place_beside(double place_m, double side, int digits) {
+  if (place_m == 0) return "0";
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(place_m))) + 1 - digits);
+  const double units = side * std::ceil(side * place_m / unit);
+  const auto text = [&](double whole) { return fmt::format("{:.{}g}", whole * unit, digits); };
+  const std::string nearest = text(units);
+  return side * (std::stod(nearest) - place_m) >= 0 ? nearest : text(units + side);
+}
+
+// As many digits as people write, and as many more as places take that are near to one another and far from zero.
+int digits_between(double least_m, double most_m) {
+  constexpr double usual = 6, most = 11;
+  const double farthest_m = std::max(std::abs(least_m), std::abs(most_m));
+  const double more = std::isfinite(farthest_m) ? std::ceil(std::log10(farthest_m / (most_m - least_m))) : 0;
+  return static_cast<int>(std::clamp(usual + more, usual, most));
+}
+
+// What limits of position leave for targets that an approach may pass by this much.
+std::string targets_between(const Limits& limits, double beyond_m) {
+  const double least_m = limits.position_min_m + beyond_m, most_m = limits.position_max_m - beyond_m;
+  if (least_m > most_m)
+    return fmt::format("widen them to {:g} m on either side of every target", rounded_up(beyond_m, 3));
+  const int digits = digits_between(limits.position_min_m, limits.position_max_m);
+  const std::string least = std::isfinite(least_m) ? place_beside(least_m, 1, digits) : "";
+  const std::string most = std::isfinite(most_m) ? place_beside(most_m, -1, digits) : "";
+  if (least.empty()) return fmt::format("keep targets below {} m", most);
+  if (most.empty()) return fmt::format("keep targets above {} m", least);
+  return fmt::format("keep targets between {} and {} m", least, most);
 }
 
 // A kick must not run into a limit that the axis stops for.
@@ -82,15 +106,11 @@ void require_room_for_approaches(const Node& node, const Axis& axis, const desig
   const auto require = [&](double target_m) {
     const double least_m = axis.limits.position_min_m + beyond_m, most_m = axis.limits.position_max_m - beyond_m;
     if (target_m >= least_m && target_m <= most_m) return;
-    const std::string remedy =
-        least_m <= most_m ? fmt::format("keep targets between {:.6g} and {:.6g} m", rounded_inwards(least_m, -1),
-                                        rounded_inwards(most_m, 1))
-                          : fmt::format("widen them to {:g} m on either side of every target", rounded_up(beyond_m, 3));
     throw InputError{
         at_axis(node, axis) +
-        fmt::format("[controller] has a target at {:g} m, and an approach may go {:.3g} m beyond it, outside the "
+        fmt::format("[controller] has a target at {:.10g} m, and an approach may go {:.3g} m beyond it, outside the "
                     "[limits] of position; {}",
-                    target_m, beyond_m, remedy)};
+                    target_m, beyond_m, targets_between(axis.limits, beyond_m))};
   };
   require(axis.controller.target_m);
   for (const TargetChange& change : axis.controller.targets) require(change.position_m);

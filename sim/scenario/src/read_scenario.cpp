@@ -65,7 +65,8 @@ void require_possible_start(const Node& node, const Axis& axis, const AxisWorld&
                             const std::optional<CoupledMachine>& machine) {
   const double start_m = machine ? world.place->read.dot(machine->start.q) : world.position_m;
   if (const std::string problem = start_problem(axis, world, start_m); !problem.empty())
-    throw InputError{fmt::format("{}{} = {:g} {}", node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ",
+    throw InputError{fmt::format("{}{} = {:.10g} {}",
+                                 node.axes.size() == 1 ? std::string{} : "axis " + axis.name + ": ",
                                  machine ? "what it reads of [start] q" : "[plant] position_m", start_m, problem)}
         .in_file(node.file);
 }
@@ -341,7 +342,7 @@ std::string start_problem(const Axis& axis, const AxisWorld& world, double posit
   const Limits& limits = axis.limits;
   if (!reads_the_truth || (position_m >= limits.position_min_m && position_m <= limits.position_max_m)) return {};
   return fmt::format(
-      "is outside the [limits], {:g} to {:g} m, where the axis is stopped at once; begin between them, "
+      "is outside the [limits], {:.10g} to {:.10g} m, where the axis is stopped at once; begin between them, "
       "or widen them",
       limits.position_min_m, limits.position_max_m);
 }

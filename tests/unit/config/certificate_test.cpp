@@ -347,6 +347,27 @@ TEST(Certificate, OffersTargetsThatItTakes) {
     EXPECT_EQ(why_not(with(scene, "target_m = 0", "target_m = " + target)), "") << target;
 }
 
+TEST(Certificate, OffersTargetsThatItTakesFarFromZeroAndBesideOneLimit) {
+  const auto at = [](const std::string& limits, const std::string& target_m) {
+    const std::string limited = with(scene, "\nposition_m = 1\n", "\n" + limits + "\n");
+    return with(with(limited, "mass_kg = 1\n", "mass_kg = 1\nposition_m = " + target_m + "\n"), "target_m = 0",
+                "target_m = " + target_m);
+  };
+  const std::string far = "position_min_m = 2146.71\nposition_max_m = 2147.2105";
+  const std::string said = told_of(at(far, "2147.21"));
+  EXPECT_NE(said.find("a target at 2147.21 m"), std::string::npos) << said;
+  const std::string least = word_after(said, "keep targets between ");
+  const std::string most = word_after(said, joined({"between ", least, " and "}));
+  for (const std::string& target : {least, most}) EXPECT_EQ(why_not(at(far, target)), "") << target;
+  EXPECT_LT(std::stod(most), 2147.2105);
+  EXPECT_GT(std::stod(most), 2147.2) << "no more room is lost than has to be";
+
+  const std::string below = word_after(told_of(at("position_max_m = 1", "1")), "keep targets below ");
+  EXPECT_EQ(why_not(at("position_max_m = 1", below)), "") << below;
+  const std::string above = word_after(told_of(at("position_min_m = -1", "-1")), "keep targets above ");
+  EXPECT_EQ(why_not(at("position_min_m = -1", above)), "") << above;
+}
+
 // A weak drive moves 240 kg so slowly at first that a float tells nothing of it in what counts as standing.
 TEST(Certificate, IsNotForWaysOverWhichAFloatTellsNoSlowAxisFromOneThatSticks) {
   const std::string heavy = in_numbers({{"mass_kg = 1\n", "mass_kg = 240\n"},
