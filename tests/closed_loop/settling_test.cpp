@@ -115,6 +115,35 @@ settle_time_s = 0.2
   }
 }
 
+// A float of a position error tells a slow approach the less of its speed the further away it is.
+TEST(BrakedAxis, GetsOnFromAsFarAwayAsItIsCertified) {
+  for (const double speed_m_s : {0.05, 0.5}) {
+    SCOPED_TRACE(speed_m_s);
+    auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");
+    axis.worlds[0].position_m = axis.worlds[0].velocity_m_s = 0;
+    axis.run->duration_s = 3;
+    config::Axis& told = axis.node.axes[0];
+    told.uncertainty.mass = told.uncertainty.force_gain = 0.02;
+    told.controller.max_approach_speed_m_s = speed_m_s;
+    told.controller.position_tolerance_m = 3e-6;
+    axis.node.settle_tolerance_m = 1e-5;
+    told.limits.position_min_m = -0.1, told.limits.position_max_m = 0.1;
+    const double end_m = 0.4999 * std::min(config::examine(axis.node).front().braked->farthest_m, 2000.0);
+    told.limits.position_min_m = -end_m, told.limits.position_max_m = end_m;
+    told.controller.target_m = std::floor(0.99 * end_m);
+    const auto report = config::examine(axis.node).front();
+    ASSERT_TRUE(report.certified);
+    study::StudyOptions options;
+    options.starts = {{-0.99 * end_m, 0}};
+    options.random_laws = 20;
+    for (const auto& run : study::run_study(axis, options).front().runs) {
+      EXPECT_TRUE(run.faults.empty()) << run.law << ": " << run.faults.front().name;
+      EXPECT_LE(run.excursions.peak_speed_m_s, report.braked->approach_peak_m_s) << run.law;
+      EXPECT_EQ(run.kicks, 0U) << run.law;
+    }
+  }
+}
+
 // With a tolerance at the floor, between one count and two, the last kicks show by no count.
 TEST(BrakedAxis, NeedsAsFewKicksToItsFloor) {
   auto axis = scenario::read_scenario(scenarios + "braked_axis.toml");

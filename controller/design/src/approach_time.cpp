@@ -71,13 +71,14 @@ double seems_faster(const BrakedClass& axes, const law::BrakedApproach<Real>& pl
 }
 
 template <class Real>
-SlowestWay slowest_way(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double speed_m_s) {
+SlowestWay slowest_way(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double speed_m_s,
+                       double from_m = 0) {
   return {.speeding_m_s2 = speeding_m_s2(axes, plan),
           .cruising_m_s = speed_m_s,
           .hard_m_s2 = static_cast<double>(plan.hard_m_s2),
           .gentle_m_s2 = static_cast<double>(plan.gentle_m_s2),
           .switch_speed_m_s = static_cast<double>(plan.switch_speed_m_s),
-          .slower_m_s = detail::slower_than_planned_m_s(axes, plan),
+          .slower_m_s = detail::slower_than_planned_m_s(axes, plan, from_m),
           .seems_faster = seems_faster(axes, plan)};
 }
 
@@ -102,7 +103,7 @@ double approach_s(const BrakedClass& axes, const BrakedDesign<Real>& design, dou
   const double move_m_s =
       plan.move.are_asked_for() ? static_cast<double>(plan.move.speed_m_s) : std::numeric_limits<double>::infinity();
   const double allowed_m_s = std::min(max_speed_m_s, move_m_s), away_m = hand_over_m(design);
-  const SlowestWay fast = slowest_way(axes, plan, allowed_m_s);
+  const SlowestWay fast = slowest_way(axes, plan, allowed_m_s, distance_m);
   const SlowestWay slow = slowest_way(axes, plan, std::min(allowed_m_s, fast.switch_speed_m_s));
   const bool gets_on = least_approach_speed_m_s(axes, design) <= allowed_m_s && fast.speeding_m_s2 > 0;
   if (!gets_on) return std::numeric_limits<double>::infinity();

@@ -24,6 +24,13 @@ constexpr double passed_by_jerk = 0.5;    // of what the jerk adds to it in a pe
 constexpr double least_planned = 0.75;    // of a move's speed: so much of it is planned at least
 constexpr double misread_in_a_row = 2;    // periods with the wrong force, as an axis is to begin to brake
 constexpr double least_speed = 8;         // of the same, that a move may have as its limit
+constexpr double moving = 1.25;           // times what an axis may go slower than its plan, so that it does not stand
+
+// Of its speed an axis is read off by so much under jitter.
+template <class Real>
+double misread_share(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
+  return static_cast<double>(plan.correction) * axes.jitter_s / axes.period_s;
+}
 
 // Of a class with limits of a move; what the drive cannot give is not planned.
 double planned_deceleration_m_s2(const BrakedClass& axes, const KickClass& kicks) {
@@ -139,13 +146,28 @@ double least_move_speed_m_s(const BrakedDesign<Real>& design) {
 // with all that the last reading put into its speed; in a long approach now and then two are lost in a row.
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design) {
-  constexpr double moving = 1.25, of_switch_speed = 1.0 / 3;
+  constexpr double of_switch_speed = 1.0 / 3;
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
-  const double misread_share = static_cast<double>(plan.correction) * axes.jitter_s / axes.period_s;
   const double slower_m_s = detail::slower_than_planned_m_s(axes, plan);
-  return std::max({moving * slower_m_s / (1 - misread_share),
+  return std::max({moving * slower_m_s / (1 - misread_share(axes, plan)),
                    least_steady_speed_m_s(axes, KickClass{axes}, static_cast<double>(plan.response_s)),
                    of_switch_speed * static_cast<double>(plan.switch_speed_m_s)});
+}
+
+// Further away what Real rounds away of a position error slows an axis down that is allowed this speed until it stands,
+// by the same bound; or leads a move beyond its speed by more than what it has as a margin.
+template <class Real>
+double farthest_approach_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
+  constexpr double margin = 0.01, of_switch_speed = 0.25;
+  const law::BrakedApproach<Real>& plan = design.kicks.approach;
+  const double lost = detail::lost_in_a_row * axes.period_s / static_cast<double>(plan.response_s);
+  const double slower_m_s = max_speed_m_s * (1 - misread_share(axes, plan)) / moving;
+  const double misread_m_s =
+      axes.move ? margin * axes.move->speed_m_s + of_switch_speed * static_cast<double>(plan.switch_speed_m_s)
+                : (slower_m_s - detail::slower_than_planned_m_s(axes, plan)) / (1 + lost);
+  const double rounded_m = std::max(misread_m_s, 0.0) * axes.period_s / static_cast<double>(plan.correction);
+  const double last_digit = static_cast<double>(std::numeric_limits<Real>::epsilon());
+  return std::min(design.farthest_m, (axes.encoder_resolution_m + rounded_m) / last_digit);
 }
 
 // The double S: jerk up and down to the greatest acceleration that the way lets it reach, and the greatest speed.
@@ -202,7 +224,8 @@ double misread_beyond_m(const BrakedClass& axes, const law::BrakedApproach<Real>
 }  // namespace
 
 template <class Real>
-double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
+double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s,
+                         double from_m) {
   constexpr double kept = 1.01;  // by a move
   if (axes.move) return kept * std::min(max_speed_m_s, axes.move->speed_m_s);
   // One that its drive throws past the target within a period is thrown back as hard, for as long as what is known of
@@ -211,15 +234,15 @@ double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& desi
   const KickClass kicks{axes};
   const PlannedForce force{axes, kicks};
   const double thrown = (force.gain_most * kicks.limit_N() - force.least_N) / force.lightest_kg;
-  return std::max(max_speed_m_s + detail::faster_than_planned_m_s(axes, plan, max_speed_m_s),
+  return std::max(max_speed_m_s + detail::faster_than_planned_m_s(axes, plan, max_speed_m_s, from_m),
                   thrown * known_for_s(axes, plan));
 }
 
 // Known late, and with a jerk that has to take the acceleration away and to bring that of the brake.
 template <class Real>
-double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s) {
+double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s, double from_m) {
   const law::BrakedApproach<Real>& plan = design.kicks.approach;
-  const double fastest_m_s = approach_peak_m_s(axes, design, max_speed_m_s);
+  const double fastest_m_s = approach_peak_m_s(axes, design, max_speed_m_s, from_m);
   const double rise_s = axes.move && axes.move->jerk_m_s3 ? axes.move->acceleration_m_s2 / *axes.move->jerk_m_s3 : 0;
   return fastest_m_s * (known_for_s(axes, plan) + 2 * rise_s + fastest_m_s / (2 * sure_braking_m_s2(axes, plan)));
 }
@@ -259,12 +282,14 @@ template double least_move_speed_m_s(const BrakedDesign<float>&);
 template double least_move_speed_m_s(const BrakedDesign<double>&);
 template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<float>&);
 template double least_approach_speed_m_s(const BrakedClass&, const BrakedDesign<double>&);
+template double farthest_approach_m(const BrakedClass&, const BrakedDesign<float>&, double);
+template double farthest_approach_m(const BrakedClass&, const BrakedDesign<double>&, double);
 template double hand_over_m(const BrakedDesign<float>&);
 template double hand_over_m(const BrakedDesign<double>&);
-template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<float>&, double);
-template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<double>&, double);
-template double turning_m(const BrakedClass&, const BrakedDesign<float>&, double);
-template double turning_m(const BrakedClass&, const BrakedDesign<double>&, double);
+template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<float>&, double, double);
+template double approach_peak_m_s(const BrakedClass&, const BrakedDesign<double>&, double, double);
+template double turning_m(const BrakedClass&, const BrakedDesign<float>&, double, double);
+template double turning_m(const BrakedClass&, const BrakedDesign<double>&, double, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<float>&, double);
 template double approach_beyond_m(const BrakedClass&, const BrakedDesign<double>&, double);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "kick_class.hpp"
 
@@ -60,14 +61,23 @@ struct PlannedForce {
   double sure_deceleration(double planned) const { return gain_least * told_kg / heaviest_kg * planned; }
 };
 
+// What Real rounds away of the way in a period beside a count, of an axis this far from its target: half a last digit
+// of the position error at either end.
+template <class Real>
+double rounded_away_m(const BrakedClass& axes, double away_m) {
+  const double rounded_m = away_m * static_cast<double>(std::numeric_limits<Real>::epsilon());
+  return std::max(rounded_m - axes.encoder_resolution_m, 0.0);
+}
+
 // By how much an axis may go slower than its plan leads it, while the force hardly changes: what leads it there within
 // the response time, what its readings say too much of an axis whose friction is not the least, a reading that is off,
-// and two samples that are lost in a row, as in a long approach happens now and then.
+// and two samples that are lost in a row, as in a long approach happens now and then. away_m: from its target.
 template <class Real>
-double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan) {
+double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double away_m = 0) {
   const double response_s = static_cast<double>(plan.response_s), correction = static_cast<double>(plan.correction);
   const double unseen_s = axes.period_s * (1 / correction - 0.5 + axes.latency_periods);
-  const double misread_m_s = correction * unseen_m(axes) / axes.period_s, lost_s = lost_in_a_row * axes.period_s;
+  const double misread_m = unseen_m(axes) + rounded_away_m<Real>(axes, away_m);
+  const double misread_m_s = correction * misread_m / axes.period_s, lost_s = lost_in_a_row * axes.period_s;
   return PlannedForce{axes, KickClass{axes}}.needed_acceleration() * (response_s + unseen_s + lost_s) +
          misread_m_s * (1 + lost_s / response_s);
 }
@@ -76,7 +86,8 @@ double slower_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproac
 // show it, a reading that is off, what a lagging force goes on to add, a friction that falls until it is answered, and
 // what the axis seems slower by where a sample is late.
 template <class Real>
-double faster_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double allowed_m_s) {
+double faster_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproach<Real>& plan, double allowed_m_s,
+                               double away_m) {
   constexpr double more = 2, goes_on = 0.25, rounding = 0.01;  // tested
   const KickClass kicks{axes};
   const PlannedForce force{axes, kicks};
@@ -84,7 +95,7 @@ double faster_than_planned_m_s(const BrakedClass& axes, const law::BrakedApproac
   const double late_s = axes.latency_periods * axes.period_s,
                unseen_s = axes.period_s * (1 / correction - 0.5) + late_s;
   const double planned = std::min((kicks.limit_N() - force.least_N) / force.told_kg, allowed_m_s / response_s);
-  const double misread_m_s = correction * unseen_m(axes) / axes.period_s;
+  const double misread_m_s = correction * (unseen_m(axes) + rounded_away_m<Real>(axes, away_m)) / axes.period_s;
   // The last force before the limit adds more than it was to, and was to add what the one before is not yet seen to
   // have.
   const double known_gain = force.gain_most * force.told_kg / force.lightest_kg;

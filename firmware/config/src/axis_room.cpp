@@ -125,7 +125,8 @@ struct Farthest {
 Farthest farthest(const design::DesignReport& report) {
   if (report.work) return {report.work->farthest_m, "work", "narrow that, or raise max_approach_speed_m_s"};
   if (report.braked)
-    return {report.braked->farthest_m, "brake", "narrow that, take a coarser encoder, or a stronger drive"};
+    return {report.braked->farthest_m, "brake",
+            "narrow that, allow more speed, take a coarser encoder, or a stronger drive"};
   return {};
 }
 

@@ -388,6 +388,23 @@ TEST(Certificate, IsNotForWaysOverWhichAFloatTellsNoSlowAxisFromOneThatSticks) {
   EXPECT_EQ(why_not(within(near)), "") << near;
 }
 
+// Two kilometres away a float tells 0.1 m/s from one count a period by nothing, and a move at 0.5 m/s by 2 %.
+TEST(Certificate, IsNotForWaysOverWhichAFloatHidesHowFastASlowApproachIs) {
+  const std::string slow = in_numbers({{"max_approach_speed_m_s = 5", "max_approach_speed_m_s = 0.1"}});
+  const std::string move = with(scene, "\nspeed_m_s = 1\n", "\nspeed_m_s = 0.5\n");
+  for (const std::string& axis : {slow, move}) {
+    const auto within = [&](double position_m) {
+      return with(axis, "\nposition_m = 1\n", "\nposition_m = " + std::to_string(position_m) + "\n");
+    };
+    EXPECT_EQ(why_not(axis), "");
+    const double most_m = number_after(told_of(within(1000)), "is certified over ");
+    EXPECT_GT(most_m, 10) << "it is of no use";
+    EXPECT_EQ(why_not(within(0.499 * most_m)), "");
+    EXPECT_NE(told_of(within(0.501 * most_m)).find("allow more speed"), std::string::npos);
+  }
+  EXPECT_EQ(why_not(with(without_move(), "\nposition_m = 1\n", "\nposition_m = 1000\n")), "") << "at 5 m/s";
+}
+
 TEST(Certificate, RefusesMovesThatTheAxisOrItsLimitsCannotTake) {
   expect_refused(with(scene, "acceleration_m_s2 = 20", "acceleration_m_s2 = 4"), "move_can_be_made");
   expect_refused(with(scene, "jerk_m_s3 = 2000", "jerk_m_s3 = 5000"), "jerk_can_be_followed");

@@ -116,6 +116,10 @@ double hand_over_m(const BrakedDesign<Real>& design);
 template <class Real>
 double least_approach_speed_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design);
 
+// The way over which Real tells what an approach does that may go this fast, [m].
+template <class Real>
+double farthest_approach_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
+
 // The distance from which kicks may be needed: a hundredth more than hand_over_m, or what one kick can aim for,
 // whichever is more. In a move, whose limits no kick keeps, they begin from beyond hand_over_m only where friction has
 // stopped as many approaches as the law tries.
@@ -138,14 +142,16 @@ Interval jerk_m_s3(const BrakedClass& axes);                                  //
 constexpr double most_lag_with_jerk = 0.5;                                    // of the period
 constexpr double most_unknown_with_jerk = 0.1;                                // of mass and force gain together
 
-// The speed that an approach may reach which is to go no faster than this, [m/s]: tested, not proved.
+// The speed that an approach from up to so far away may reach which is to go no faster than this, [m/s]: tested, not
+// proved.
 template <class Real>
-double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
+double approach_peak_m_s(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s,
+                         double from_m = 0);
 
 // So far may an axis go on whose target comes to lie behind it, until it turns, where its approach goes no faster than
 // this, [m].
 template <class Real>
-double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s);
+double turning_m(const BrakedClass& axes, const BrakedDesign<Real>& design, double max_speed_m_s, double from_m = 0);
 
 // So far may an approach go beyond its target before brake and kicks take over, where it goes no faster than this, also
 // where readings that jitter or are lost are off as it is to begin to brake: tested, not proved.
