@@ -90,6 +90,9 @@ INSTANTIATE_TEST_SUITE_P(
               cia402::SetupStatus::position_reversed, 0x607E},
         Quirk{"WrapsItsPosition", [](drive_emulator::Quirks& q) { q.position_range_counts = 131072; },
               cia402::SetupStatus::position_wraps, 0x607B},
+        Quirk{"WrapsItsPositionAtHalfItsCounts",
+              [](drive_emulator::Quirks& q) { q.position_range_counts = 0x8000'0000; },
+              cia402::SetupStatus::position_wraps, 0x607B},
         Quirk{"ScalesItsPosition", [](drive_emulator::Quirks& q) { q.feed_constant = 3600; },
               cia402::SetupStatus::position_scaled, 0x6092}),
     [](const auto& param_info) { return std::string{param_info.param.label}; });

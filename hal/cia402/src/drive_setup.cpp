@@ -19,6 +19,8 @@ using canopen::SdoResult;
 
 constexpr std::uint32_t reverses_position = 0x80;  // in 607Eh
 constexpr std::uint32_t lowest_position = 0x8000'0000, highest_position = 0x7FFF'FFFF;
+// Ends of 607Bh that are 0 both are no range, and one that is 0 makes a range of half the counts of the other.
+constexpr std::uint8_t end_is_zero = 1, end_is_widest = 2, half_a_range = end_is_zero | end_is_widest;
 
 // Bit 31 of 1005h says nothing; bit 30 is that of another producer of SYNC.
 constexpr std::uint32_t meant_bits(std::uint16_t index) noexcept {
@@ -38,6 +40,7 @@ void DriveNode::begin_configuration(hal::Time now) noexcept {
   error_code_ = 0;
   restarts_ = leaves_ = false;
   position_factor_ = {};
+  position_ends_ = 0;
   step_ = 0;
   fixed_mapping_ = 0;
   attempts_ = 0;
@@ -192,7 +195,9 @@ void DriveNode::on_value_read(std::uint16_t index) noexcept {
       if ((value & reverses_position) != 0) refuse(SetupStatus::position_reversed);
       break;
     case object::position_range:
-      if (value != 0 && value != lowest_position && value != highest_position) refuse(SetupStatus::position_wraps);
+      position_ends_ |= value == 0 ? end_is_zero : end_is_widest;
+      if ((value != 0 && value != lowest_position && value != highest_position) || position_ends_ == half_a_range)
+        refuse(SetupStatus::position_wraps);
       break;
     case object::encoder_resolution:
     case object::gear_ratio:

@@ -177,5 +177,21 @@ TEST_F(DriveRetryTest, APositionThatIsReversedOrWrapsIsRefusedByName) {
   }
 }
 
+// With one end at 0 the position wraps at half of what 32 bits count.
+TEST_F(DriveRetryTest, ARangeOfHalfTheCountsIsRefusedByName) {
+  const auto status_with = [&](std::uint32_t lowest, std::uint32_t highest, DriveState state) {
+    boot_again();
+    node.objects[ScriptedDrive::key(0x607B, 1)] = lowest;
+    node.objects[ScriptedDrive::key(0x607B, 2)] = highest;
+    run_until_state(state);
+    return drive.setup_status();
+  };
+  EXPECT_EQ(status_with(0, 0x7FFFFFFF, DriveState::unusable), SetupStatus::position_wraps);
+  EXPECT_EQ(drive.setup_object(), (ObjectAddress{0x607B, 2}));
+  EXPECT_EQ(status_with(0x80000000, 0, DriveState::unusable), SetupStatus::position_wraps);
+  EXPECT_EQ(status_with(0x80000000, 0x7FFFFFFF, DriveState::disabled), SetupStatus::ready);
+  EXPECT_EQ(status_with(0, 0, DriveState::disabled), SetupStatus::ready);
+}
+
 }  // namespace
 }  // namespace breakaway::test::drive_retry

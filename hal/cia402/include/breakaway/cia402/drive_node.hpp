@@ -258,6 +258,7 @@ class DriveNode {
   std::uint32_t reboots_ = 0;
   DriveRating rating_;
   PositionFactor position_factor_;
+  std::uint8_t position_ends_ = 0;  // which ends of 607Bh were read
   canopen::ObjectAddress setup_object_{};
   canopen::SdoAbort abort_code_ = canopen::SdoAbort::none;  // at the refusal
   std::optional<canopen::NmtCommand> nmt_command_;
