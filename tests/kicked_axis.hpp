@@ -195,6 +195,7 @@ struct RunEnd {
   law::ControlFault fault = law::ControlFault::none;
   double time_s = 0;             // to the last hold, or to the end
   double error_m = 0;            // true, at the end,
+  double held_error_m = 0;       // the greatest |true error| since the last hold began
   double target_m = 0;           // from this target
   double beyond_m = 0;           // the furthest that a kick went past the target
   double approach_beyond_m = 0;  // the same of the approach
@@ -334,8 +335,10 @@ RunEnd run_axis(const law::AxisParameters<Real>& p, const law::K3Table<Real>& k3
       end.approach_beyond_m = std::max(end.approach_beyond_m, start_m > 0 ? -axis.position_m() : axis.position_m());
     end.fault = controller.fault();
     if (end.fault != law::ControlFault::none || end.external_motion || end.no_motion) break;
-    if (out.mode != law::Mode::hold) {
+    if (holds) end.held_error_m = std::max(end.held_error_m, std::fabs(axis.position_m() - target_m));
+    if (!holds) {
       held = 0;
+      end.held_error_m = 0;
       end.time_s = static_cast<double>(k + 1) * T;
     } else if (++held >= hold_periods) {
       break;

@@ -170,7 +170,8 @@ void run(long number, const BendingAxis& axis, Random& r, Tally& tally) {
     tally.add(end, promise.beyond_m);
     const std::string where = "axis " + std::to_string(number) + ", friction " + std::to_string(kind);
     EXPECT_TRUE(end.held) << where << ": " << to_string(end.fault) << ", error " << end.error_m;
-    EXPECT_LE(std::fabs(end.error_m), promise.error_m * (1 + 1e-6)) << where;
+    // A hold may begin while the axis still rings within its bristles.
+    EXPECT_LE(end.held_error_m, promise.error_m * (1 + 1e-6)) << where;
     EXPECT_LE(end.beyond_m, promise.beyond_m * (1 + 1e-6)) << where;
   }
 }
