@@ -41,7 +41,7 @@ TEST_P(PlantScene, SettlesWithinItsToleranceUnderBoundedForce) {
 
 INSTANTIATE_TEST_SUITE_P(Table, PlantScene,
                          ::testing::Values("vertical_axis", "presliding_axis", "fine_axis", "belt_axis", "worn_axis"),
-                         [](const auto& info) { return std::string{info.param}; });
+                         [](const auto& file) { return std::string{file.param}; });
 
 // A drive that makes more force than its node is told, or less, gives at the limit what is true of it.
 TEST(Told, AForceGainPassesNoLimitOfTheForce) {

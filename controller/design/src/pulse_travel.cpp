@@ -16,7 +16,7 @@ constexpr auto reciprocal = [] {
 // A time in units of the lag, and what of a transient is gone by then, which all that follows from them shares: most of
 // a table's making goes into exponentials.
 struct Gone {
-  explicit Gone(double z) : z{z}, less_one{std::expm1(-z)} {}
+  explicit Gone(double lags) : z{lags}, less_one{std::expm1(-lags)} {}
 
   // (1 - e^-z) / z and (z - 1 + e^-z) / z^2 for z >= 0.
   double phi1() const { return z == 0 ? 1 : -less_one / z; }

@@ -144,8 +144,8 @@ TEST_F(DriveTest, AResetOfADriveWhoseHeartbeatWasLostInItsSetUpBeginsThatAnew) {
     void (*stop_at)(ScriptedDrive&);
   };
   for (const auto& [place, stop_at] :
-       {Place{"not started", [](ScriptedDrive& drive) { drive.ignores_start = true; }},
-        Place{"shows no mode", [](ScriptedDrive& drive) { drive.kept[ScriptedDrive::key(0x6061, 0)] = 0; }}}) {
+       {Place{"not started", [](ScriptedDrive& scripted) { scripted.ignores_start = true; }},
+        Place{"shows no mode", [](ScriptedDrive& scripted) { scripted.kept[ScriptedDrive::key(0x6061, 0)] = 0; }}}) {
     SCOPED_TRACE(place);
     drive = Drive<float>{config, network, scale};
     node = ScriptedDrive{node_id};

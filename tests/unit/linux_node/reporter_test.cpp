@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "../scratch_folder.hpp"
+#include "clock.hpp"
 
 namespace {
 

@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Table, BristleMotion,
                                            Bristles{"Dahl", 1e6, 0, 0, 100, 4000},
                                            Bristles{"Stiff", 1e7, 5e3, 1e-4, 100, 12000},
                                            Bristles{"VeryStiff", 1e8, 2e4, 0, 60, 60000}),
-                         [](const auto& info) { return std::string{info.param.label}; });
+                         [](const auto& kind) { return std::string{kind.param.label}; });
 
 // From step to step an axis may gain what the drive supplies, and the integration's error, which is a share of the
 // energy that flows.

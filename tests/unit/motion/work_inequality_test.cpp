@@ -123,7 +123,7 @@ TEST_P(WorkInequality, HoldsAtEveryInstantAfterAPulse) {
 INSTANTIATE_TEST_SUITE_P(Plants, WorkInequality,
                          ::testing::Values(Kind{"Rigid", false, false}, Kind{"Flexible", true, false},
                                            Kind{"Loose", true, true}),
-                         [](const auto& info) { return std::string{info.param.name}; });
+                         [](const auto& kind) { return std::string{kind.param.name}; });
 
 }  // namespace
 }  // namespace breakaway::motion

@@ -123,12 +123,12 @@ DirectionSet HybridModes<N, M>::slide(State& state, const Indices& index, const 
 
 template <int N, int M>
 Sliding HybridModes<N, M>::decide_stop(const State& state, const Indices& index, const Vector& balance) const {
-  const Vector rounding = force_rounding * force_terms(state);
+  const Vector rounding_N = force_rounding * force_terms(state);
   StopProblem<double> problem(index.size);
   for (Eigen::Index r = 0; r < index.size; ++r) {
     const auto row = response().row(index[r]);
     problem.acceleration[r] = row.dot(balance);
-    problem.rounding[r] = row.cwiseAbs().dot(rounding);
+    problem.rounding[r] = row.cwiseAbs().dot(rounding_N);
     problem.forward_N[r] = machine().friction_N[index[r]];
     for (Eigen::Index c = 0; c < index.size; ++c) problem.coupling(r, c) = coupling()(index[r], index[c]);
   }

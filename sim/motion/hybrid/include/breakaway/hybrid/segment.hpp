@@ -21,7 +21,7 @@
 namespace breakaway::hybrid {
 
 // A motion whose sums are below this is no longer rounded relatively, and has decayed to nothing.
-inline constexpr double faded = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+inline constexpr double least_motion = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
 
 [[noreturn]] inline void refuse_growth() {
   throw Refused{"the motion grew beyond the largest number",
@@ -144,7 +144,7 @@ typename Segment<N, M>::Ending Segment<N, M>::advance(double duration_s, Budget&
     }
     const Proof proof = look_ahead(window_s, step > steps_before_stiff);
     const double motion = amplitude();
-    if (motion < faded) {
+    if (motion < least_motion) {
       fade();
       if (anything_slides()) return Ending::faded;
       if (duration_s < never) move(left_s);
