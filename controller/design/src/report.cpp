@@ -72,7 +72,7 @@ BrakedPromise promise(const AxisDesign& axis, const BrakedDesign<float>& design)
                   .kicks_s = kicks.most_s(kicks_begin_m(design)),
                   .fine_stage = design.has_fine_stage(),
                   .brake_N = static_cast<double>(design.kicks.brake_N),
-                  .peak_speed_m_s = design.peak_speed_m_s,
+                  .kick_peak_m_s = design.peak_speed_m_s,
                   .rest_s = design.kicks.still_periods * c.period_s,
                   .aim_lost = design.aim_lost,
                   .table_bytes = design.table_bytes,

@@ -154,7 +154,7 @@ WorkPromise work_promise(const AxisDesign& axis, const WorkDesign<float>& design
                 .farthest_m = farthest_m(axis, design),
                 .most_kicks = law::WorkAim<float>::most_kicks,
                 .rest_s = design.kicks.still_periods * c.period_s,
-                .peak_speed_m_s = design.peak_speed_m_s,
+                .kick_peak_m_s = design.peak_speed_m_s,
                 .table_bytes = design.table_bytes,
                 .approach_beyond_m = approach_beyond_m(c, design, axis.max_approach_speed_m_s),
                 .approach_peak_m_s = approach_peak_m_s(c, design, axis.max_approach_speed_m_s),

@@ -331,7 +331,7 @@ NewNode new_node(const KnownAxis& known) {
   require_seen_to_move(known, chosen.travel_m, wide.farthest_m);
   chosen.tolerance_m = promised_tolerance_m(known, first);
   chosen.settle_tolerance_m = rounded_up(chosen.tolerance_m + half_count_m, 3);
-  chosen.speed_limit_m_s = rounded_up(2 * std::max(chosen.approach_speed_m_s, wide.peak_speed_m_s), 2);
+  chosen.speed_limit_m_s = rounded_up(2 * std::max(chosen.approach_speed_m_s, wide.kick_peak_m_s), 2);
   chosen.duration_s = 60;
   const NewNode second = examined(known, chosen);
   require_certified(second);

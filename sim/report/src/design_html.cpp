@@ -105,7 +105,7 @@ std::string braked_results_table(const design::BrakedPromise& promise) {
   if (std::isfinite(promise.approach_peak_m_s))
     table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
   table.quantity("Brake", promise.brake_N, "N");
-  table.at_most("Largest speed by a kick", promise.peak_speed_m_s, "m/s");
+  table.at_most("Largest speed by a kick", promise.kick_peak_m_s, "m/s");
   table.quantity("Rest is proved after", 1e3 * promise.rest_s, "ms");
   table.row("Kick table", fmt::format("{} bytes, aims short by {:g} of the distance at most", promise.table_bytes,
                                       promise.aim_lost > 0 ? rounded_up(promise.aim_lost, 3) : 0));
@@ -133,7 +133,7 @@ std::string work_results_table(const design::WorkPromise& promise) {
   table.at_most("An approach passes its target by at most (tested)", 1e3 * promise.approach_beyond_m, "mm");
   if (std::isfinite(promise.approach_peak_m_s))
     table.at_most("Largest speed of an approach (tested)", promise.approach_peak_m_s, "m/s");
-  table.at_most("Largest speed of the motor by a kick", promise.peak_speed_m_s, "m/s");
+  table.at_most("Largest speed of the motor by a kick", promise.kick_peak_m_s, "m/s");
   table.quantity("Rest is seen after", 1e3 * promise.rest_s, "ms");
   table.row("Kick table", fmt::format("{} bytes", promise.table_bytes));
   return table.text();

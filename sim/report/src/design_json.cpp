@@ -25,23 +25,36 @@ void write_check(format::JsonWriter& json, const design::Check& check) {
   json.member("reason", check.reason);
 }
 
+// What simulate and study see of an axis that sets off at rest, at most; the speed where one is known.
+void write_promised_excursions(format::JsonWriter& json, double overshoot_m, double beyond_m, double peak_m_s) {
+  json.member("overshoot_m", overshoot_m);
+  json.member("beyond_m", beyond_m);
+  if (std::isfinite(peak_m_s)) json.member("peak_speed_m_s", peak_m_s);
+}
+
+// By kicks and by approaches.
+void write_promised_excursions(format::JsonWriter& json, const auto& promise) {
+  write_promised_excursions(json, std::max(promise.beyond_m, promise.approach_beyond_m), promise.beyond_m,
+                            std::max(promise.kick_peak_m_s, promise.approach_peak_m_s));
+  json.member("kick_peak_m_s", promise.kick_peak_m_s);
+  json.member("approach_beyond_m", promise.approach_beyond_m);
+  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
+}
+
 void write_promise(format::JsonWriter& json, const design::BrakedPromise& promise) {
   json.member("accuracy_floor_m", promise.floor_m);
   json.member("least_tolerance_m", promise.least_tolerance_m);
   json.member("error_m", promise.error_m);
-  json.member("beyond_m", promise.beyond_m);
+  write_promised_excursions(json, promise);
   json.member("reach_m", promise.reach_m);
   json.member("hand_over_m", promise.hand_over_m);
   json.member("most_kicks", promise.most_kicks);
   json.member("kicks_s", promise.kicks_s);
   json.member("fine_stage", promise.fine_stage);
   json.member("brake_N", promise.brake_N);
-  json.member("peak_speed_m_s", promise.peak_speed_m_s);
   json.member("rest_s", promise.rest_s);
   json.member("aim_lost", promise.aim_lost);
   json.member("table_bytes", promise.table_bytes);
-  json.member("approach_beyond_m", promise.approach_beyond_m);
-  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
   if (promise.approach_s > 0) {
     json.member("longest_way_m", promise.longest_way_m);
     json.member("approach_s", promise.approach_s);
@@ -57,7 +70,7 @@ void write_promise(format::JsonWriter& json, const design::PdPromise& promise) {
   json.member("error_m", promise.error_m);
   json.member("kicks_s", promise.kicks_s);
   if (!std::isfinite(promise.beyond_m)) return;
-  json.member("beyond_m", promise.beyond_m);
+  write_promised_excursions(json, promise.beyond_m, promise.beyond_m, promise.approach_peak_m_s);
   json.member("approach_peak_m_s", promise.approach_peak_m_s);
   json.member("longest_way_m", promise.longest_way_m);
   json.member("approach_s", promise.approach_s);
@@ -67,7 +80,7 @@ void write_promise(format::JsonWriter& json, const design::WorkPromise& promise)
   json.member("accuracy_floor_m", promise.floor_m);
   json.member("least_tolerance_m", promise.least_tolerance_m);
   json.member("error_m", promise.error_m);
-  json.member("beyond_m", promise.beyond_m);
+  write_promised_excursions(json, promise);
   json.member("spring_m", promise.spring_m);
   json.member("unseen_m", promise.unseen_m);
   json.member("resonance_Hz", promise.resonance_Hz);
@@ -76,10 +89,7 @@ void write_promise(format::JsonWriter& json, const design::WorkPromise& promise)
   json.member("farthest_m", promise.farthest_m);
   json.member("most_kicks", promise.most_kicks);
   json.member("rest_s", promise.rest_s);
-  json.member("peak_speed_m_s", promise.peak_speed_m_s);
   json.member("table_bytes", promise.table_bytes);
-  json.member("approach_beyond_m", promise.approach_beyond_m);
-  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
 }
 
 void write_report(format::JsonWriter& json, const DesignReport& report) {

@@ -89,6 +89,19 @@ TEST_F(Command, SaysHowFarAndHowFastKicksAndApproachesMayGo) {
   EXPECT_NE(text.find("by an approach (tested)\n"), std::string::npos) << text;
 }
 
+// By the same names, of axes that set off at rest.
+TEST_F(Command, SimulatesNoMoreThanDesignPromisesByTheSameName) {
+  for (const std::string file : {"braked_axis", "can_axis", "move_axis", "belt_axis", "fine_axis", "presliding_axis"}) {
+    SCOPED_TRACE(file);
+    std::string text = content(scenarios + file + ".toml");
+    if (const auto at = text.find("velocity_m_s = -4"); at != text.npos) text.replace(at, 17, "velocity_m_s = 0");
+    const std::string design = run("design " + scenario(text) + " --json -").out;
+    const std::string simulated = run("simulate " + scenario(text) + " --json -").out;
+    for (const char* name : {"overshoot_m", "beyond_m", "peak_speed_m_s"})
+      EXPECT_LE(figure(simulated, name), figure(design, name)) << name;
+  }
+}
+
 TEST_F(Command, SaysHowExactHowFarAndHowLongUnderTheCoastPd) {
   const std::string text = run("design " + scenarios + "can_axis.toml").out;
   const std::string json = run("design " + scenarios + "can_axis.toml --json -").out;

@@ -54,7 +54,7 @@ std::string certificate(const std::string& text) {
     for (const design::Check& check : report.checks) out << check.name << check.holds << check.margin << check.reason;
     for (const std::string& condition : report.conditions) out << condition;
     if (report.braked)
-      out << report.braked->promise << report.braked->peak_speed_m_s << report.braked->hand_over_m
+      out << report.braked->promise << report.braked->kick_peak_m_s << report.braked->hand_over_m
           << report.braked->least_move_s;
   });
   return error + out.str();

@@ -51,9 +51,9 @@ struct BrakedPromise {
   double kicks_s;            // that those kicks take at most, from the first one's decision to the hold
   bool fine_stage;           // error_m is that of the floor; below it kicks go beyond the target
   double brake_N;
-  double peak_speed_m_s;  // which no kick exceeds
-  double rest_s;          // without a count of motion, that proves rest after a kick
-  double aim_lost;        // share of the distance by which the table aims short
+  double kick_peak_m_s;  // which no kick exceeds
+  double rest_s;         // without a count of motion, that proves rest after a kick
+  double aim_lost;       // share of the distance by which the table aims short
   std::size_t table_bytes;
   double approach_beyond_m;  // that an approach may go past its target, tested
   double approach_peak_m_s;  // that it may reach where its speed is limited, tested; else infinite
@@ -79,7 +79,7 @@ struct WorkPromise {
   double farthest_m;         // a target that one approach is certain to lead to
   int most_kicks;            // after which the run ends by name
   double rest_s;             // without a count of motion, that proves rest
-  double peak_speed_m_s;     // of the motor, which no kick exceeds
+  double kick_peak_m_s;      // of the motor, which no kick exceeds
   std::size_t table_bytes;
   double approach_beyond_m;  // that an approach may go past its target, tested
   double approach_peak_m_s;  // that it may reach where its speed is limited, tested; else infinite
