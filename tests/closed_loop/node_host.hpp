@@ -39,6 +39,7 @@ class NodeHost {
   sil::SimulatedNetwork::Port& port() { return network_.controller_port(); }
   // Another tool's door to the bus.
   sil::SimulatedNetwork::Port& other_tool() { return other_tool_; }
+  std::size_t axes() const { return axes_.size(); }
   drive_emulator::EmulatedDrive& drive(std::size_t axis) { return *axes_[axis].drive; }
   sil::AxisState state(std::size_t axis) const { return axes_[axis].mechanism.axis->state(); }
   // Its drive is enabled.

@@ -53,11 +53,11 @@ class RunningNode : public testing::ScratchFolder {
     acted_until_s_ = -1;
     named_.clear();
     fault_ = AxisFault::none;
-    largest_force_N_ = 0;
+    force_share_ = 0;
     position_m_.clear();
     host.at_wake_up = [&] {
       for (std::size_t axis = 0; axis < s.axes(); ++axis)
-        largest_force_N_ = std::max(largest_force_N_, std::abs(host.force_N(axis)));
+        force_share_ = std::max(force_share_, std::abs(host.force_N(axis)) / s.node.axes[axis].controller.max_force_N);
       if (!enabled_at_ && host.holds_axis(0)) enabled_at_ = host.now();
       read_records();
       at_wake_up();
@@ -65,6 +65,7 @@ class RunningNode : public testing::ScratchFolder {
     options_.configuration = file;
     options_.interface = "can0";
     const NodeEnd end = run_node(options_, *telemetry_);
+    EXPECT_LE(force_share_, 1 + 1e-9) << "of the limit";
     for (std::size_t axis = 0; axis < s.axes(); ++axis) {
       EXPECT_FALSE(host.holds_axis(axis)) << "it is left enabled";
       position_m_.push_back(host.state(axis).position_m);
@@ -77,13 +78,20 @@ class RunningNode : public testing::ScratchFolder {
     try {
       run(file, at_wake_up);
     } catch (const InputError& error) {
-      EXPECT_EQ(largest_force_N_, 0) << "nothing may have moved";
+      EXPECT_EQ(force_share_, 0) << "nothing may have moved";
       return error.what();
     }
     return {};
   }
   // Since the first drive was enabled; before, less than nothing.
   double running_s() const { return enabled_at_ ? hal::seconds(host_->now() - *enabled_at_) : -1.0; }
+  // It is so long after that, and a drive makes force.
+  bool makes_force_between(double from_s, double until_s) const {
+    if (!(running_s() > from_s && running_s() < until_s)) return false;
+    for (std::size_t axis = 0; axis < host_->axes(); ++axis)
+      if (host_->force_N(axis) != 0) return true;
+    return false;
+  }
   // Once, when the first drive has been enabled for so long.
   void at(double time_s, const std::function<void()>& act) {
     if (running_s() < time_s || time_s <= acted_until_s_) return;
@@ -94,7 +102,7 @@ class RunningNode : public testing::ScratchFolder {
   NodeHost* host_ = nullptr;  // of the run that is under way
   linux_node::Options options_;
   std::unique_ptr<linux_node::Telemetry> telemetry_ = std::make_unique<linux_node::Telemetry>();
-  double largest_force_N_ = 0;      // at any wake-up
+  double force_share_ = 0;          // of the limit of its axis, at most, at any wake-up
   std::vector<double> position_m_;  // of the axes, at the end
   std::set<AxisFault> named_;
   AxisFault fault_ = AxisFault::none;  // of the first axis, in its last step

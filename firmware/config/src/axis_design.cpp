@@ -111,6 +111,12 @@ std::string outside_certificate(const Axis& axis, double start_m, double start_m
   return too_long_move(axis, start_m);
 }
 
+double kick_peak_m_s(const Axis& axis, const design::DesignReport& report) {
+  if (report.braked) return report.braked->kick_peak_m_s;
+  if (report.work) return report.work->kick_peak_m_s;
+  return report.largest_impulse_Ns / axis.mass_kg;
+}
+
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports) {
   for (std::size_t i = 0; i < reports.size(); ++i) {
     if (reports[i].certified) continue;

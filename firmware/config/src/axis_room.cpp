@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "breakaway/config/axis_design.hpp"
 #include "breakaway/config/axis_parameters.hpp"
 #include "breakaway/hal/time.hpp"
 #include "breakaway/input/input_error.hpp"
@@ -48,9 +49,7 @@ std::string targets_between(const Limits& limits, double beyond_m) {
 
 // A kick must not run into a limit that the axis stops for.
 void require_room_for_kicks(const Node& node, const Axis& axis, const design::DesignReport& report) {
-  const double kick_m_s = report.braked ? report.braked->kick_peak_m_s
-                          : report.work ? report.work->kick_peak_m_s
-                                        : report.largest_impulse_Ns / axis.mass_kg;
+  const double kick_m_s = kick_peak_m_s(axis, report);
   if (!report.certified || !node.loop || axis.limits.speed_m_s >= kick_m_s) return;
   throw InputError{at_axis(node, axis) + fmt::format("[limits] speed_m_s is {:g}, below the {:g} m/s that the largest "
                                                      "kick gives the axis; raise it",

@@ -25,20 +25,21 @@ void write_check(format::JsonWriter& json, const design::Check& check) {
   json.member("reason", check.reason);
 }
 
-// What simulate and study see of an axis that sets off at rest, at most; the speed where one is known.
-void write_promised_excursions(format::JsonWriter& json, double overshoot_m, double beyond_m, double peak_m_s) {
+// What simulate and study see of an axis that sets off at rest, at most: by kicks and by approaches.
+void write_promised_excursions(format::JsonWriter& json, double overshoot_m, double beyond_m, double kick_peak_m_s,
+                               double approach_peak_m_s) {
   json.member("overshoot_m", overshoot_m);
   json.member("beyond_m", beyond_m);
-  if (std::isfinite(peak_m_s)) json.member("peak_speed_m_s", peak_m_s);
+  json.member("kick_peak_m_s", kick_peak_m_s);
+  if (!std::isfinite(approach_peak_m_s)) return;  // nothing limits it
+  json.member("approach_peak_m_s", approach_peak_m_s);
+  json.member("peak_speed_m_s", std::max(kick_peak_m_s, approach_peak_m_s));
 }
 
-// By kicks and by approaches.
 void write_promised_excursions(format::JsonWriter& json, const auto& promise) {
   write_promised_excursions(json, std::max(promise.beyond_m, promise.approach_beyond_m), promise.beyond_m,
-                            std::max(promise.kick_peak_m_s, promise.approach_peak_m_s));
-  json.member("kick_peak_m_s", promise.kick_peak_m_s);
+                            promise.kick_peak_m_s, promise.approach_peak_m_s);
   json.member("approach_beyond_m", promise.approach_beyond_m);
-  if (std::isfinite(promise.approach_peak_m_s)) json.member("approach_peak_m_s", promise.approach_peak_m_s);
 }
 
 void write_promise(format::JsonWriter& json, const design::BrakedPromise& promise) {
@@ -64,14 +65,13 @@ void write_promise(format::JsonWriter& json, const design::BrakedPromise& promis
   }
 }
 
-void write_promise(format::JsonWriter& json, const design::PdPromise& promise) {
+void write_promise(format::JsonWriter& json, const design::PdPromise& promise, double kick_peak_m_s) {
   json.member("most_kicks", promise.most_kicks);
   json.member("aim_lost", promise.aim_lost);
   json.member("error_m", promise.error_m);
   json.member("kicks_s", promise.kicks_s);
   if (!std::isfinite(promise.beyond_m)) return;
-  write_promised_excursions(json, promise.beyond_m, promise.beyond_m, promise.approach_peak_m_s);
-  json.member("approach_peak_m_s", promise.approach_peak_m_s);
+  write_promised_excursions(json, promise.beyond_m, promise.beyond_m, kick_peak_m_s, promise.approach_peak_m_s);
   json.member("longest_way_m", promise.longest_way_m);
   json.member("approach_s", promise.approach_s);
 }
@@ -92,7 +92,7 @@ void write_promise(format::JsonWriter& json, const design::WorkPromise& promise)
   json.member("table_bytes", promise.table_bytes);
 }
 
-void write_report(format::JsonWriter& json, const DesignReport& report) {
+void write_report(format::JsonWriter& json, const config::Axis& axis, const DesignReport& report) {
   json.member("certified", report.certified);
   json.array("reasons", [&] {
     for (const std::string& reason : report.reasons) json.value(reason);
@@ -119,14 +119,15 @@ void write_report(format::JsonWriter& json, const DesignReport& report) {
   });
   if (report.braked) json.object("braked", [&] { write_promise(json, *report.braked); });
   if (report.work) json.object("work", [&] { write_promise(json, *report.work); });
-  if (report.pd && report.certified) json.object("pd", [&] { write_promise(json, *report.pd); });
+  if (report.pd && report.certified)
+    json.object("pd", [&] { write_promise(json, *report.pd, config::kick_peak_m_s(axis, report)); });
   json.array("checks", [&] {
     for (const design::Check& check : report.checks) json.object([&] { write_check(json, check); });
   });
 }
 
 void write_axis(format::JsonWriter& json, const Node& node, const config::Axis& axis, const DesignReport& report) {
-  write_report(json, report);
+  write_report(json, axis, report);
   if (report.braked && report.certified) {
     const design::BindingLimit limit = design::binding_limit(config::braked_class(node, axis));
     json.member("limited_by", std::string{limit.name});

@@ -24,6 +24,10 @@ std::string why_not_certified(const Node& node, const Axis& axis);
 // are enabled, and for moves up to a length; nothing where it is for that.
 std::string outside_certificate(const Axis& axis, double start_m, double start_m_s);
 
+// The speed that no kick from rest gives the axis more than, [m/s]; under the coast "pd" that of the largest impulse,
+// tested.
+double kick_peak_m_s(const Axis& axis, const design::DesignReport& report);
+
 // Throws InputError with the axis and the first reason unless every axis is certified.
 void require_certified(const Node& node, const std::vector<design::DesignReport>& reports);
 
