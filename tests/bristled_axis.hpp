@@ -34,7 +34,7 @@ class BristledSlider {
 
   void run(double command_N, double period_s, int /*slices*/) {
     const double omega = std::sqrt(bristles_.stiffness_N_per_m / axis_.mass_kg);
-    const int slices = std::clamp(static_cast<int>(std::ceil(period_s * omega / 0.1)), 20, 4000);
+    const int slices = std::clamp(static_cast<int>(std::ceil(period_s * omega / 0.1)), 20, 40000);
     for (int i = 0; i < slices; ++i) slice(axis_.force_gain * command_N, period_s / slices);
   }
 

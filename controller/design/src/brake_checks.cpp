@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "bent_kicks.hpp"
 #include "breakaway/law/approach_plan.hpp"
 #include "breakaway/law/kick_judge.hpp"
 #include "check.hpp"
@@ -17,7 +18,8 @@ namespace breakaway::design::detail {
 namespace {
 
 // Of an axis whose friction bends: tests/campaign.
-constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64;
+constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64,
+                 most_bent_over = 1.75;
 
 // Of a move: tests/campaign.
 constexpr double steps_of_a_move = 4;  // of the force within the least friction
@@ -111,6 +113,20 @@ std::vector<Check> checks_of_presliding(const BrakedClass& c) {
                 "64 steps of force against max_force_N", "use a drive with a finer step of force")};
 }
 
+// Of an axis that meets those: its kicks tried on what bends.
+std::vector<Check> checks_of_bent_kicks(const BrakedClass& c, const BrakedDesign<float>& design, double tolerance_m) {
+  const BentKicks tried = try_bent_kicks(c, design.kicks, tolerance_m);
+  const std::string tested = "tested, not proved: kicks at the ends of the class, on Dahl's friction";
+  return {below("bent_kicks_end_nearer", tested, tried.furthest, most_bent_over,
+                "of the distance that the axis is kicked from, how far it goes at most (from " +
+                    brief(tried.furthest_from_m) + " m), against seven quarters",
+                "widen the tolerance, know a stiffer bound, or take a shorter period", Equality::holds),
+          below("bent_kicks_lead_on", tested, -tried.least_on, 0,
+                "of that distance, how much further away a kick and the spring may leave it (from " +
+                    brief(tried.least_on_from_m) + " m)",
+                "widen the tolerance, feed a known force forward, or know a stiffer bound")};
+}
+
 // The rigid law on an axis whose load hangs on a spring.
 std::vector<Check> checks_of_spring_load(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
@@ -202,7 +218,13 @@ void add(std::vector<Check>& checks, std::vector<Check> more) {
 std::vector<Check> checks_of(const AxisDesign& axis, const BrakedDesign<float>& design) {
   const BrakedClass& c = *axis.braked;
   std::vector<Check> checks = checks_of_brake(axis, design);
-  if (c.presliding_stiffness_N_per_m > 0) add(checks, checks_of_presliding(c));
+  if (c.presliding_stiffness_N_per_m > 0) {
+    const std::vector<Check> bending = checks_of_presliding(c);
+    add(checks, bending);
+    const double tolerance_m = std::max(axis.position_tolerance_m, design.least_tolerance_m);
+    if (design.possible() && std::ranges::all_of(bending, &Check::holds))
+      add(checks, checks_of_bent_kicks(c, design, tolerance_m));
+  }
   if (c.spring_load && design.brake_holds) add(checks, checks_of_spring_load(axis, design));
   if (c.move && design.brake_holds) add(checks, checks_of_move(c, design));
   return checks;

@@ -18,6 +18,7 @@ template <class Real>
 KickPromise::KickPromise(const BrakedClass& axes, const BrakedDesign<Real>& design, double tolerance_m)
     : reading_error_m_{axes.reading_error_m()},
       tolerance_m_{design.has_fine_stage() ? design.least_tolerance_m : tolerance_m},
+      spring_{on_spring(axes, design.kicks, tolerance_m)},
       fine_tolerance_m_{design.has_fine_stage() ? axes.fine_tolerance_m : 0},
       fine_reach_m_{design.has_fine_stage() ? (1 + law::fine_floors_beyond) * design.least_tolerance_m : 0} {
   if (design.possible() && tolerance_m_ >= design.least_tolerance_m * (1 - 1e-9))
@@ -25,7 +26,32 @@ KickPromise::KickPromise(const BrakedClass& axes, const BrakedDesign<Real>& desi
                                                         std::max(design.reach_m, tolerance_m_));
 }
 
+// A force that ends in a kick has come to its limit while the axis stood outside the tolerance, and may have been at
+// the other one.
+template <class Real>
+KickPromise::OnSpring KickPromise::on_spring(const BrakedClass& axes, const law::BrakedKicks<Real>& flashed,
+                                             double tolerance_m) {
+  const law::FrictionSpring<Real>& spring = flashed.spring;
+  if (!spring.is_there()) return {};
+  const double T = axes.period_s, stays = flashed.either_way_periods + axes.latency_periods;
+  const double outside_m = std::max(tolerance_m, axes.encoder_resolution_m / 2);
+  const double crossing =
+      2 * static_cast<double>(spring.most_N) / (static_cast<double>(spring.gain_N_per_m) * outside_m);
+  return {.ringing_s = spring.ringing_periods * T,
+          .leading_s = (crossing + stays + 1) * T,
+          .holding_s = (spring.longest_periods + spring.ringing_periods + stays) * T,
+          .reach_m = static_cast<double>(spring.reach_m)};
+}
+
 KickPromise::Sequence KickPromise::from(double distance_m) const {
+  Sequence all = kicked_from(distance_m);
+  if (all.kicks == 0 || !std::isfinite(all.time_s)) return all;
+  const int led = fine_tolerance_m_ > 0 ? all.kicks : by_table(std::min(spring_.reach_m, distance_m)).kicks;
+  all.time_s += all.kicks * spring_.ringing_s + led * spring_.leading_s + spring_.holding_s;
+  return all;
+}
+
+KickPromise::Sequence KickPromise::kicked_from(double distance_m) const {
   Sequence all = by_table(distance_m);
   if (!(fine_tolerance_m_ > 0) || !(distance_m + reading_error_m_ > fine_tolerance_m_) || !std::isfinite(all.time_s))
     return all;

@@ -308,8 +308,8 @@ TEST(BrakedKicks, TravelAtLeastWhatIsSure) {
           c.mass_kg = {1 - share, 1 + share};
           c.force_gain = {1 - share / 2, 1 + share / 2};
           c.encoder_resolution_m = count_m;
-          SCOPED_TRACE(testing::Message() << "lag " << lag_s << " s, step " << step_N << " N, count " << count_m
-                                          << " m, mass off by " << share);
+          SCOPED_TRACE(::testing::Message() << "lag " << lag_s << " s, step " << step_N << " N, count " << count_m
+                                            << " m, mass off by " << share);
           expect_sure_travel(c);
           if (design_braked_kicks<float>(c).kicks.sure.share > 0) ++known;
         }
@@ -326,7 +326,7 @@ TEST(BrakedKicks, TravelAtLeastWhatIsSureFromPlacesBetweenCounts) {
       BrakedClass c = example(1e-3, 2e-3, step_N);
       c.encoder_resolution_m = count_m;
       for (double share = 0.01; share < 1; share += 0.15) {
-        SCOPED_TRACE(testing::Message() << "step " << step_N << " N, count " << count_m << " m");
+        SCOPED_TRACE(::testing::Message() << "step " << step_N << " N, count " << count_m << " m");
         expect_sure_travel(c, share);
       }
     }
@@ -339,7 +339,7 @@ TEST(BrakedKicks, TravelAtLeastWhatIsSureFromCountsWhereIntervalsEnd) {
     BrakedClass c = example(1e-3, 0, 0.025);
     c.lag_s = {3.2e-3, 4.8e-3};
     c.encoder_resolution_m = std::ldexp(1.0, -power);
-    SCOPED_TRACE(testing::Message() << "count 2^-" << power << " m");
+    SCOPED_TRACE(::testing::Message() << "count 2^-" << power << " m");
     expect_sure_travel(c);
   }
 }

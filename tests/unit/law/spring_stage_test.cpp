@@ -21,8 +21,21 @@ using breakaway::testing::TrueAxis;
 using testing::braked_axis;
 using testing::no_k3;
 
-constexpr FrictionSpring<float> spring{
-    .reach_m = 50e-6F, .most_N = 2, .gain_N_per_m = 2000, .share = 0.2F, .longest_periods = 400, .ringing_periods = 0};
+constexpr float tolerance_m = 5e-6F;
+constexpr FrictionSpring<float> spring{.reach_m = 50e-6F,
+                                       .step_m = 0.1e-6F,
+                                       .most_N = 2,
+                                       .gain_N_per_m = 2000,
+                                       .share = 0.2F,
+                                       .longest_periods = 400,
+                                       .ringing_periods = 30,
+                                       .hidden_periods = 0};
+
+FrictionSpring<float> led_by_coarse_steps() {
+  FrictionSpring<float> coarse = spring;
+  coarse.step_m = 0.6e-6F;
+  return coarse;
+}
 
 // The place of an axis that follows the force on a spring, from where it rests without one.
 template <class Step>
@@ -38,7 +51,7 @@ float place_after(SpringStage<float>& stage, float unloaded_m, float stiffness_N
 }
 
 TEST(SpringStage, LeadsAnAxisToTheTargetAndKeepsTheForceThere) {
-  SpringStage<float> stage{spring, 1e-6F};
+  SpringStage<float> stage{spring, 1e-6F, tolerance_m};
   const float x = place_after(stage, 15e-6F, 1e5F, 300, [] {});
   EXPECT_LE(std::abs(x), 0.6e-6F);
   EXPECT_TRUE(stage.waits());
@@ -48,33 +61,67 @@ TEST(SpringStage, LeadsAnAxisToTheTargetAndKeepsTheForceThere) {
 }
 
 TEST(SpringStage, StopsAtItsLimitWhereTheSpringIsTooStiff) {
-  SpringStage<float> stage{spring, 1e-6F};
+  SpringStage<float> stage{spring, 1e-6F, tolerance_m};
   place_after(stage, -15e-6F, 1e6F, 300, [&] { EXPECT_LE(std::abs(stage.force_N()), spring.most_N); });
   EXPECT_EQ(stage.force_N(), spring.most_N);
   EXPECT_TRUE(stage.waits());
 }
 
 TEST(SpringStage, SaysOnceThatItBeginsToWait) {
-  SpringStage<float> stage{spring, 1e-6F};
+  SpringStage<float> stage{spring, 1e-6F, tolerance_m};
   stage.start(15e-6F);
   int times = 0;
   for (int i = 0; i < 300; ++i) times += stage.see(15e-6F) ? 1 : 0;
   EXPECT_EQ(times, 1);
 }
 
-TEST(SpringStage, IsOverdueAfterItsLongestTime) {
-  SpringStage<float> stage{spring, 1e-6F};
+TEST(SpringStage, KeepsItsForceAfterItsLongestTimeAndIsOverdueWhenTheAxisHasRungOut) {
+  SpringStage<float> stage{spring, 1e-6F, tolerance_m};
   stage.start(5e-6F);
-  for (int i = 0; i + 1 < spring.longest_periods; ++i) stage.see(i % 2 == 0 ? 5e-6F : -5e-6F);
-  EXPECT_FALSE(stage.overdue());
-  stage.see(5e-6F);
+  for (int i = 0; i < spring.longest_periods; ++i) stage.see(i / 20 % 2 == 0 ? 5e-6F : -5e-6F);
+  const float kept_N = stage.force_N();
+  for (int i = 0; i < spring.ringing_periods; ++i) {
+    EXPECT_FALSE(stage.overdue());
+    stage.see(i / 20 % 2 == 0 ? 5e-6F : -5e-6F);
+    EXPECT_EQ(stage.force_N(), kept_N);
+    EXPECT_TRUE(stage.waits());
+  }
   EXPECT_TRUE(stage.overdue());
+}
+
+TEST(SpringStage, LeadsAnAxisOnThatIsHeldHoweverLong) {
+  SpringStage<float> stage{spring, 1e-6F, tolerance_m};
+  stage.start(0);
+  for (int i = 0; i < 2 * spring.longest_periods; ++i) stage.watch(0);
+  EXPECT_EQ(stage.force_N(), 0);
+  for (int i = 0; i < 20; ++i) stage.watch(2e-6F);
+  EXPECT_LT(stage.force_N(), 0);
+  EXPECT_FALSE(stage.overdue());
+}
+
+TEST(SpringStage, ChangesNoForceNearEnoughNorInAHoldWhereAStepOfItWouldSetTheAxisRinging) {
+  SpringStage<float> stage{led_by_coarse_steps(), 1e-6F, tolerance_m};
+  stage.start(4e-6F);
+  for (int i = 0; i < 50; ++i) stage.see(4e-6F);
+  EXPECT_TRUE(stage.waits());
+  for (int i = 0; i < 50; ++i) stage.watch(20e-6F);
+  EXPECT_EQ(stage.force_N(), 0);
+  for (int i = 0; i < 50; ++i) stage.see(20e-6F);
+  EXPECT_LT(stage.force_N(), 0) << "which is further away than near enough";
+}
+
+TEST(SpringStage, OnlyWatchesAnAxisThatItDoesNotReach) {
+  SpringStage<float> stage{spring, 1e-6F, 100e-6F};
+  stage.start(60e-6F);
+  for (int i = 0; i < 50; ++i) stage.see(60e-6F);
+  EXPECT_EQ(stage.force_N(), 0);
+  EXPECT_TRUE(stage.waits());
 }
 
 TEST(SpringStage, ReachesNowhereWithoutASpring) {
   const FrictionSpring<float> none = design::design_braked_kicks<float>(axes_of_the_scenes(1e-4)).kicks.spring;
   EXPECT_FALSE(none.is_there());
-  EXPECT_FALSE((SpringStage<float>{none, 1e-6F}.reaches(1e-9F)));
+  EXPECT_FALSE((SpringStage<float>{none, 1e-6F, tolerance_m}.reaches(1e-9F)));
 }
 
 // Of an axis whose friction is a soft spring before it slides.
@@ -116,6 +163,39 @@ TEST(SpringStage, WaitsForAnAxisThatIsPushedToRestHoweverLongItWasHeld) {
     EXPECT_GT(periods, pushed + kicks.either_way_periods) << "held for " << held;
     EXPECT_LT(periods, 1000);
   }
+}
+
+// Two readings a ring or fewer may all be the same.
+TEST(SpringStage, HoldsAnAxisOnlyWhenRingingThatNoReadingShowsIsOver) {
+  auto kicks = soft_kicks();
+  kicks.spring.hidden_periods = 77;
+  AxisController<float> controller{braked_axis(1.8e-6F), no_k3, kicks};
+  int coasts = 0, periods = 0;
+  for (; controller.mode() != Mode::hold && periods < 1000; ++periods) {
+    controller.update({0.2e-6F});
+    coasts += controller.mode() == Mode::coast ? 1 : 0;
+  }
+  EXPECT_LT(periods, 1000);
+  EXPECT_GT(coasts, kicks.spring.hidden_periods);
+}
+
+TEST(SpringStage, KicksAnAxisThatIsLedNoFurtherWithoutWaitingForThat) {
+  auto kicks = soft_kicks();
+  kicks.spring.hidden_periods = 10'000;
+  AxisController<float> controller{braked_axis(1.8e-6F), no_k3, kicks};
+  int periods = 0;
+  while (!controller.update({15e-6F}).kicked && periods < 1000) ++periods;
+  EXPECT_LT(periods, 1000);
+}
+
+// By the mean of its readings, which show it to and fro.
+TEST(SpringStage, HoldsAnAxisThatRestsBetweenAReadingWithinTheToleranceAndOneBeyond) {
+  const auto kicks = soft_kicks();
+  AxisController<float> controller{braked_axis(0.51e-6F), no_k3, kicks};
+  bool kicked = false;
+  for (int i = 0; i < 2000; ++i) kicked |= controller.update({i % 40 < 20 ? 0.645e-6F : -0.355e-6F}).kicked;
+  EXPECT_FALSE(kicked);
+  EXPECT_EQ(controller.mode(), Mode::hold);
 }
 
 // told: share of the stiffness that the law is told.

@@ -131,8 +131,6 @@ TEST(WorkCycle, BeginsAnewWhereItIsRestarted) {
   EXPECT_EQ(readings, kicks.patient_periods + 1);
   cycle.release(10);
   EXPECT_EQ(cycle.next_steps(7), 0);
-  cycle.set_free();
-  EXPECT_EQ(cycle.next_steps(7), 7);
 }
 
 TEST(WorkCycle, NoticesAnApproachThatAsksForMoreThanAllForceToAndFro) {

@@ -185,11 +185,13 @@ template <class Kicks, class Visitor>
   });
   visit.group("spring", [&] {
     visit.value("reach_m", kicks.spring.reach_m, "m, 0: friction holds at once");
+    visit.value("step_m", kicks.spring.step_m, "m");
     visit.value("most_N", kicks.spring.most_N, "N");
     visit.value("gain_N_per_m", kicks.spring.gain_N_per_m, "N/m");
     visit.value("share", kicks.spring.share, "");
     visit.value("longest_periods", kicks.spring.longest_periods, "");
     visit.value("ringing_periods", kicks.spring.ringing_periods, "");
+    visit.value("hidden_periods", kicks.spring.hidden_periods, "");
   });
   visit.group("approach", [&] { visit_approach(kicks.approach, visit); });
   visit.group("table", [&] { visit_kick_table(kicks.table, visit); });

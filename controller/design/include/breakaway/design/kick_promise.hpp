@@ -42,11 +42,23 @@ class KickPromise {
     int kicks;
     double time_s;
   };
+  // Where friction bends, beside the kicks [s].
+  struct OnSpring {
+    double ringing_s = 0;  // after a kick
+    double leading_s = 0;  // until a force that no longer leads the axis ends in the next kick
+    double holding_s = 0;  // until one does in a hold
+    double reach_m = 0;
+  };
+
+  template <class Real>
+  static OnSpring on_spring(const BrakedClass& axes, const law::BrakedKicks<Real>& flashed, double tolerance_m);
   Sequence from(double distance_m) const;
+  Sequence kicked_from(double distance_m) const;
   Sequence by_table(double distance_m) const;
 
   std::shared_ptr<const detail::WorstKicks> worst_;
   double reading_error_m_, tolerance_m_;
+  OnSpring spring_;
   double fine_tolerance_m_, fine_reach_m_;  // of the fine stage: aimed at, and where it may lead; 0: there is none
 };
 

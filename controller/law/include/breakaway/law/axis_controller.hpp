@@ -57,7 +57,7 @@ class AxisController {
     braked_ = &kicks;
     cycle_ = {kicks, p_.unseen_m(), p_.max_force_N, p_.latency_periods};
     if constexpr (!Parts::by_work) {
-      spring_ = {kicks.spring, p_.encoder_resolution_m};
+      spring_ = {kicks.spring, p_.encoder_resolution_m, p_.position_tolerance_m};
       progress_ = {kicks, p_.max_approach_speed_m_s, p_.period_s};
     }
     if constexpr (Parts::by_work) cycle_.set_period(p_.period_s);
@@ -229,7 +229,9 @@ class AxisController {
       mode_ = Mode::coast;
       if (!spring_.active()) cycle_.release(0);
     }
-    if (spring_.active()) return finish_on_spring(x);
+    if constexpr (!Parts::by_work) {
+      if (spring_.active()) return finish_on_spring(x);
+    }
     if (cycle_.at_rest()) return conclude(x);
     if (!cycle_.overdue()) return give(0);
     return finishes_on_spring(x) ? conclude(x) : latch(ControlFault::drifting);
@@ -257,23 +259,27 @@ class AxisController {
   Scalar keep_holding(Scalar x) noexcept {
     note_holding(long_braked_hold());
     if (!spring_.active()) return give_freely(0);
-    spring_.see(x);
+    spring_.watch(x);
     return give_on_spring();
   }
 
+  // At rest, where friction bends: led by the spring, or near enough without.
   bool finishes_on_spring(Scalar x) const noexcept {
     if constexpr (Parts::by_work)
       return false;
     else
-      return spring_.reaches(x);
+      return spring_.is_there() && (spring_.reaches(x) || is_near_enough(x));
   }
 
   // Ends in a hold, or in a kick from where the spring has led the axis.
   Scalar finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
-    if (!(spring_.waits() && cycle_.stays()) && !spring_.overdue()) return give_on_spring();
-    if (std::abs(x) > fine_.tolerance_m())
+    const bool overdue = spring_.overdue();
+    if (!(spring_.waits() && cycle_.stays()) && !overdue) return give_on_spring();
+    if (std::abs(x) > fine_.tolerance_m() && !spring_.is_near())
       return judge_.has_no_more() ? latch(ControlFault::hunting) : start_braked_kick(x);
+    // A kick would only add to ringing that nothing shows, but a hold is for an axis that rests.
+    if (!cycle_.hides_no_ringing() && !overdue) return give_on_spring();
     mode_ = Mode::hold;
     held_ = 0;
     return give_on_spring();
@@ -345,10 +351,12 @@ class AxisController {
     const ControlFault proved = judge_kick(x);
     if (proved != ControlFault::none && !is_near_enough(x)) return latch(proved);
     fine_.learn(x, cycle_.pulse_N());
-    if (finishes_on_spring(x)) {
-      spring_.start(x);
-      cycle_.set_free();
-      return finish_on_spring(x);
+    if constexpr (!Parts::by_work) {
+      if (finishes_on_spring(x)) {
+        spring_.start(x);
+        cycle_.set_free();
+        return finish_on_spring(x);
+      }
     }
     if (is_near_enough(x)) {
       mode_ = Mode::hold;

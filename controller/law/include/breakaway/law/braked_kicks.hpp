@@ -42,17 +42,19 @@ struct BrakedApproach {
 template <class Scalar>
 struct FrictionSpring {
   Scalar reach_m{};                   // within which an axis at rest is led by a force that is kept
+  Scalar step_m{};                    // by which a step of that force moves the axis at most
   Scalar most_N{};                    // of that force, below the least friction
   Scalar gain_N_per_m{};              // by which it grows in a period, per distance to the target
   Scalar share{};                     // of a reading that the distance is taken from, the rest being of those before
   std::uint16_t longest_periods = 0;  // that the force may grow and fall
   std::uint16_t ringing_periods = 0;  // until the axis no longer rings by counts
+  std::uint16_t hidden_periods = 0;   // until it no longer rings by half a count, where readings may hide that it does
 
   constexpr bool is_there() const noexcept { return reach_m > 0; }
   // Written so that a NaN is refused.
   constexpr bool is_usable(Scalar held_N) const noexcept {
     return reach_m >= 0 && share >= 0 && share <= 1 &&
-           (!is_there() || (most_N > 0 && most_N <= held_N && gain_N_per_m > 0));
+           (!is_there() || (step_m >= 0 && most_N > 0 && most_N <= held_N && gain_N_per_m > 0));
   }
 };
 

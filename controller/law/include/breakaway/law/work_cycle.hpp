@@ -35,12 +35,9 @@ class WorkCycle {
 
   void limit_force(Scalar force_N) noexcept { most_steps_ = force_limit_steps(force_N, kicks_->force_step_N); }
 
-  void set_free() noexcept {
+  void restart() noexcept {
     phase_ = Phase::free;
     pulse_starts_ = pulsed_ = false;
-  }
-  void restart() noexcept {
-    set_free();
     still_ = blind_ = 0;
     anchored_ = false;
     last_full_ = 0;
@@ -129,7 +126,6 @@ class WorkCycle {
   bool at_rest() const noexcept { return phase_ == Phase::coast && still_ >= kicks_->still_periods; }
   bool patient() const noexcept { return still_ >= kicks_->patient_periods; }
   void forget_patience() noexcept { still_ = 0; }
-  bool stays() const noexcept { return at_rest(); }
   bool pulse_starts() const noexcept { return pulse_starts_; }
   bool pulsed() const noexcept { return pulsed_; }
   // The approach asks for more than all force to and fro: joint, mass or friction are not what was told, and the
