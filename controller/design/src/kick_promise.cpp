@@ -12,6 +12,9 @@ namespace {
 
 constexpr int most_counted = 100000;  // kicks
 
+// Of friction that bends nothing is proved: one in 90,000 runs of random axes took 94 kicks for 91.
+int more_on_spring(int kicks) { return 2 + kicks / 10; }
+
 }  // namespace
 
 template <class Real>
@@ -45,7 +48,10 @@ KickPromise::OnSpring KickPromise::on_spring(const BrakedClass& axes, const law:
 
 KickPromise::Sequence KickPromise::from(double distance_m) const {
   Sequence all = kicked_from(distance_m);
-  if (all.kicks == 0 || !std::isfinite(all.time_s)) return all;
+  if (all.kicks == 0 || !std::isfinite(all.time_s) || !(spring_.reach_m > 0)) return all;
+  const double each_s = all.time_s / all.kicks;
+  all.kicks += more_on_spring(all.kicks);
+  all.time_s = all.kicks * each_s;
   const int led = fine_tolerance_m_ > 0 ? all.kicks : by_table(std::min(spring_.reach_m, distance_m)).kicks;
   all.time_s += all.kicks * spring_.ringing_s + led * spring_.leading_s + spring_.holding_s;
   return all;

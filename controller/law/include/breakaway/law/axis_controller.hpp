@@ -263,28 +263,31 @@ class AxisController {
     return give_on_spring();
   }
 
-  // At rest, where friction bends: led by the spring, or near enough without.
   bool finishes_on_spring(Scalar x) const noexcept {
     if constexpr (Parts::by_work)
       return false;
     else
-      return spring_.is_there() && (spring_.reaches(x) || is_near_enough(x));
+      return spring_.reaches(x);
   }
 
   // Ends in a hold, or in a kick from where the spring has led the axis.
-  Scalar finish_on_spring(Scalar x) noexcept {
+  [[gnu::noinline]] Scalar finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
     const bool overdue = spring_.overdue();
-    if (!(spring_.waits() && cycle_.stays()) && !overdue) return give_on_spring();
-    if (std::abs(x) > fine_.tolerance_m() && !spring_.is_near())
-      return judge_.has_no_more() ? latch(ControlFault::hunting) : start_braked_kick(x);
-    // A kick would only add to ringing that nothing shows, but a hold is for an axis that rests.
-    if (!cycle_.hides_no_ringing() && !overdue) return give_on_spring();
-    mode_ = Mode::hold;
-    held_ = 0;
+    if ((spring_.waits() && cycle_.stays()) || overdue) {
+      if (std::abs(x) > fine_.tolerance_m() && !spring_.is_near())
+        return judge_.has_no_more() ? latch(ControlFault::hunting) : start_braked_kick(x);
+      // A kick would only add to ringing that nothing shows, but a hold is for an axis that rests.
+      if (cycle_.hides_no_ringing() || overdue) {
+        mode_ = Mode::hold;
+        held_ = 0;
+      }
+    }
     return give_on_spring();
   }
-  Scalar give_on_spring() noexcept { return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2)); }
+  [[gnu::noinline]] Scalar give_on_spring() noexcept {
+    return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2));
+  }
 
   std::int32_t long_braked_hold() const noexcept { return 8 * braked_->patient_periods; }
   // What leaves a hold without a new target has been pushed, or did not rest. A long hold tells the one from the other.
@@ -351,14 +354,15 @@ class AxisController {
     const ControlFault proved = judge_kick(x);
     if (proved != ControlFault::none && !is_near_enough(x)) return latch(proved);
     fine_.learn(x, cycle_.pulse_N());
+    const bool near_enough = is_near_enough(x);
     if constexpr (!Parts::by_work) {
-      if (finishes_on_spring(x)) {
+      if (spring_.is_there() && (near_enough || spring_.reaches(x))) {
         spring_.start(x);
         cycle_.set_free();
         return finish_on_spring(x);
       }
     }
-    if (is_near_enough(x)) {
+    if (near_enough) {
       mode_ = Mode::hold;
       held_ = 0;
       cycle_.release(0);
