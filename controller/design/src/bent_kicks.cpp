@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "kick_class.hpp"
+#include "memo.hpp"
 
 namespace breakaway::design::detail {
 namespace {
@@ -16,13 +19,15 @@ constexpr int most_rings = 500;
 constexpr double spacing = 1.2;     // of the places that kicks are tried from
 constexpr double beyond = 4;        // times as far away as the spring leads
 constexpr double most_bends = 100;  // from further away a kick hardly notices that friction bends first
-// Told is a lower bound of the stiffness, and friction that is some times as stiff bends by as much less.
-constexpr double stiffer[] = {1, 2.5};
+// Told is a lower bound of the stiffness: friction that is some times as stiff bends by as much less, and the spring
+// leads an axis less far.
+constexpr double stiffer_ahead[] = {1, 2.5, 10, 40}, stiffer_back[] = {1, 2.5};
 
 // A mass on bristles of one stiffness and one level, followed by slices in each of which the bend relaxes in closed
 // form.
 struct Bristled {
   double mass_kg, level_N, stiffness_N_per_m, load_N, lag_s;
+  double back_N;  // the level of friction against motion the other way
   double drive_N = 0;
   double x_m = 0, v_m_s = 0;
   double bend_m = 0;
@@ -31,7 +36,8 @@ struct Bristled {
   double rest_bend_m() const { return load_N / stiffness_N_per_m; }
   // Without the drive, and by an amplitude of more than this, if it does not slide.
   bool rings(double amplitude_m) const {
-    return std::hypot(v_m_s / omega(), bend_m - rest_bend_m()) > std::min(amplitude_m, level_N / stiffness_N_per_m / 2);
+    return std::hypot(v_m_s / omega(), bend_m - rest_bend_m()) >
+           std::min(amplitude_m, std::min(level_N, back_N) / stiffness_N_per_m / 2);
   }
 
   void push(double to_N, double time_s) {
@@ -50,42 +56,53 @@ struct Bristled {
 
  private:
   void bend(double h) {
-    const double end_m = (v_m_s > 0 ? level_N : -level_N) / stiffness_N_per_m;
-    bend_m += (bend_m - end_m) * std::expm1(-stiffness_N_per_m * std::abs(v_m_s) * h / level_N);
+    const double end_N = v_m_s > 0 ? level_N : -back_N;
+    bend_m += (bend_m - end_N / stiffness_N_per_m) * std::expm1(-stiffness_N_per_m * std::abs(v_m_s * h / end_N));
   }
 };
 
+template <class Real>
 class BentKickTrial {
  public:
-  BentKickTrial(const BrakedClass& axes, const law::BrakedKicks<float>& kicks)
+  BentKickTrial(const BrakedClass& axes, const law::BrakedKicks<Real>& kicks)
       : axes_{axes}, flashed_{kicks}, class_{axes}, spring_N_{axes.force_gain.least * class_.spring_N()} {}
 
-  // Under the least friction, and a load that pushes it on.
+  // Under the least friction, and a load that pushes it on; less the way on which the spring leads it back.
   double furthest_m(double from_m) const {
     double furthest_m = 0;
-    for (const double times : stiffer) {
-      for (const double mass_kg : {axes_.mass_kg.least, axes_.mass_kg.most}) {
-        const Bristled axis{mass_kg, axes_.friction.lower_N, times * axes_.presliding_stiffness_N_per_m, axes_.load_N,
-                            axes_.lag_s.least};
-        furthest_m = std::max(furthest_m, travel_m(axis, from_m, axes_.force_gain.most, 0));
-      }
+    for (const double times : stiffer_ahead) {
+      Bristled axis{axes_.mass_kg.least, axes_.friction.lower_N, times * axes_.presliding_stiffness_N_per_m,
+                    axes_.load_N,        axes_.lag_s.least,      axes_.friction.lower_N};
+      const bool is_led = from_m < static_cast<double>(flashed_.spring.reach_m);
+      const double ahead_m = travel_m(axis, from_m, axes_.force_gain.most, is_led ? spring_N_ : 0);
+      axis.load_N = -axes_.load_N;
+      furthest_m = std::max(furthest_m, ahead_m - (is_led ? led_by_spring_m(axis) : 0));
     }
     return furthest_m;
   }
 
-  // Under the greatest friction, and a load that pushes it back, by a kick and the spring that leads it before and
-  // after.
+  // Under the greatest friction, on its way back perhaps under the least, and a load that pushes it back; by a kick and
+  // the spring that leads it before and after.
   double least_on_m(double from_m) const {
     double least_m = std::numeric_limits<double>::infinity();
-    for (const double times : stiffer) {
-      const Bristled axis{axes_.mass_kg.most, axes_.friction.upper_N, times * axes_.presliding_stiffness_N_per_m,
-                          -axes_.load_N, axes_.lag_s.most};
-      const double led_m = led_by_spring_m(axis);
-      const bool is_led = from_m + led_m < static_cast<double>(flashed_.spring.reach_m);
-      const double by_kick_m = travel_m(axis, from_m, axes_.force_gain.least, is_led ? spring_N_ : 0);
-      least_m = std::min(least_m, by_kick_m + (is_led ? led_m : 0));
+    for (const double times : stiffer_back) {
+      for (const double back_N : {axes_.friction.upper_N, axes_.friction.lower_N}) {
+        const Bristled axis{axes_.mass_kg.most, axes_.friction.upper_N, times * axes_.presliding_stiffness_N_per_m,
+                            -axes_.load_N,      axes_.lag_s.most,       back_N};
+        const double led_m = led_by_spring_m(axis);
+        const bool is_led = from_m + led_m < static_cast<double>(flashed_.spring.reach_m);
+        const double by_kick_m = travel_m(axis, from_m, axes_.force_gain.least, is_led ? spring_N_ : 0);
+        least_m = std::min(least_m, by_kick_m + (is_led ? led_m : 0));
+      }
     }
     return least_m;
+  }
+
+  // The least by a kick on friction that holds at once.
+  double unbent_m(double from_m) const {
+    const law::Pulse<Real> pulse = flashed_.table.pulse(static_cast<Real>(from_m));
+    const double force_N = std::min(static_cast<double>(pulse.force_N), class_.limit_N());
+    return class_.least_travel_m(force_N, pulse.periods, pulse.cut_periods);
   }
 
  private:
@@ -97,7 +114,7 @@ class BentKickTrial {
 
   // From rest under what the drive holds it by to rest without the drive.
   double travel_m(Bristled axis, double from_m, double gain, double held_N) const {
-    const law::Pulse<float> pulse = flashed_.table.pulse(static_cast<float>(from_m));
+    const law::Pulse<Real> pulse = flashed_.table.pulse(static_cast<Real>(from_m));
     const double force_N = std::min(static_cast<double>(pulse.force_N), class_.limit_N());
     const double cut_N = class_.cut_N(force_N, pulse.periods, pulse.cut_periods);
     axis.drive_N = held_N;
@@ -110,30 +127,48 @@ class BentKickTrial {
   }
 
   const BrakedClass& axes_;
-  const law::BrakedKicks<float>& flashed_;
+  const law::BrakedKicks<Real>& flashed_;
   KickClass class_;
   double spring_N_;  // as the axis feels it, at least
 };
 
-}  // namespace
-
-BentKicks try_bent_kicks(const BrakedClass& axes, const law::BrakedKicks<float>& kicks, double tolerance_m) {
-  const BentKickTrial trial{axes, kicks};
+template <class Real>
+BentKicks tried(const BrakedClass& axes, const law::BrakedKicks<Real>& kicks, double tolerance_m) {
+  const BentKickTrial<Real> trial{axes, kicks};
   const double led_m = static_cast<double>(kicks.spring.reach_m);
   const double nearest_m = std::max(tolerance_m, 0.55 * axes.encoder_resolution_m);
-  const double most_bent_m = axes.friction.upper_N / axes.presliding_stiffness_N_per_m;
-  const double end_m = std::min(beyond * std::max(led_m, nearest_m), most_bends * most_bent_m);
-  // Where nothing is tried, kicks go where they aim.
-  if (!(nearest_m < end_m))
-    return {.furthest = 1, .furthest_from_m = nearest_m, .least_on = 1, .least_on_from_m = nearest_m};
-  BentKicks tried{.least_on = std::numeric_limits<double>::infinity()};
+  BentKicks all;
+  all.furthest_from_m = all.least_on_from_m = nearest_m;
+  const double least_N = axes.friction.lower_N - axes.load_N, count_m = axes.encoder_resolution_m;
+  if (least_N > 1.01 * most_bending_counts * axes.presliding_stiffness_N_per_m * count_m) return all;
+  all.spring_back_m = axes.friction.upper_N / axes.presliding_stiffness_N_per_m;
+  const double end_m = std::min(beyond * std::max(led_m, nearest_m), most_bends * all.spring_back_m);
   for (double from_m = nearest_m; from_m < end_m; from_m *= spacing) {
-    const double on = trial.least_on_m(from_m) / from_m;
-    if (on < tried.least_on) tried.least_on = on, tried.least_on_from_m = from_m;
-    const double furthest = from_m >= led_m ? trial.furthest_m(from_m) / from_m : 0;
-    if (furthest > tried.furthest) tried.furthest = furthest, tried.furthest_from_m = from_m;
+    const double on_m = trial.least_on_m(from_m), furthest = trial.furthest_m(from_m) / from_m;
+    all.tried_from_m.push_back(from_m);
+    all.lost_m.push_back(trial.unbent_m(from_m) - on_m);
+    if (on_m < all.least_on * from_m) all.least_on = on_m / from_m, all.least_on_from_m = from_m;
+    if (furthest > all.furthest) all.furthest = furthest, all.furthest_from_m = from_m;
   }
-  return tried;
+  return all;
 }
+
+}  // namespace
+
+double BentKicks::led_on_m(double from_m, double travel_m) const {
+  const auto next = std::ranges::upper_bound(tried_from_m, from_m) - tried_from_m.begin();
+  const auto i = static_cast<std::size_t>(next);
+  if (i == tried_from_m.size()) return travel_m - spring_back_m;
+  return travel_m - std::max({0.0, lost_m[i], i > 0 ? lost_m[i - 1] : 0});
+}
+
+template <class Real>
+BentKicks try_bent_kicks(const BrakedClass& axes, const law::BrakedKicks<Real>& kicks, double tolerance_m) {
+  static Memo<std::pair<BrakedClass, double>, BentKicks> memo;
+  return memo.of({axes, tolerance_m}, [&](const auto&) { return tried(axes, kicks, tolerance_m); });
+}
+
+template BentKicks try_bent_kicks(const BrakedClass&, const law::BrakedKicks<float>&, double);
+template BentKicks try_bent_kicks(const BrakedClass&, const law::BrakedKicks<double>&, double);
 
 }  // namespace breakaway::design::detail

@@ -18,8 +18,8 @@ namespace breakaway::design::detail {
 namespace {
 
 // Of an axis whose friction bends: tests/campaign.
-constexpr double most_bending_counts = 30, least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64,
-                 most_bent_over = 1.75;
+constexpr double least_ringing_per_period = 0.25, least_apart = 1.5, most_coarse_steps = 64, most_bent_over = 1.75,
+                 least_led_on = 0.01;
 
 // Of a move: tests/campaign.
 constexpr double steps_of_a_move = 4;  // of the force within the least friction
@@ -116,15 +116,19 @@ std::vector<Check> checks_of_presliding(const BrakedClass& c) {
 // Of an axis that meets those: its kicks tried on what bends.
 std::vector<Check> checks_of_bent_kicks(const BrakedClass& c, const BrakedDesign<float>& design, double tolerance_m) {
   const BentKicks tried = try_bent_kicks(c, design.kicks, tolerance_m);
+  // From the first count outside, of which half a count may be nearer, to the last within on the other side.
+  const double within = std::floor(tolerance_m / c.encoder_resolution_m);
+  const double most = std::min(most_bent_over, (2 * within + 1) / (within + 1));
   const std::string tested = "tested, not proved: kicks at the ends of the class, on Dahl's friction";
-  return {below("bent_kicks_end_nearer", tested, tried.furthest, most_bent_over,
-                "of the distance that the axis is kicked from, how far it goes at most (from " +
-                    brief(tried.furthest_from_m) + " m), against seven quarters",
-                "widen the tolerance, know a stiffer bound, or take a shorter period", Equality::holds),
-          below("bent_kicks_lead_on", tested, -tried.least_on, 0,
-                "of that distance, how much further away a kick and the spring may leave it (from " +
-                    brief(tried.least_on_from_m) + " m)",
-                "widen the tolerance, feed a known force forward, or know a stiffer bound")};
+  return {
+      below("bent_kicks_end_nearer", tested, tried.furthest, most,
+            "of the distance that the axis is kicked from, how far it goes at most (from " +
+                brief(tried.furthest_from_m) + " m), against what leaves it nearer on the other side",
+            "widen the tolerance, or know a stiffer bound", Equality::holds),
+      below("bent_kicks_lead_on", tested, least_led_on, tried.least_on,
+            "a hundredth of that distance against the share by which a kick and the spring lead it on at least (from " +
+                brief(tried.least_on_from_m) + " m)",
+            "widen the tolerance, feed a known force forward, or know a stiffer bound")};
 }
 
 // The rigid law on an axis whose load hangs on a spring.

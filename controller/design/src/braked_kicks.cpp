@@ -78,20 +78,11 @@ LeastPulse least_pulse(const KickClass& kicks) {
 }
 
 // Until bristles no longer ring by half a count. Dahl's friction takes so much from each period of the ringing that its
-// amplitude a obeys 1/a' = 1/a + 4 s0/(3 f).
-double ringing_periods(const BrakedClass& axes, const KickClass& kicks, double stiffness_N_per_m, double mass_kg) {
-  const double rings = 1.5 * kicks.most_friction_N() / (stiffness_N_per_m * axes.encoder_resolution_m);
-  return rings * 2 * std::numbers::pi * std::sqrt(mass_kg / stiffness_N_per_m) / axes.period_s;
-}
-
-// The same of those that readings may hide: four of them in a ring, or more, show half a count of it within half a
-// ring. Of stiffer bristles, of which fewer may, each ring takes more; so the softest of those count, and which they
-// are depends on the mass.
-double hidden_periods(const BrakedClass& axes, const KickClass& kicks) {
+// amplitude a obeys 1/a' = 1/a + 4 s0/(3 f). Stiffer ones, which fewer readings a ring may hide, do sooner.
+double ringing_periods(const BrakedClass& axes, const KickClass& kicks) {
   const double s0 = axes.presliding_stiffness_N_per_m;
-  const double per_kg = std::pow(std::numbers::pi / 2 / axes.period_s, 2);
-  const double mass_kg = std::clamp(s0 / per_kg, axes.mass_kg.least, axes.mass_kg.most);
-  return ringing_periods(axes, kicks, std::max(s0, per_kg * mass_kg), mass_kg);
+  const double rings = 1.5 * kicks.most_friction_N() / (s0 * axes.encoder_resolution_m);
+  return rings * 2 * std::numbers::pi * std::sqrt(axes.mass_kg.most / s0) / axes.period_s;
 }
 
 // Friction as a spring, on which the mass rings with the frequency omega, or faster.
@@ -100,20 +91,22 @@ law::FrictionSpring<Real> spring(const BrakedClass& axes, const KickClass& kicks
   const double s0 = axes.presliding_stiffness_N_per_m, q = axes.encoder_resolution_m, T = axes.period_s;
   if (!(s0 > 0)) return {};
   const double omega = std::sqrt(s0 / axes.mass_kg.most);
-  // A force that follows the axis late pumps its ringing. One that follows the mean over some ringing does not.
+  // A force that follows the axis late pumps its ringing. One that follows the mean over some ringing does not, where a
+  // few readings show that; else it must be slow, because friction that has bent by three quarters is four times as
+  // soft.
+  const double late = omega * T > 4 ? 0.02 : 0.15;
   const double delay_s = T * std::max(axes.latency_periods, 1) + axes.lag_s.most;
-  const double gain = std::min(0.03 * omega, 0.15 / delay_s) * s0 * T;
+  const double gain = std::min(0.03 * omega, late / delay_s) * s0 * T;
   // From one limit to the other, while the axis reads half a count beside the target.
   const double crossing = 2 * kicks.spring_N() / (gain * q / 2);
-  const double ringing = ringing_periods(axes, kicks, s0, axes.mass_kg.most);
+  const double ringing = ringing_periods(axes, kicks);
   return {.reach_m = static_cast<Real>(2.5 * kicks.least_friction_N() / s0 + q),
           .step_m = static_cast<Real>(axes.force_gain.most * axes.force_step_N / s0),
           .most_N = static_cast<Real>(kicks.spring_N()),
           .gain_N_per_m = static_cast<Real>(gain),
           .share = static_cast<Real>(std::min(omega * T / 5, 1.0)),
           .longest_periods = counted(2 * crossing + ringing + 100),
-          .ringing_periods = counted(2 * ringing),
-          .hidden_periods = counted(hidden_periods(axes, kicks))};
+          .ringing_periods = counted(2 * ringing)};
 }
 
 // In periods.
@@ -248,7 +241,9 @@ BrakedDesign<Real> braked_made(const BrakedClass& axes) {
   design.peak_speed_m_s = builder.peak_speed_m_s();
   design.table_bytes = sizeof(design.kicks.table);
   design.least_reading_m = least_seen_m(axes);
-  design.least_tolerance_m = std::max(design.floor_m, design.least_reading_m);
+  // Nor where friction bends, on which a kick from the first count goes further than that.
+  const double count_m = axes.presliding_stiffness_N_per_m > 0 ? 1.01 * axes.encoder_resolution_m : 0;
+  design.least_tolerance_m = std::max({design.floor_m, design.least_reading_m, count_m});
   if (is_fine(axes.fine_tolerance_m, design)) design.kicks.fine_floor_m = static_cast<Real>(design.least_tolerance_m);
   return design;
 }

@@ -12,8 +12,9 @@ namespace {
 
 constexpr int most_counted = 100000;  // kicks
 
-// Of friction that bends nothing is proved: one in 90,000 runs of random axes took 94 kicks for 91.
-int more_on_spring(int kicks) { return 2 + kicks / 10; }
+// Of friction that bends nothing is proved: kicks that begin while the axis still rings may each lead less far. One in
+// 90,000 runs of random axes took 126 where the worst sequence of kicks from rest has 91.
+int more_on_spring(int kicks) { return 2 + kicks / 2; }
 
 }  // namespace
 

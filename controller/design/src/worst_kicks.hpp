@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "bent_kicks.hpp"
 #include "breakaway/law/kick_table.hpp"
 #include "kick_class.hpp"
 #include "kick_time.hpp"
@@ -23,11 +24,14 @@ class WorstKicks {
       : reading_error_m_{axes.reading_error_m()}, readings_m_{places(flashed.table, tolerance_m, reach_m)} {
     const KickClass kicks{axes};
     const KickTime time{axes, flashed};
+    const bool bends = axes.presliding_stiffness_N_per_m > 0;
+    const BentKicks bent = bends ? try_bent_kicks(axes, flashed, tolerance_m) : BentKicks{};
     double left_m = 0, longest_s = 0;
     for (std::size_t i = 0; i + 1 < readings_m_.size(); ++i) {
       const law::Pulse<Real> p = flashed.table.pulse(static_cast<Real>(readings_m_[i] * (1 + 1e-9)));
       const double force_N = kicks.rounded_down_N(std::min(static_cast<double>(p.force_N), kicks.limit_N()));
-      const double taken_m = kicks.least_travel_m(force_N, p.periods, p.cut_periods);
+      const double travel_m = kicks.least_travel_m(force_N, p.periods, p.cut_periods);
+      const double taken_m = bends ? bent.led_on_m(readings_m_[i], travel_m) : travel_m;
       if (i == 0) least_m_ = taken_m;
       left_m = std::max(left_m, readings_m_[i + 1] + reading_error_m_ - taken_m);
       left_m_.push_back(left_m);

@@ -123,7 +123,7 @@ std::size_t padding_in(const law::BrakedKicks<float>& braked) {
   const auto& [brake, step, preload, resting, holding, fast, slow, short_lag, coast, breakaway, lost, least, most,
                still, either_way, patient, settling, fine_floor, sure, spring, approach, table] = braked;
   const auto& [sure_share, from, sure_most] = sure;
-  const auto& [reach, led_step, most_kept, gain, share, longest, ringing, hidden] = spring;
+  const auto& [reach, led_step, most_kept, gain, share, longest, ringing] = spring;
   const auto& [mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing, move] =
       approach;
   const auto& [move_speed, acceleration, deceleration, jerk] = move;
@@ -133,7 +133,7 @@ std::size_t padding_in(const law::BrakedKicks<float>& braked) {
   return padding_of(braked, brake, step, preload, resting, holding, fast, slow, short_lag, coast, breakaway, lost,
                     least, most, still, either_way, patient, settling, fine_floor, sure, spring, approach, table) +
          padding_of(sure, sure_share, from, sure_most) +
-         padding_of(spring, reach, led_step, most_kept, gain, share, longest, ringing, hidden) +
+         padding_of(spring, reach, led_step, most_kept, gain, share, longest, ringing) +
          padding_of(approach, mass, friction, hard, gentle, speed, distance, gap, response, lag, correction, standing,
                     move) +
          padding_of(move, move_speed, acceleration, deceleration, jerk) +

@@ -110,7 +110,6 @@ constexpr Edit<Axis> edits_of_an_axis[] = {
     {"kicks.spring.share", [](Axis& a) { change(a.kicks.spring.share); }},
     {"kicks.spring.longest_periods", [](Axis& a) { change(a.kicks.spring.longest_periods); }},
     {"kicks.spring.ringing_periods", [](Axis& a) { change(a.kicks.spring.ringing_periods); }},
-    {"kicks.spring.hidden_periods", [](Axis& a) { change(a.kicks.spring.hidden_periods); }},
     {"kicks.approach.mass_kg", [](Axis& a) { change(a.kicks.approach.mass_kg); }},
     {"kicks.approach.friction_N", [](Axis& a) { change(a.kicks.approach.friction_N); }},
     {"kicks.approach.hard_m_s2", [](Axis& a) { change(a.kicks.approach.hard_m_s2); }},

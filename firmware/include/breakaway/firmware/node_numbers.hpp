@@ -191,7 +191,6 @@ template <class Kicks, class Visitor>
     visit.value("share", kicks.spring.share, "");
     visit.value("longest_periods", kicks.spring.longest_periods, "");
     visit.value("ringing_periods", kicks.spring.ringing_periods, "");
-    visit.value("hidden_periods", kicks.spring.hidden_periods, "");
   });
   visit.group("approach", [&] { visit_approach(kicks.approach, visit); });
   visit.group("table", [&] { visit_kick_table(kicks.table, visit); });

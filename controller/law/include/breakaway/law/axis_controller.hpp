@@ -278,7 +278,7 @@ class AxisController {
       if (std::abs(x) > fine_.tolerance_m() && !spring_.is_near())
         return judge_.has_no_more() ? latch(ControlFault::hunting) : start_braked_kick(x);
       // A kick would only add to ringing that nothing shows, but a hold is for an axis that rests.
-      if (cycle_.hides_no_ringing() || overdue) {
+      if (cycle_.has_rung_out() || overdue) {
         mode_ = Mode::hold;
         held_ = 0;
       }

@@ -47,8 +47,7 @@ struct FrictionSpring {
   Scalar gain_N_per_m{};              // by which it grows in a period, per distance to the target
   Scalar share{};                     // of a reading that the distance is taken from, the rest being of those before
   std::uint16_t longest_periods = 0;  // that the force may grow and fall
-  std::uint16_t ringing_periods = 0;  // until the axis no longer rings by counts
-  std::uint16_t hidden_periods = 0;   // until it no longer rings by half a count, where readings may hide that it does
+  std::uint16_t ringing_periods = 0;  // twice as long as until the axis rings by half a count at most
 
   constexpr bool is_there() const noexcept { return reach_m > 0; }
   // Written so that a NaN is refused.

@@ -172,8 +172,8 @@ class KickCycle {
   void forget_patience() noexcept { still_ = 0; }
   // An axis that rests under a force that was kept since forget_patience() shows no other reading for so long.
   bool stays() const noexcept { return still_ >= kicks_->either_way_periods + latency_; }
-  // Nor does it ring any more where readings would hide that.
-  bool hides_no_ringing() const noexcept { return still_ >= kicks_->spring.hidden_periods + latency_; }
+  // Nor does it ring any more, which readings twice a ring may hide, and which lets friction that bends creep.
+  bool has_rung_out() const noexcept { return still_ >= kicks_->spring.ringing_periods / 2 + latency_; }
 
   Phase phase() const noexcept { return phase_; }
   const BrakedKicks<Scalar>& kicks() const noexcept { return *kicks_; }

@@ -11,8 +11,8 @@
 // the force is kept, and after its longest time. Where it is at its limit and the axis rests outside the tolerance, a
 // kick starts from there.
 //
-// A step of the force sets the axis ringing by as much as it moves it. Where that is more than half a count, the force
-// is kept wherever the axis is near enough, and in a hold.
+// A step of the force sets the axis ringing by as much as it moves it, and the next may add to that. Where that is more
+// than a quarter of a count, the force is kept wherever the axis is near enough, and in a hold.
 //
 // An axis that rests near enough, but further away than such a force leads, is only watched: it may ring still.
 #pragma once
@@ -30,7 +30,7 @@ class SpringStage {
  public:
   constexpr SpringStage() noexcept = default;
   constexpr SpringStage(const FrictionSpring<Scalar>& spring, Scalar resolution_m, Scalar tolerance_m) noexcept
-      : spring_{spring}, near_m_{Scalar(0.55) * resolution_m}, is_smooth_{spring.step_m <= resolution_m / 2} {
+      : spring_{spring}, near_m_{Scalar(0.55) * resolution_m}, is_smooth_{spring.step_m <= resolution_m / 4} {
     if (!is_smooth_) near_m_ = std::max(near_m_, tolerance_m);
   }
 
@@ -87,7 +87,7 @@ class SpringStage {
   Scalar most_N_{};
   Scalar middle_m_{};         // of the readings
   std::uint16_t waited_ = 0;  // periods
-  bool is_smooth_ = false;    // a step of the force moves the axis by half a count at most
+  bool is_smooth_ = false;    // a step of the force moves the axis by a quarter of a count at most
   bool active_ = false;
   bool waits_ = false;
 };
