@@ -213,7 +213,7 @@ struct BentAxis {
   Figures run(Random& r, int kind, std::uint64_t seed) const {
     const auto friction = campaign::friction_of_kind(kind % 4, axis.axes, seed, 3e-5, 0.6e-6);
     auto circumstances = random_circumstances(r, axis);
-    circumstances.longest_s = 0.7;
+    circumstances.longest_s = 2;
     const double side = r.share() < 0.5 ? 1 : -1, start_m = side * r.decades(2e-6, 5e-3);
     return recorded_run(axis.p, no_k3, axis.design.kicks, BristledSlider{{}, bristles, friction, start_m, 0},
                         circumstances);

@@ -270,8 +270,14 @@ class AxisController {
       return spring_.reaches(x);
   }
 
+  [[gnu::cold, gnu::noinline]] Scalar begin_on_spring(Scalar x) noexcept {
+    spring_.start(x);
+    cycle_.set_free();
+    return finish_on_spring(x);
+  }
+
   // Ends in a hold, or in a kick from where the spring has led the axis.
-  [[gnu::noinline]] Scalar finish_on_spring(Scalar x) noexcept {
+  [[gnu::cold, gnu::noinline]] Scalar finish_on_spring(Scalar x) noexcept {
     if (spring_.see(x)) cycle_.forget_patience();
     const bool overdue = spring_.overdue();
     if ((spring_.waits() && cycle_.stays()) || overdue) {
@@ -285,7 +291,7 @@ class AxisController {
     }
     return give_on_spring();
   }
-  [[gnu::noinline]] Scalar give_on_spring() noexcept {
+  [[gnu::cold, gnu::noinline]] Scalar give_on_spring() noexcept {
     return give(cycle_.whole_steps(spring_.force_N() + braked_->force_step_N / 2));
   }
 
@@ -356,11 +362,7 @@ class AxisController {
     fine_.learn(x, cycle_.pulse_N());
     const bool near_enough = is_near_enough(x);
     if constexpr (!Parts::by_work) {
-      if (spring_.is_there() && (near_enough || spring_.reaches(x))) {
-        spring_.start(x);
-        cycle_.set_free();
-        return finish_on_spring(x);
-      }
+      if (spring_.is_there() && (near_enough || spring_.reaches(x))) return begin_on_spring(x);
     }
     if (near_enough) {
       mode_ = Mode::hold;

@@ -73,7 +73,7 @@ class SpringStage {
   constexpr Scalar force_N() const noexcept { return force_N_; }
 
  private:
-  [[gnu::noinline]] constexpr void lead(Scalar x, bool is_kept) noexcept {
+  [[gnu::cold, gnu::noinline]] constexpr void lead(Scalar x, bool is_kept) noexcept {
     middle_m_ += spring_.share * (x - middle_m_);
     const Scalar wanted_N = force_N_ - spring_.gain_N_per_m * middle_m_;
     is_kept = is_kept || is_near();
