@@ -30,8 +30,8 @@ struct BentKicks {
 
 constexpr double most_bending_counts = 30;  // that the least friction bends by: tests/campaign
 
-// Of an axis for which the design is possible, and whose friction bends. Where it bends by more counts than is certified
-// nothing is tried.
+// Of an axis for which the design is possible, and whose friction bends. Where it bends by more counts than is
+// certified nothing is tried.
 template <class Real>
 BentKicks try_bent_kicks(const BrakedClass& axes, const law::BrakedKicks<Real>& kicks, double tolerance_m);
 
