@@ -100,12 +100,21 @@ class BentKickTrial {
 
   // The least by a kick on friction that holds at once.
   double unbent_m(double from_m) const {
-    const law::Pulse<Real> pulse = flashed_.table.pulse(static_cast<Real>(from_m));
-    const double force_N = std::min(static_cast<double>(pulse.force_N), class_.limit_N());
-    return class_.least_travel_m(force_N, pulse.periods, pulse.cut_periods);
+    const Kick kick = kick_from(from_m);
+    return class_.least_travel_m(kick.force_N, kick.periods, kick.cut_periods);
   }
 
  private:
+  // As the controller gives it within its limit.
+  struct Kick {
+    double force_N;
+    int periods, cut_periods;
+  };
+  Kick kick_from(double reading_m) const {
+    const law::Pulse<Real> pulse = flashed_.table.pulse(static_cast<Real>(reading_m));
+    return {std::min(static_cast<double>(pulse.force_N), class_.limit_N()), pulse.periods, pulse.cut_periods};
+  }
+
   // Dahl's friction bends by s0 dz = (1 - s0 z / f) s0 dx.
   double led_by_spring_m(const Bristled& axis) const {
     const double from_N = axis.level_N - axis.load_N;
@@ -114,13 +123,12 @@ class BentKickTrial {
 
   // From rest under what the drive holds it by to rest without the drive.
   double travel_m(Bristled axis, double from_m, double gain, double held_N) const {
-    const law::Pulse<Real> pulse = flashed_.table.pulse(static_cast<Real>(from_m));
-    const double force_N = std::min(static_cast<double>(pulse.force_N), class_.limit_N());
-    const double cut_N = class_.cut_N(force_N, pulse.periods, pulse.cut_periods);
+    const auto [force_N, periods, cut_periods] = kick_from(from_m);
+    const double cut_N = class_.cut_N(force_N, periods, cut_periods);
     axis.drive_N = held_N;
     axis.bend_m = (held_N + axis.load_N) / axis.stiffness_N_per_m;
-    axis.push(gain * force_N, pulse.periods * axes_.period_s);
-    if (cut_N > 0) axis.push(-gain * cut_N, pulse.cut_periods * axes_.period_s);
+    axis.push(gain * force_N, periods * axes_.period_s);
+    if (cut_N > 0) axis.push(-gain * cut_N, cut_periods * axes_.period_s);
     const double half_ring_s = std::numbers::pi / axis.omega();
     for (int i = 0; i < 2 * most_rings && axis.rings(axes_.encoder_resolution_m / 2); ++i) axis.push(0, half_ring_s);
     return axis.x_m - (axis.bend_m - axis.rest_bend_m());

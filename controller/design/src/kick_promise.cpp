@@ -12,8 +12,8 @@ namespace {
 
 constexpr int most_counted = 100000;  // kicks
 
-// Of friction that bends nothing is proved: kicks that begin while the axis still rings may each lead less far. One in
-// 90,000 runs of random axes took 126 where the worst sequence of kicks from rest has 91.
+// Of friction that bends nothing is proved: kicks that begin while the axis still rings may each lead less far. Under
+// constant friction the axis 7419 of the campaign took 126 where the worst sequence of kicks from rest has 91.
 int more_on_spring(int kicks) { return 2 + kicks / 2; }
 
 }  // namespace

@@ -365,6 +365,15 @@ TEST(BrakedKicks, AreSureOfNothingWhereFrictionBends) {
   EXPECT_EQ(design_braked_kicks<float>(c).kicks.sure.share, 0);
 }
 
+// There a kick from the first count goes further than that, and would be followed by one back.
+TEST(BrakedKicks, LeaveNoToleranceBelowACountWhereFrictionBends) {
+  BrakedClass c = example();
+  c.encoder_resolution_m = 1e-3;
+  EXPECT_LT(design_braked_kicks<float>(c).least_tolerance_m, c.encoder_resolution_m);
+  c.presliding_stiffness_N_per_m = 1e6;
+  EXPECT_GT(design_braked_kicks<float>(c).least_tolerance_m, c.encoder_resolution_m);
+}
+
 // The time of a kick is at least that of its periods, and grows with the distance.
 TEST(BindingLimit, IsWhatTheLeastToleranceWouldBeLeastWithHalfOf) {
   BrakedClass coarse = example();

@@ -150,7 +150,7 @@ TEST(PdSynthesis, MeetsWantsOnRandomSystemsOrSaysWhyNot) {
   NEEDS_SDPA();
   std::mt19937_64 random{5};
   int met = 0, refused = 0;
-  for (int trial = 0; trial < 30; ++trial) {
+  for (int trial = 0; trial < 60; ++trial) {
     const Eigen::Index n = 1 + trial % 5, k = 1 + trial / 5 % n, m = 1 + trial % 6;
     const ActuatedSystem s = random_system(random, n, k, m);
     const std::string label = "trial " + std::to_string(trial) + ": ";
