@@ -191,14 +191,16 @@ TEST(SpringStage, KicksAnAxisThatIsLedNoFurtherWithoutWaitingForThat) {
   EXPECT_LT(periods, 1000);
 }
 
-// By the mean of its readings, which show it to and fro.
-TEST(SpringStage, HoldsAnAxisThatRestsBetweenAReadingWithinTheToleranceAndOneBeyond) {
+// By the mean of its readings, which show it to and fro and so let it wait for the end of its ringing.
+TEST(SpringStage, DoesNotKickAnAxisThatRestsBetweenAReadingWithinTheToleranceAndOneBeyond) {
   auto kicks = soft_kicks();
-  kicks.spring.ringing_periods = 20;
+  kicks.spring.ringing_periods = 60;
   AxisController<float> controller{braked_axis(0.51e-6F), no_k3, kicks};
   bool kicked = false;
   for (int i = 0; i < 2000; ++i) kicked |= controller.update({i % 45 < 15 ? 0.645e-6F : -0.355e-6F}).kicked;
   EXPECT_FALSE(kicked);
+  EXPECT_EQ(controller.mode(), Mode::coast);
+  for (int i = 0; i < 100; ++i) controller.update({-0.355e-6F});
   EXPECT_EQ(controller.mode(), Mode::hold);
 }
 
